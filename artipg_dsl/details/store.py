@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from .. import random
 from ..errors import UsageError, UserError
 from ..geometry import points as geometry
+from ..geometry.nearest import Nearest
 from ..geometry.pointset import PointSet
 from .dressing import Dressing
 from .elements import Solids
@@ -118,16 +118,15 @@ def tell(batch: Batch, dressing: Dressing) -> list[dict[str, Any] | None]:
     real, whose = _surfaces(wardrobe)
     scale = details.diagonal[donor]
     own = np.repeat(every, _COMPARED)
-    mine = np.concatenate([worn.position.reshape(-1, 3) / scale[own, None], _APART * donor[own, None]], axis=1)
-    theirs = np.concatenate([real / details.diagonal[whose, None], _APART * whose[:, None]], axis=1)
-    there = cKDTree(theirs).query(mine)[0].reshape(len(batch), -1).mean(axis=1)
+    mine = worn.position.reshape(-1, 3) / scale[own, None]
+    theirs = Nearest(real / details.diagonal[whose, None], whose, _APART)
+    there = theirs.find(mine, donor[own])[0].reshape(len(batch), -1).mean(axis=1)
     first, count = np.searchsorted(whose, donor), np.bincount(whose, minlength=len(details.names))[donor]
     count = np.where(donor < 0, 0, count)
     asked = np.repeat(first, count) + np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
     of = np.repeat(every, count)
-    mine[:, 3] = _APART * own
-    back = np.concatenate([real[asked] / scale[of, None], _APART * of[:, None]], axis=1)
-    total = np.bincount(of, cKDTree(mine).query(back)[0] if len(back) else None, minlength=len(batch))
+    back = Nearest(mine, own, _APART).find(real[asked] / scale[of, None], of)[0] if len(of) else None
+    total = np.bincount(of, back, minlength=len(batch))
     apart = 100.0 * (there + total / np.maximum(count, 1)) / 2.0
     share = (worn.bound >= 0).mean(axis=1)
     return [

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ..geometry.frames import Frames
+from ..geometry.nearest import Nearest
 from ..geometry.pointset import PointSet
 from ..geometry.vectors import dot
 from ..sampling.correspondence import Correspondence, find_correspondence
@@ -55,14 +55,11 @@ class Wardrobe:
         many = np.bincount(details.owner, minlength=len(details.names))
         self._reach = np.maximum(_REACH, _LOOSE / np.sqrt(np.maximum(many, 1)))
         self._tree = (
-            cKDTree(self._features(self.frames.place, self.frames.normal, details.element, own))
+            Nearest(_features(self.frames.place, self.frames.normal, own), details.element, _APART)
             if len(details)
             else None
         )
-        self._maps: cKDTree | None = None
-
-    def _features(self, place: np.ndarray, normal: np.ndarray, element: np.ndarray, diagonal: np.ndarray) -> np.ndarray:
-        return np.concatenate([place / diagonal[:, None], TURN * normal, _APART * element[:, None]], axis=1)
+        self._maps: Nearest | None = None
 
     def nearest(self, place: np.ndarray, normal: np.ndarray, element: np.ndarray) -> np.ndarray:
         """(m,) the bound point nearest to places of elements, in their own frames; -1 where none is near."""
@@ -70,7 +67,7 @@ class Wardrobe:
             return np.full(len(element), -1)
         donor = self.details.elements.owner[element]
         diagonal = self.details.diagonal[donor]
-        apart, found = self._tree.query(self._features(place, normal, element, diagonal))
+        apart, found = self._tree.find(_features(place, normal, diagonal), element)
         return np.where(apart < self._reach[donor], found, -1)
 
     def on_map(self, place: np.ndarray, element: np.ndarray) -> np.ndarray:
@@ -81,9 +78,14 @@ class Wardrobe:
             own = self.details.element
             low, high = (corner[own] for corner in self.boxes)
             held = on_map(self.frames.place, low, high, self.long[own])
-            self._maps = cKDTree(np.concatenate([held, _APART * own[:, None]], axis=1))
-        apart, found = self._maps.query(np.concatenate([place, _APART * element[:, None]], axis=1))
+            self._maps = Nearest(held, own, _APART)
+        apart, found = self._maps.find(place, element)
         return np.where(apart < _ON_MAP, found, -1)
+
+
+def _features(place: np.ndarray, normal: np.ndarray, diagonal: np.ndarray) -> np.ndarray:
+    """What two bound points are compared by: where they are, as a share of their object, and how they face."""
+    return np.concatenate([place / diagonal[:, None], TURN * normal], axis=1)
 
 
 def wear(

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..annotate.cloud import sample_points
+from ..geometry.nearest import Nearest
 from ..quality.sizes import measure_extents
 from ..runtime.batch import Batch
 from .outer import outer
@@ -21,6 +22,7 @@ from .pose import Posed, turn
 _POINTS = 2048  # of each object: two samplings of one surface are then about 1.8 % apart
 _TRIED = 48  # of our objects that tell how a real one stands
 _FAR = 1.5  # a real object is far from all of ours if it is so many times as far as real ones are from each other
+_APART = 16.0  # diagonals between clouds that are searched together
 _AXES = ("width", "depth", "height")
 _RATIOS = ("width/height", "depth/height")
 
@@ -120,14 +122,12 @@ def _normalised(points: np.ndarray, owner: np.ndarray | None = None, count: int 
 
 
 class _Clouds:
-    """Many clouds, normalised, that are searched together: in a fourth dimension they lie too far apart to be taken for one another."""
-
-    _STEP = 16.0
+    """Many clouds, normalised, that are searched together."""
 
     def __init__(self, points: np.ndarray, owner: np.ndarray, count: int):
         self.points, self.owner, self.count = points, owner, count
         self.size = np.bincount(owner, minlength=count)
-        self.tree = cKDTree(np.column_stack([points, self._STEP * owner]))
+        self.tree = Nearest(points, owner, _APART)
 
     def first(self, count: int) -> _Clouds:
         mine = self.owner < count
@@ -137,9 +137,8 @@ class _Clouds:
         """(count,): the mean of both mean distances of nearest points between ``cloud`` (n, 3) and each of these."""
         there = cKDTree(cloud).query(self.points)[0]
         to_cloud = np.bincount(self.owner, there, minlength=self.count) / self.size
-        level = np.repeat(self._STEP * np.arange(self.count), len(cloud))
-        asked = np.column_stack([np.tile(cloud, (self.count, 1)), level])
-        back = self.tree.query(asked)[0].reshape(self.count, len(cloud)).mean(axis=1)
+        asked = np.tile(cloud, (self.count, 1)), np.repeat(np.arange(self.count), len(cloud))
+        back = self.tree.find(*asked)[0].reshape(self.count, len(cloud)).mean(axis=1)
         return np.asarray((to_cloud + back) / 2)
 
 

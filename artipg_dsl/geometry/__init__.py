@@ -12,6 +12,7 @@ Begin with ``patches`` and ``mesh``.
     sites, block, hidden, points, pointset       points on the visible surface of whole objects
     outside, rays, blue, cells                   what can be seen from outside; points that keep their distance
     collide, overlap, enclosure                  convex bodies that meet, what they share, what contains what
+    nearest                                      the nearest of points in many sets
     vectors                                      products and lengths of arrays of vectors
     selftest                                     whether all declarations of a primitive agree
 """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
+from dataclasses import fields
 from functools import cached_property, lru_cache
 from operator import itemgetter
 from typing import Any
@@ -70,10 +71,11 @@ class Batch:
         """To another process goes what it was evaluated with: the code and what was worked out since are made anew there."""
         return _revived, (self.program, self._asked(), self.numbers, self._ends, self.history, self.repairs)
 
-    def _asked(self) -> State:
+    def _asked(self, *, weigh: bool = False) -> State:
         """The state to evaluate again what this is."""
         old = self.state
-        return State(old.seed, old.objects, old.attempt, old.given, old.defaults, old.kept, old.salt, old.lane)
+        asked = (old.seed, old.objects, old.attempt, old.given, old.defaults, old.kept, old.salt, old.lane)
+        return State(*asked, weigh=weigh)
 
     # ------------------------------------------------------------ reading
 
@@ -375,10 +377,7 @@ class Batch:
         lies in this range, multiplied over the draws, is the weight. Objects drawn in sequence and weighed by it are
         distributed as declared, restricted to what is valid.
         """
-        old = self.state
-        state = State(
-            old.seed, old.objects, old.attempt, old.given, old.defaults, old.kept, old.salt, old.lane, weigh=True
-        )
+        state = self._asked(weigh=True)
         self.plan.bare.function(state)
         return state.log_weight
 
@@ -415,23 +414,7 @@ def to_plain(draw: Draw, value: float) -> Any:
     return draw.options[int(value)] if draw.kind == "choice" else int(value) if draw.kind == "count" else float(value)
 
 
-_JOINT_COLUMNS = (
-    "parent",
-    "child",
-    "origin",
-    "axis",
-    "low",
-    "high",
-    "rest",
-    "mimic",
-    "multiplier",
-    "offset",
-    "damping",
-    "friction",
-    "effort",
-    "velocity",
-    "pitch",
-)
+_JOINT_COLUMNS = tuple(field.name for field in fields(JointTable))[5:]  # behind those that say which joint it is
 
 
 @lru_cache(maxsize=8)

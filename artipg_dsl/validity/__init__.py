@@ -3,7 +3,8 @@
 In: a batch. Out: which objects are at fault, why and where, and the limits of joints that move until something is in
 the way. Begin with ``faults``.
 
-    bodies, tree, meant       convex pieces placed at rest; what moves what; which pairs of parts a statement is about
+    bodies, rings, tree, meant           convex pieces placed at rest, their bounds about axes; what moves what; which pairs of
+                              parts a statement is about
     validate, following       links that penetrate one another, at rest or while one joint moves
     contact, evidence         which parts meet, where, and at which value of a joint
     apart, together, cells, clearance    distances kept in every state of the other joints; how far a joint can move

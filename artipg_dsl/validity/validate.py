@@ -21,9 +21,10 @@ from ..native.backend import machine as compiled
 from ..native.turning import Intervals, examine
 from ..runtime.batch import Batch
 from ..runtime.motion import apply, rotation_about
-from .bodies import EXACT, FULL, Pieces, Placed, bound_rings, enumerate_ranges, gather, link_boxes, swept_extent
+from .bodies import EXACT, FULL, Pieces, Placed, enumerate_ranges, gather, link_boxes, swept_extent
 from .following import meet_in_states
 from .gated import find_behind_gates
+from .rings import bound_rings
 from .tree import Tree
 
 _BLOCK = 20_000  # pieces at a time

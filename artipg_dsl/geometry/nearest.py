@@ -1,0 +1,23 @@
+"""The nearest of points that stand in many sets, each looked for in a set of its own: all of them in one query."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+
+class Nearest:
+    """Points (n, d), each in the set ``of`` (n,). Along one more axis sets lie ``apart`` from one another, farther than a point and
+    the nearest of its set."""
+
+    def __init__(self, points: np.ndarray, of: np.ndarray, apart: float):
+        self._apart = apart
+        self._tree = cKDTree(self._parted(points, of))
+
+    def find(self, points: np.ndarray, of: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The distance (m,) of points (m, d) to the nearest of their sets ``of`` (m,), and its index (m,)."""
+        distance, index = self._tree.query(self._parted(points, of))
+        return distance, index
+
+    def _parted(self, points: np.ndarray, of: np.ndarray) -> np.ndarray:
+        return np.concatenate([points, self._apart * of[:, None]], axis=1)
