@@ -7,6 +7,7 @@ way only through ``phi`` (one row or none per parent row), ``reduce`` and ``elem
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
@@ -209,19 +210,6 @@ def _signed(a: Expr) -> bool:
     return a.op == "const" or a.op == "where" and a.args[1].op == "const" and a.args[2].op == "const"
 
 
-def choices(a: Expr) -> Iterable[Expr]:
-    """What a value is one of: itself, or what either branch of a condition may be."""
-    seen: set[Expr] = set()
-    left = [a]
-    while left:
-        node = left.pop()
-        if node.op == "where":
-            left += [b for b in node.args[1:] if b not in seen]
-            seen.update(node.args[1:])
-        else:
-            yield node
-
-
 def div(a: Expr, b: Expr) -> Expr:
     if a is ZERO:
         return ZERO
@@ -276,6 +264,18 @@ def where(condition: Expr, a: Expr, b: Expr) -> Expr:
     if condition is FALSE:
         return b
     return call("where", condition, a, b)
+
+
+def total(values: Iterable[Expr]) -> Expr:
+    return functools.reduce(add, values, ZERO)
+
+
+def all_of(conditions: Iterable[Expr]) -> Expr:
+    return functools.reduce(both, conditions, TRUE)
+
+
+def any_of(conditions: Iterable[Expr]) -> Expr:
+    return functools.reduce(either, conditions, FALSE)
 
 
 def minimum(*args: Expr) -> Expr:

@@ -14,7 +14,7 @@ from typing import Any
 from .. import shapes
 from ..language import DISTRIBUTIONS, JOINTS
 from . import program as P
-from .expr import Column, Expr, Scope, choices
+from .expr import Column, Expr, Scope
 from .nodes import KINDS, NAME, NodeFault, Nodes, require
 from .primitive import Patch, Piece, Primitive
 from .reference import Elsewhere, Onward, Reference, Under, definitions_of
@@ -203,7 +203,7 @@ class Verifier:
         )
         for word, _ in part.semantic:
             self.word("semantic", word)
-        for axis in () if part.symmetry is None else choices(part.symmetry[1]):
+        for axis in () if part.symmetry is None else _choices(part.symmetry[1]):
             require(axis.constant in (0.0, 1.0, 2.0), "the symmetry of a part is about axis 0, 1 or 2")
         self.reference(part.link, self.program.links, "link")
         self.reference(part.holder, self.program.parts, "part")
@@ -375,3 +375,16 @@ def _records(reference: Reference) -> Iterator[Under | Elsewhere | Onward]:
 
 
 __all__ = ["NodeFault", "Verifier"]
+
+
+def _choices(a: Expr) -> Iterator[Expr]:
+    """What a value is one of: itself, or what either branch of a condition may be."""
+    seen: set[Expr] = set()
+    left = [a]
+    while left:
+        node = left.pop()
+        if node.op == "where":
+            left += [b for b in node.args[1:] if b not in seen]
+            seen.update(node.args[1:])
+        else:
+            yield node

@@ -67,8 +67,7 @@ def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
 
 
 def unknown_material(ck: Checker, ctx: Context, name: str, span: Span) -> None:
-    materials = [s.name for s in ctx.module.names.values() if s.kind == "material"]
-    hint = missing(name, materials, "material") or f"declare it: `material {name} {{ ... }}`"
+    hint = missing(name, ctx.module.named("material"), "material") or f"declare it: `material {name} {{ ... }}`"
     ck.unknown(ctx.module, name, "unknown-material", span, f"there is no material `{name}` here", hint)
 
 
@@ -76,8 +75,7 @@ def _role(ck: Checker, ctx: Context, node: ast.Stmt, name: str, span: Span | Non
     symbol = ctx.module.find(name)
     assert span is not None
     if symbol is None or symbol.kind not in ("role", "template"):
-        roles = [s.name for s in ctx.module.names.values() if s.kind == "role"]
-        hint = missing(name, roles, "role", "template")
+        hint = missing(name, ctx.module.named("role"), "role", "template")
         ck.unknown(ctx.module, name, "unknown-template", span, f"there is no role `{name}` here", hint)
         return None
     ck.mean(node, Global(symbol))
@@ -139,7 +137,7 @@ def _bad_alternative(ck: Checker, ctx: Context, alternative: ast.Alternative, sy
     if symbol is not None:
         ck.error("unknown-template", alternative.name_span, f"`{alternative.name}` is a {symbol.kind}, not a template")
         return
-    offered = [s.name for s in ctx.module.names.values() if s.kind in ("template", "primitive")]
+    offered = ctx.module.named("template", "primitive")
     offered += [e.name for scope in ctx.scope.chain() for e in scope.entries if e.kind in ("style", "param")]
     ck.unknown(
         ctx.module,

@@ -13,7 +13,7 @@ from .checker import Checker, Context
 from .meanings import Meaning
 from .modules import Workspace
 from .symbols import ModuleScope, Symbol
-from .types import DIMENSIONS, UNKNOWN, ScalarType, Type, VecType
+from .types import DIMENSIONS, NONE, RATIO, UNKNOWN, ScalarType, Type, VecType
 
 
 @dataclass(slots=True, eq=False)
@@ -91,32 +91,24 @@ def _body(ck: Checker, symbol: Symbol) -> None:
         attachments.check(ck, scope)
 
 
-_DENSITY, _RATIO = ScalarType(DIMENSIONS["density"]), ScalarType(DIMENSIONS["ratio"])
+_PROPERTIES = {
+    "density": ScalarType(DIMENSIONS["density"]),
+    "colour": VecType(3, NONE),
+}  # of materials; others are ratios
 
 
 def _material(ck: Checker, symbol: Symbol, decl: ast.MaterialDecl) -> None:
-    ctx = Context(symbol.module)
-    ratios = (
-        decl.friction,
-        decl.static_friction,
-        decl.dynamic_friction,
-        decl.restitution,
-        decl.roughness,
-        decl.metalness,
-        decl.transparency,
-    )
-    wanted: list[tuple[ast.Clause[ast.RangeExpr] | None, Type]] = [(clause, _RATIO) for clause in ratios]
-    for clause, kind in ((decl.density, _DENSITY), (decl.colour, VecType(3, DIMENSIONS["ratio"])), *wanted):
-        if clause is not None:
-            if clause.value.low is clause.value.high:
-                ck.expect(ctx, clause.value.low, kind, f"`{clause.word}`")
-            else:
-                declarations.check_range(ck, ctx, clause.value, kind, f"an end of the range of `{clause.word}`")
-    for clause in decl.unknown:
-        words = ast.clause_words(ast.MaterialDecl)
-        ck.error(
-            "unknown-argument",
-            clause.span,
-            f"a material has no property `{clause.word}`",
-            hint=did_you_mean(clause.word, words) or "it has " + ", ".join(words),
-        )
+    ctx, words = Context(symbol.module), ast.clause_words(ast.MaterialDecl)
+    for clause in ast.clauses(decl):
+        kind = _PROPERTIES.get(clause.word, RATIO)
+        if clause.word not in words:
+            ck.error(
+                "unknown-argument",
+                clause.span,
+                f"a material has no property `{clause.word}`",
+                hint=did_you_mean(clause.word, words) or "it has " + ", ".join(words),
+            )
+        elif clause.value.low is clause.value.high:
+            ck.expect(ctx, clause.value.low, kind, f"`{clause.word}`")
+        else:
+            declarations.check_range(ck, ctx, clause.value, kind, f"an end of the range of `{clause.word}`")

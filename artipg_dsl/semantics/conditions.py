@@ -36,16 +36,10 @@ def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
     """``part is Template``: the subject is a part or a style (absence is just false), the name something it can be."""
     subject = ck.infer(ctx.but(lenient=[], asked=True), expr.subject)
     wanted = ctx.module.find(expr.type_name)
-    if wanted is None or wanted.kind not in ("role", "template", "primitive"):
-        names = [s.name for s in ctx.module.names.values() if s.kind in ("role", "template", "primitive")]
-        ck.unknown(
-            ctx.module,
-            expr.type_name,
-            "unknown-template",
-            expr.type_span,
-            f"there is no role or template `{expr.type_name}` here",
-            hint=missing(expr.type_name, names, *TEMPLATES),
-        )
+    if wanted is None or wanted.kind not in TEMPLATES:
+        message = f"there is no role or template `{expr.type_name}` here"
+        hint = missing(expr.type_name, ctx.module.named(*TEMPLATES), *TEMPLATES)
+        ck.unknown(ctx.module, expr.type_name, "unknown-template", expr.type_span, message, hint)
         return BOOL
     ck.mean(expr, Global(wanted))
     if isinstance(subject, PartType | StyleType):
@@ -144,8 +138,7 @@ def _difference(ctx: Context, expr: ast.BinaryExpr) -> Condition:
     if left.span.words > right.span.words:
         left, right, op = right, left, _FLIPPED[op]
     low, high = (0 if _last(ctx, right, left) else -1), (0 if _last(ctx, left, right) else 1)
-    path = ctx.scope.path if ctx.scope is not None else ""
-    return Compare(f"{path}:{left.span.words}{VERSUS}{right.span.words}", op, 0, low, high)
+    return Compare(_own_key(ctx, f"{left.span.words}{VERSUS}{right.span.words}"), op, 0, low, high)
 
 
 def _last(ctx: Context, index: ast.Expr, other: ast.Expr) -> bool:
@@ -176,13 +169,16 @@ def _key(ctx: Context, expr: ast.Expr) -> str:
             return entries[0].key
     if isinstance(expr, ast.MemberExpr):
         return f"{_key(ctx, expr.obj)}.{expr.name}"
-    return f"{ctx.scope.path if ctx.scope is not None else ''}:{expr.span.words}"
+    return _own_key(ctx, expr.span.words)
 
 
 def _opaque(ctx: Context, expr: ast.Expr) -> Condition:
-    return Atom(
-        f"{ctx.scope.path if ctx.scope is not None else ''}:{expr.span.words}", frozenset((True,)), (True, False)
-    )
+    return Atom(_own_key(ctx, expr.span.words), frozenset((True,)), (True, False))
+
+
+def _own_key(ctx: Context, words: str) -> str:
+    """A guard variable for what stands in a body and is nothing else that guards know."""
+    return f"{ctx.scope.path if ctx.scope is not None else ''}:{words}"
 
 
 def check_discrete(ck: Checker, ctx: Context, expr: ast.Expr) -> None:

@@ -117,11 +117,7 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
         check_range(ck, ctx, node.domain, kind, f"an end of the range of {what}")
     if node.test is not None:
         check_range(ck, ctx, node.test, kind, f"an end of the test range of {what}")
-    if node.default is not None:
-        if check_default(ck, ctx, node.default, kind, what):
-            _inside(ck, ctx, node.default, node.domain, what)
-    if node.distribution is not None:
-        _distribution(ck, ctx, node.distribution, kind, node.domain)
+    _drawn(ck, ctx, node, kind, kind, what)
     if node.vary is not None:
         step = ck.infer(ctx, node.vary)
         base = ScalarType(kind.dimension) if isinstance(kind, VecType) and kind.dimension is not None else kind
@@ -132,11 +128,17 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
 def check_count(ck: Checker, ctx: Context, node: ast.CountDecl) -> None:
     what = f"`{node.name}`"
     check_range(ck, ctx, node.domain, COUNT, f"an end of the range of {what}")
-    if node.default is not None:
-        if check_default(ck, ctx, node.default, COUNT, what):
-            _inside(ck, ctx, node.default, node.domain, what)
+    _drawn(ck, ctx, node, COUNT, RATIO, what)
+
+
+def _drawn(
+    ck: Checker, ctx: Context, node: ast.ParamDecl | ast.CountDecl, kind: Type, argument: Type, what: str
+) -> None:
+    """The default and the distribution, whose arguments are of the type ``argument``."""
+    if node.default is not None and check_default(ck, ctx, node.default, kind, what):
+        _inside(ck, ctx, node.default, node.domain, what)
     if node.distribution is not None:
-        _distribution(ck, ctx, node.distribution, RATIO, node.domain)
+        _distribution(ck, ctx, node.distribution, argument, node.domain)
 
 
 def check_default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what: str) -> bool:

@@ -126,11 +126,8 @@ def of_reference(ck: Checker, ctx: Context, ref: ast.TypeRef) -> Type:
     if ref.style:
         symbol = ctx.module.find(ref.name)
         if symbol is None or symbol.kind not in ("role", "template"):
-            roles = [s.name for s in ctx.module.names.values() if s.kind == "role"]
-            hint = did_you_mean(ref.name, roles)
-            return ck.unknown(
-                ctx.module, ref.name, "unknown-type", ref.span, f"there is no role `{ref.name}` here", hint
-            )
+            message, hint = f"there is no role `{ref.name}` here", did_you_mean(ref.name, ctx.module.named("role"))
+            return ck.unknown(ctx.module, ref.name, "unknown-type", ref.span, message, hint)
         ck.mean(ref, Global(symbol))
         return StyleType((Variant(ref.name, symbol), None), ref.name)
     if ref.name == "count":

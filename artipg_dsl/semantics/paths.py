@@ -289,12 +289,11 @@ def _element_member(ck: Checker, ctx: Context, obj: ElementType, word: str, span
     found = [e for e in inner.table.get(word, []) if not e.private or e.kind == "index"]
     if found:
         target = found[0]
+        there = of_element(obj, declared(ck, found))
         if target.kind == "repeat":
-            there = of_element(obj, declared(ck, found))
             ck.demand(ctx, there, span, *guarded(target, span, path), value=not ctx.subject)
             return _inner(ck, ctx, obj, target, span)
         kind = ck.entry_type(target)
-        there = of_element(obj, declared(ck, found))
         if isinstance(kind, ArrayType):
             return replace(kind, bound=tuple((k, of_element(obj, c)) for k, c in kind.bound))
         if there != TRUE:
@@ -329,10 +328,8 @@ def _element_member(ck: Checker, ctx: Context, obj: ElementType, word: str, span
 
 
 def _inner(ck: Checker, ctx: Context, obj: ElementType, target: Entry, span: Span) -> Type:
-    if obj.many:
-        return ElementType(target, f"{obj.key}.{target.name}", many=True, outer=obj)
-    if obj.key != obj.entry.key:  # of one named element, all of an inner repeat
-        if not ctx.many:
+    if obj.many or obj.key != obj.entry.key:  # of one named element, all of an inner repeat
+        if not obj.many and not ctx.many:
             return ck.many_elements(target.name, span)
         return ElementType(target, f"{obj.key}.{target.name}", many=True, outer=obj)
     return _repeat(ck, ctx, target, span)

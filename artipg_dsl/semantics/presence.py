@@ -54,14 +54,10 @@ def renamed(condition: Condition, homes: Iterable[tuple[str, str]]) -> Condition
 
 def declared(ck: Checker, entries: Iterable[Entry]) -> Condition:
     """What holds wherever one of the declarations of a name exists."""
-    conditions = [ck.entry_condition(e) for e in entries]
-    return (
-        TRUE
-        if TRUE in conditions or not conditions
-        else conditions[0]
-        if len(conditions) == 1
-        else Or(tuple(conditions))
-    )
+    conditions = tuple(ck.entry_condition(e) for e in entries)
+    if TRUE in conditions or not conditions:
+        return TRUE
+    return conditions[0] if len(conditions) == 1 else Or(conditions)
 
 
 # ---------------------------------------------------------------- what arguments say

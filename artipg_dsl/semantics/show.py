@@ -82,27 +82,23 @@ def _names(typed: TypedProgram, nodes: object) -> Iterator[str]:
             yield f"name {node.span.words}{shown}" + (f"  ({origin})" if origin else "")
 
 
+_ORIGINS: dict[type[Meaning], str] = {
+    Current: "the element itself",
+    Previous: "the element before",
+    Last: "the last element",
+    BuiltIn: "a function of the language",
+    OwnBox: "of the own box",
+    Base: "what it is attached to",
+    Clearance: "as far as nothing is in the way",
+    Local: "of the formula",
+}
+
+
 def _origin(meaning: Meaning) -> str:
     """Where a name comes from, unless it is declared in the body itself or says so by what it is."""
     match meaning:
         case Declared(depth=depth) if depth:
             return "of the element" if depth == 1 else f"of the element, {depth} deep"
-        case Current():
-            return "the element itself"
-        case Previous():
-            return "the element before"
-        case Last():
-            return "the last element"
         case Global(symbol=symbol):
             return f"a {symbol.kind} of {symbol.module.name}"
-        case BuiltIn():
-            return "a function of the language"
-        case OwnBox():
-            return "of the own box"
-        case Base():
-            return "what it is attached to"
-        case Clearance():
-            return "as far as nothing is in the way"
-        case Local():
-            return "of the formula"
-    return ""
+    return _ORIGINS.get(type(meaning), "")

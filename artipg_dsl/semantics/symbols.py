@@ -49,6 +49,10 @@ class ModuleScope:
     def find(self, name: str) -> Symbol | None:
         return self.names.get(name)
 
+    def named(self, *kinds: str) -> list[str]:
+        """The names of declarations of some kinds, for suggestions."""
+        return [s.name for s in self.names.values() if s.kind in kinds]
+
     def own(self) -> list[Symbol]:
         """The module's own declarations, in the order of the text."""
         return [s for s in self.names.values() if s.module is self]

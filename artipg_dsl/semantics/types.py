@@ -245,16 +245,7 @@ SURFACE = NamedType("surface")
 BASE = NamedType("base")
 
 PLACES: dict[str, Type] = {
-    "bool": BOOL,
-    "string": STRING,
-    "point": POINT,
-    "frame": FRAME,
-    "plane": PLANE,
-    "edge": EDGE,
-    "line": LINE,
-    "box": BOX,
-    "curve": CURVE,
-    "material": MATERIAL,
+    kind.name: kind for kind in (BOOL, STRING, POINT, FRAME, PLANE, EDGE, LINE, BOX, CURVE, MATERIAL)
 }
 """Type names that stand for a ``NamedType``."""
 

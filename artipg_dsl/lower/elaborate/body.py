@@ -180,7 +180,7 @@ def enter_when(env: Env, statement: ast.WhenStmt) -> list[tuple[Env, tuple[ast.S
         found = env.entered[statement] = []  # a guard that asks for what stands under it finds nothing
         ev = Evaluator(env)
         try:
-            condition = ev.truth(ev.value(statement.guard), statement.guard.span)
+            condition = ev.condition(statement.guard)
         except Abort:
             del env.entered[statement]
             raise

@@ -10,7 +10,7 @@ from ...semantics.meanings import Declared, Global, Word
 from ...semantics.symbols import Symbol
 from ...semantics.types import DIMENSIONS
 from ...syntax import ast
-from ..expressions.arithmetic import number, truth
+from ..expressions.arithmetic import number
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solids.primitives import lower_primitive
@@ -40,7 +40,7 @@ def build_part(env: Env, declaration: ast.PartDecl, lower_body: LowerBody) -> Co
         arguments, guard = alternatives[0].arguments, alternatives[0].guard
         part.style, part.role, alternatives = style, style.role, style.alternatives
         if guard is not None:
-            part.exists = Evaluator(env).truth(Evaluator(env).value(guard), guard.span)
+            part.exists = Evaluator(env).condition(guard)
     elif declaration.role is not None:
         part.role = context.symbol(declaration)
     if part.style is None:
@@ -131,7 +131,7 @@ def _handed_in(
 def _either(part: Component, env: Env, owner: Symbol, declaration: ast.ParamDecl, name: str, node: ast.IfExpr) -> Value:
     """An option that a condition decides: ``open = front if wide else top``."""
     ev = Evaluator(env)
-    condition = truth(ev, ev.value(node.condition), node.condition.span)
+    condition = ev.condition(node.condition)
     codes = []
     for branch in (node.then, node.otherwise):
         chosen = _handed_in(

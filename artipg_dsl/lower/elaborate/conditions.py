@@ -33,9 +33,7 @@ def require(links: Links, env: Env, statement: ast.RequireStmt) -> None:
     for node in _conjuncts(statement.condition):
         others, bounding = _disjuncts(node)
         condition, slack = comparison(ev, bounding)
-        guard = _presence(env, node)
-        for other in others:
-            guard = E.both(guard, E.negate(ev.truth(ev.value(other), other.span)))
+        guard = E.all_of((_presence(env, node), *(E.negate(ev.condition(other)) for other in others)))
         message = statement.message or statement.span.words
         repair = () if statement.repair is None else giving(env, ev.value(statement.repair))
         number = env.context.require(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import reduce
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...graph import expr as E
@@ -99,7 +98,7 @@ def draw_choice(
     A false ``when`` is weight 0. ``names`` may repeat, of templates with different arguments; what is drawn is told apart as
     ``BarHandle`` and ``BarHandle#2`` then.
     """
-    weights = [reduce(E.add, [_weight_of(env, alternative) for alternative in same]) for same in alternatives]
+    weights = [E.total(_weight_of(env, alternative) for alternative in same) for same in alternatives]
     column = env.context.column(env.scope, path, "choice", span)
     made = _new_draw(env, declaration, path, column, span, options=_told_apart(names), weights=tuple(weights))
     env.context.draws.append(made)
@@ -111,7 +110,7 @@ def _weight_of(env: Env, alternative: ast.Alternative) -> Expr:
     weight = E.ONE if alternative.weight is None else ev.scalar(alternative.weight)
     if alternative.guard is None:
         return weight
-    return E.where(ev.truth(ev.value(alternative.guard), alternative.guard.span), weight, E.ZERO)
+    return E.where(ev.condition(alternative.guard), weight, E.ZERO)
 
 
 def _told_apart(names: Sequence[str]) -> tuple[str, ...]:

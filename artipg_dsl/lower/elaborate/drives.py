@@ -7,7 +7,6 @@ is far enough from the axis. Neither depends on where the joint stands, as norma
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
 from dataclasses import replace
@@ -103,7 +102,7 @@ class Drive:
         if scope.within(joint.scope):
             return E.TRUE, joint
         counts = (s.count for s in apart(joint.scope, scope) if s.count is not None)
-        there = functools.reduce(E.both, (lifted(count, scope, E.FALSE) for count in counts), E.TRUE)
+        there = E.all_of(lifted(count, scope, E.FALSE) for count in counts)
 
         def up(value: Expr) -> Expr:
             return lifted(value, scope)

@@ -167,7 +167,7 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
     for node in statement.targets:
         for aim in _aims(links, env, node):
             ev = formula(links, env, aim)
-            guard, there = shown(condition(ev, statement.where), aim.scope), _standing(env, aim)
+            guard, there = _where(ev, statement, aim), _standing(env, aim)
             if statement.joint is not None:
                 there = E.both(there, elements_named(env, statement.joint))
             holds = E.both(there, guard)
@@ -221,7 +221,7 @@ def _field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
     for node in statement.targets:
         for aim in _aims(links, env, node):
             ev = formula(links, env, aim)
-            guard, value = shown(condition(ev, statement.where), aim.scope), ev.value(statement.value)
+            guard, value = _where(ev, statement, aim), ev.value(statement.value)
             vector: tuple[Expr, ...] = ()
             if statement.type.name == "bool":
                 number = ev.truth(value, statement.value.span)
@@ -241,6 +241,11 @@ def _field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
             links.context.labels.append((aim.depth, made))
 
 
+def _where(ev: Evaluator, statement: ast.LabelStmt | ast.FieldStmt, aim: Aim) -> Expr:
+    """What stands behind ``where``, for the rows of the target."""
+    return E.TRUE if statement.where is None else shown(ev.condition(statement.where), aim.scope)
+
+
 def _standing(env: Env, aim: Aim) -> Expr:
     """What the ``when`` around a statement says, as far as the target may be there without it."""
     return E.both(has_row(env.scope, aim.scope), aim.there)
@@ -249,10 +254,6 @@ def _standing(env: Env, aim: Aim) -> Expr:
 def present(env: Env, aim: Aim) -> Expr:
     """Where a statement about a part as a whole holds: where that part is, too, which may have `none` for an alternative."""
     return E.both(_standing(env, aim), aim.part.exists)
-
-
-def condition(ev: Evaluator, node: ast.Expr | None) -> Expr:
-    return E.TRUE if node is None else ev.truth(ev.value(node), node.span)
 
 
 def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
@@ -317,9 +318,8 @@ def axes() -> dict[str, Value]:
 
 def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
     program = env.context.program
-    try_part = [a for a in _aims(links, env, statement.target)] if _is_part_path(env, statement.target) else []
-    if try_part:
-        for aim in try_part:
+    if _is_part_path(env, statement.target):
+        for aim in _aims(links, env, statement.target):
             point = place(aim.frame, aim.box.center)
             if statement.at is not None:
                 own = formula(links, env, aim)

@@ -79,9 +79,7 @@ def legalize(links: Links, env: Env) -> None:
                 quantity
             )
     for (scope, message, place), several in asked.items():
-        condition = E.TRUE
-        for quantity in several:
-            condition = E.both(condition, E.either(E.negate(quantity.guard), within(quantity)))
+        condition = E.all_of(E.either(E.negate(quantity.guard), within(quantity)) for quantity in several)
         if condition is not E.TRUE:
             program.requirements.append(Requirement(scope, condition, E.TRUE, message, place, text=several[0].name))
 

@@ -6,7 +6,6 @@ their own, and what lies on an element of a repeat rides on the link of that ele
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
@@ -144,12 +143,9 @@ class Links:
             not attachments or part.env.root.instance is None
         ):  # in a category each part is attached: it has been checked
             return bool(attachments)
-        guards = []
-        for attachment in attachments:
-            within = (
-                s for s in attachment.env.scope.ancestors() if s is not part.env.scope and s.within(part.env.scope)
-            )
-            guards.append(functools.reduce(E.both, (s.count for s in within if s.count is not None), E.TRUE))
+        home = part.env.scope
+        inside = ([s for s in a.env.scope.ancestors() if s is not home and s.within(home)] for a in attachments)
+        guards = [E.all_of(s.count for s in scopes if s.count is not None) for scopes in inside]
         return covered(guards, self.context.draws, part.exists)
 
     def whichever(self, found: list[tuple[Scope, Reference]]) -> Reference:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
@@ -82,7 +81,7 @@ class Component:
         chosen = E.call("eq", self.choice.code, E.const(float(option.code)))
         if self.style is not None and (alone := self.declaration.alternatives[0].guard) is not None:
             ev = Evaluator(self.env)
-            return E.both(ev.truth(ev.value(alone), alone.span), chosen)
+            return E.both(ev.condition(alone), chosen)
         return chosen
 
     def matches(self, symbol: Symbol) -> Expr:
@@ -90,7 +89,7 @@ class Component:
         options = [o for o in self.options if is_a(o.symbol, symbol)]
         if len(options) == len(self.options):
             return self.exists
-        return functools.reduce(E.either, (self.guard(o) for o in options), E.FALSE)
+        return E.any_of(self.guard(o) for o in options)
 
     def rotation(self) -> Matrix:
         """``along`` and ``turned`` of the part and of the alternative that is there; the identity without any."""

@@ -49,11 +49,8 @@ class Row:
 
     def within(self, scope: Scope) -> Row:
         """The same row, known to be one where the guards of ``scope`` hold."""
-        holds = self.holds
-        for at in scope.ancestors():
-            if at.kind == "guard" and at.count is not None:
-                holds = E.both(holds, self.said(at.count))
-        return Row(self.ranks, holds)
+        guards = (self.said(at.count) for at in scope.ancestors() if at.kind == "guard" and at.count is not None)
+        return Row(self.ranks, E.all_of((self.holds, *guards)))
 
     def at(self, repeat: Scope, rank: Expr | None) -> Row:
         """The row of another element of a repeat, of ``rank`` or the one before, if there is such an element."""

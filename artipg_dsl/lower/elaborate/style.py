@@ -32,11 +32,7 @@ class Style(Alternatives):
 
     def matches(self, symbol: Symbol) -> Expr:
         """The predicate of ``style is Name``."""
-        found = E.FALSE
-        for option, template in self.templates.items():
-            if is_a(template, symbol):
-                found = E.either(found, self.choice.chosen(option))
-        return found
+        return E.any_of(self.choice.chosen(option) for option, t in self.templates.items() if is_a(t, symbol))
 
     def guard(self, option: str) -> Expr:
         options = self.choice.options
@@ -98,7 +94,7 @@ def complete_choice(env: Env, alternatives: tuple[ast.Alternative, ...]) -> tupl
     if len(guards) < len(alternatives):
         return alternatives
     ev = Evaluator(env)
-    if covered([ev.truth(ev.value(guard), guard.span) for guard in guards], env.context.draws):
+    if covered([ev.condition(guard) for guard in guards], env.context.draws):
         return alternatives
     span = alternatives[-1].span
     some = functools.reduce(lambda a, b: ast.BinaryExpr(span=span, op="or", left=a, right=b), guards)

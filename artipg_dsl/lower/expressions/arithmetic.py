@@ -125,9 +125,9 @@ def truth(ev: Evaluator, value: Value, span: Span) -> Expr:
 
 def binary(ev: Evaluator, node: ast.BinaryExpr) -> Value:
     if node.op in ("and", "or"):
-        first = truth(ev, ev.value(node.left), node.left.span)
+        first = ev.condition(node.left)
         with ev.env.context.knowing(first if node.op == "and" else E.negate(first)):
-            return OPERATIONS[node.op](first, truth(ev, ev.value(node.right), node.right.span))
+            return OPERATIONS[node.op](first, ev.condition(node.right))
     if node.op in ("==", "!="):
         same = equal(ev, node)
         return same if node.op == "==" else E.negate(same)
@@ -221,7 +221,7 @@ def equal(ev: Evaluator, node: ast.BinaryExpr) -> Expr:
 
 
 def conditional(ev: Evaluator, node: ast.IfExpr) -> Value:
-    condition = truth(ev, ev.value(node.condition), node.condition.span)
+    condition = ev.condition(node.condition)
     if condition.op == "const":  # what is never reached need not have a value
         return ev.value(node.then if condition.constant else node.otherwise)
     with ev.env.context.knowing(condition):

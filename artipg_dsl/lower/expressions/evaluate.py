@@ -52,6 +52,9 @@ class Evaluator:
         value = self.value(node)
         return value.exists if isinstance(value, Box) else self.number(value, node.span)
 
+    def condition(self, node: ast.Expr) -> Expr:
+        return self.truth(self.value(node), node.span)
+
     def vector(self, node: ast.Expr) -> Triple:
         """A point or direction as three scalars."""
         match self.value(node):

@@ -98,7 +98,7 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
     bent = bay.rail.center is not None or bay.rail.length is ZERO
     for number, corners in enumerate(sections):
         corners = [c for k, c in enumerate(corners) if not seen.same(c, corners[k - 1])]
-        middle = pair(E.div(sum_of([c[k] for c in corners]), E.const(float(len(corners)))) for k in (0, 1))
+        middle = pair(E.div(E.total(c[k] for c in corners), E.const(float(len(corners)))) for k in (0, 1))
         narrow = _inradius(corners, middle)
         ring = zip(corners, [*corners[1:], corners[0]], strict=True)
         sign = ONE if bay.course is None else orientation(seen, tuple(Side(between("", a, b)) for a, b in ring))
@@ -132,13 +132,6 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
                     points.append(bay.place(drawn, v))
             made.append(Piece(f"{name}_{number}_{k}", tuple(points)))
     return made
-
-
-def sum_of(values: Sequence[Expr]) -> Expr:
-    total = ZERO
-    for value in values:
-        total = E.add(total, value)
-    return total
 
 
 def _inradius(corners: list[Point], middle: Point) -> Expr:

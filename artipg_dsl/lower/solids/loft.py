@@ -26,7 +26,7 @@ from ..expressions.evaluate import Evaluator
 from ..values.handed import Handed
 from ..values.kinds import Value
 from ..values.vectors import dot, unit
-from .bays import BLEND, Bay, Chains, bay_pieces, polygons, sum_of, swapped
+from .bays import BLEND, Bay, Chains, bay_pieces, polygons, swapped
 from .curves import TURN, Curve, named_curve, spans_of
 from .frames import PLACES, ROOM, Frames, bend, inwards, slowest, turning
 from .frames import frames as frames_of
@@ -167,7 +167,7 @@ def _along_path(
     rails = stretches(path.steps if isinstance(path, Handed) else steps_of(path))
     check_directions(env, probe, solid, rails)
     across = frames_of(probe, rails, None if node is None else Evaluator(env).direction(node))
-    total = sum_of([rail.length for rail in rails])
+    total = E.total(rail.length for rail in rails)
     bays, gone = [], ZERO
     whole = Bay(rails[0], across[0], first, last)
     for rail, made in zip(rails, across, strict=True):

@@ -306,7 +306,7 @@ def comparison(ev: Evaluator, node: ast.Expr) -> tuple[Expr, tuple[Expr, Expr] |
         if node.op in ("<", ">") and whole(left) and whole(right):  # of reals, sampling cannot tell < from <=
             pair = (pair[0], E.sub(pair[1], E.ONE))
         return E.call("le", *pair), pair
-    return ev.truth(ev.value(node), node.span), None
+    return ev.condition(node), None
 
 
 def whole(node: Expr) -> bool:
@@ -367,7 +367,7 @@ def _patch_of(env: Env, statement: ast.SurfaceDecl, limits: dict[Expr, Interval]
     plain = Evaluator(env, {statement.index: E.var("i")} if statement.index is not None else None)
     u = (plain.scalar(statement.u_range.low), plain.scalar(statement.u_range.high))
     v = (plain.scalar(statement.v_range.low), plain.scalar(statement.v_range.high))
-    guard = None if statement.guard is None else ev.truth(ev.value(statement.guard), statement.guard.span)
+    guard = None if statement.guard is None else ev.condition(statement.guard)
     count = None
     if statement.index_count is not None:
         count, present = _copies(env, plain.scalar(statement.index_count), statement.index_count, limits)
@@ -379,5 +379,5 @@ def _piece_of(env: Env, statement: ast.PieceDecl) -> Piece:
     local: dict[str, Value] = {statement.index: E.var("i")} if statement.index is not None else {}
     ev = Evaluator(env, local)
     count = None if statement.count is None else Evaluator(env).scalar(statement.count)
-    guard = None if statement.guard is None else ev.truth(ev.value(statement.guard), statement.guard.span)
+    guard = None if statement.guard is None else ev.condition(statement.guard)
     return Piece(statement.name, tuple(ev.vector(p) for p in statement.points), count, guard)

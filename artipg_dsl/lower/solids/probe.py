@@ -33,7 +33,7 @@ class Probe:
         symbol = env.symbol
         assert symbol is not None
         conditions = [
-            Evaluator(env).truth(Evaluator(env).value(s.condition), s.condition.span)
+            Evaluator(env).condition(s.condition)
             for s in symbol.body
             if isinstance(s, ast.RequireStmt) and s.condition is not None
         ]
@@ -105,9 +105,6 @@ class Probe:
             if not any((seen[j] >= seen[k] - SMALL / 10).all() for j in others):
                 kept.append(k)
         return E.maximum(*(self.tidy(values[k]) for k in kept))
-
-    def least(self, values: list[Expr]) -> Expr:
-        return E.neg(self.greatest([E.neg(v) for v in values]))
 
 
 def candidates(env: Env) -> dict[str, np.ndarray]:

@@ -171,10 +171,8 @@ def area(loop: Loop, count: int = 4) -> Expr:
     for side in loop:
         steps = [k / count for k in range(count + 1)]
         points += [side.span.fraction(s) for s in (reversed(steps) if side.back else steps)]
-    total = ZERO
-    for a, b in zip(points, [*points[1:], points[0]], strict=True):
-        total = E.add(total, E.sub(E.mul(a[0], b[1]), E.mul(b[0], a[1])))
-    return total
+    ring = zip(points, [*points[1:], points[0]], strict=True)
+    return E.total(E.sub(E.mul(a[0], b[1]), E.mul(b[0], a[1])) for a, b in ring)
 
 
 def orientation(probe: Probe, loop: Loop) -> Expr:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...graph import expr as E
 from ...graph.expr import ZERO, Expr
-from ...graph.primitive import Triple, triple
+from ...graph.primitive import Triple, pair, triple
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
@@ -117,10 +117,7 @@ def mean(spans: list[Span]) -> Point:
     """A place in the middle: the mean of a few places of the boundary."""
     points = [span.fraction(k / 4) for span in spans for k in range(4)]
     share = E.const(1.0 / len(points))
-    x, y = ZERO, ZERO
-    for point in points:
-        x, y = E.add(x, E.mul(point[0], share)), E.add(y, E.mul(point[1], share))
-    return x, y
+    return pair(E.total(E.mul(point[k], share) for point in points) for k in (0, 1))
 
 
 def _fan(probe: Probe, spans: list[Span]) -> Strips | None:

@@ -117,7 +117,4 @@ def covered(guards: Sequence[Expr], draws: Iterable[Draw], within: Expr = E.TRUE
 
 def condition(guards: Sequence[Expr], truth: Sequence[bool]) -> Expr:
     """The conjunction that says that the guards have these truth values."""
-    result = E.TRUE
-    for guard, holds in zip(guards, truth, strict=True):
-        result = E.both(result, guard if holds else E.negate(guard))
-    return result
+    return E.all_of(guard if holds else E.negate(guard) for guard, holds in zip(guards, truth, strict=True))

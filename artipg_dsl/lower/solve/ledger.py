@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -59,7 +58,7 @@ def carriage(links: Links, part: Component) -> Iterator[Line]:
     draws = {d.column: d.options for d in links.context.draws if d.kind == "choice"}
     for one in attachments:
         guards = [s.count for s in one.env.scope.ancestors() if s.count is not None and s is not part.env.scope]
-        when = condition(functools.reduce(E.both, guards), draws) if several and guards else ""
+        when = condition(E.all_of(guards), draws) if several and guards else ""
         if one.joint is not None:
             told = f"its own, which the joint `{one.env.path}{one.joint.name}` moves"
         elif one.base:

@@ -9,12 +9,12 @@ between parameters is an error that offers ``derived``.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope
-from ...graph.linear import Circle, Linear, LinearForm
+from ...graph.linear import Circle, Linear
 from ...graph.matching import Matching, match
 from ..expressions.context import Abort, Equation, Settled, Unknown
 from ..expressions.env import Env
@@ -22,7 +22,7 @@ from .cases import TooManyCases, combinations, condition
 from .ledger import condition as guard_in_words
 from .recurrent import closed
 from .settled import default, determined
-from .systems import solve_system
+from .systems import Stated, solve_system
 
 _DEEPEST = 64  # definitions that read one another; more only where they go in a circle, which the plan reports
 _RANK = {"size": 0, "derived": 0, "position": 1, "default": 2, "param": 3}
@@ -87,13 +87,11 @@ def circular(env: Env, columns: list[Column]) -> None:
 
 @dataclass(slots=True, eq=False)
 class Block:
-    """Unknowns and equations that hang together; ``forms`` are the linear forms of the equations (None: not linear)."""
+    """Unknowns and equations that hang together."""
 
     env: Env
     unknowns: list[Unknown]
-    equations: list[Equation]
-    forms: list[LinearForm | None]
-    incidence: list[set[Column]]
+    stated: list[Stated]
     number: dict[Column, int]  # place of each unknown in the order of the text
     guards: dict[Column, Expr]  # where each unknown exists
 
@@ -124,25 +122,15 @@ def blocks(env: Env, homes: list[tuple[Env, Expr]]) -> Iterator[Block]:
     unknowns, equations, guards = gathered(env, homes)
     number = {u.column: k for k, u in enumerate(unknowns)}
     linear = Linear(lambda c: c in number, env.context.program.definitions)
-    forms: list[LinearForm | None] = []
-    incidence: list[set[Column]] = []
+    stated: list[Stated] = []
     for equation in equations:
         form = linear.form(E.sub(equation.left, equation.right))
         names = set(form[0]) if form is not None else linear.columns(equation.left) | linear.columns(equation.right)
         if form is not None:
             form = {c: lifted(v, env.scope) for c, v in form[0].items()}, lifted(form[1], env.scope)
-        forms.append(form)
-        incidence.append(names)
-    for chosen, members in _connected(list(number), incidence, number):
-        yield Block(
-            env,
-            [unknowns[u] for u in members],
-            [equations[e] for e in chosen],
-            [forms[e] for e in chosen],
-            [incidence[e] for e in chosen],
-            number,
-            guards,
-        )
+        stated.append(Stated(equation, form, names))
+    for chosen, members in _connected(list(number), [s.names for s in stated], number):
+        yield Block(env, [unknowns[u] for u in members], [stated[e] for e in chosen], number, guards)
 
 
 def gathered(env: Env, homes: list[tuple[Env, Expr]]) -> tuple[list[Unknown], list[Equation], dict[Column, Expr]]:
@@ -188,11 +176,12 @@ def _connected(
     yield from groups.values()
 
 
-def cases(block: Block) -> Iterator[tuple[Expr, list[int], dict[Column, bool]]]:
+def cases(block: Block) -> Iterator[tuple[Expr, list[Stated], dict[Column, bool]]]:
     """The cases of a block: the condition, the equations that hold, and which unknowns exist."""
-    guards = list(dict.fromkeys(q.guard for q in block.equations if q.guard is not E.TRUE))
+    equations = [s.equation for s in block.stated]
+    guards = list(dict.fromkeys(q.guard for q in equations if q.guard is not E.TRUE))
     if not guards:
-        yield E.TRUE, list(range(len(block.equations))), {u.column: True for u in block.unknowns}
+        yield E.TRUE, block.stated, {u.column: True for u in block.unknowns}
         return
     present = [block.guards[u.column] for u in block.unknowns]
     every = list(dict.fromkeys(g for g in [*guards, *present] if g is not E.TRUE))
@@ -202,14 +191,14 @@ def cases(block: Block) -> Iterator[tuple[Expr, list[int], dict[Column, bool]]]:
     except TooManyCases:
         raise context.error(
             "too-many-cases",
-            block.equations[-1].span,
+            equations[-1].span,
             "the guards of these equations combine in too many ways",
             hint="move what they place into a template, or inside one `when`",
-            notes=tuple((q.span, "one of the equations") for q in block.equations[:3]),
+            notes=tuple((q.span, "one of the equations") for q in equations[:3]),
         ) from None
     for truth in found:
         values = dict(zip(every, truth, strict=True))
-        holds = [e for e, q in enumerate(block.equations) if values.get(q.guard, True)]
+        holds = [s for s in block.stated if values.get(s.equation.guard, True)]
         exists = {u.column: values.get(block.guards[u.column], True) for u in block.unknowns}
         yield condition(every, truth), holds, exists
 
@@ -217,18 +206,17 @@ def cases(block: Block) -> Iterator[tuple[Expr, list[int], dict[Column, bool]]]:
 # ---------------------------------------------------------------- one case
 
 
-def outcome(block: Block, case: tuple[Expr, list[int], dict[Column, bool]]) -> Outcome:
+def outcome(block: Block, case: tuple[Expr, list[Stated], dict[Column, bool]]) -> Outcome:
     """Match and solve one case."""
     holds, chosen, exists = case
     env = block.env
     result = Outcome(holds, exists)
     unknowns = [u for u in block.unknowns if exists[u.column]]
     place = {u.column: k for k, u in enumerate(unknowns)}
-    equations = [block.equations[e] for e in chosen]
-    forms = [block.forms[e] for e in chosen]
+    equations = [s.equation for s in chosen]
     edges: list[list[int]] = [[] for _ in unknowns]
-    for e, k in enumerate(chosen):
-        for column in sorted(block.incidence[k], key=block.number.__getitem__):
+    for e, stated in enumerate(chosen):
+        for column in sorted(stated.names, key=block.number.__getitem__):
             if column in place:
                 edges[place[column]].append(e)
     order = sorted(range(len(unknowns)), key=lambda k: _preference(unknowns[k], block.number[unknowns[k].column]))
@@ -238,7 +226,7 @@ def outcome(block: Block, case: tuple[Expr, list[int], dict[Column, bool]]) -> O
     for u, unknown in enumerate(unknowns):
         if matching.equation_of[u] >= 0:
             result.because[unknown.column] = equations[matching.equation_of[u]]
-    result.values, result.told = solve_system(env, unknowns, equations, forms, matching, holds)
+    result.values, result.told = solve_system(env, unknowns, chosen, matching, holds)
     _surplus(env, unknowns, equations, matching, result.values, guard)
     return result
 
@@ -380,13 +368,10 @@ def _settle_block(block: Block, outcomes: list[Outcome]) -> None:
         unknown.reason = "; ".join(q.text for q in equations)
         unknown.settled = [o.told[column] for o in relevant if column in o.told]
         if open_cases:
-            near = [
-                (q, _determined_by(block, outcomes, q))
-                for q, names in zip(block.equations, block.incidence, strict=True)
-                if column in names
-            ]
-            value, reason = default(env, unknown, near, fresh=bool(solved), guard=under(env, any_of(open_cases)))
-            unknown.settled.append(Settled(any_of(open_cases), reason=reason))
+            naming = (s.equation for s in block.stated if column in s.names)
+            near = [(q, _determined_by(block, outcomes, q)) for q in naming]
+            value, reason = default(env, unknown, near, fresh=bool(solved), guard=under(env, E.any_of(open_cases)))
+            unknown.settled.append(Settled(E.any_of(open_cases), reason=reason))
             if not solved:
                 unknown.reason = reason
                 continue
@@ -394,7 +379,7 @@ def _settle_block(block: Block, outcomes: list[Outcome]) -> None:
         if not solved:  # the part exists in no case
             env.context.program.definitions[column] = E.ZERO
             continue
-        determining = any_of(c for c, _ in solved if c not in open_cases)
+        determining = E.any_of(c for c, _ in solved if c not in open_cases)
         env.context.program.definitions[column] = closed(env.context, column, chosen(column.scope, solved))
         determined(env, unknown, determining if open_cases or len(relevant) < len(outcomes) else E.TRUE)
 
@@ -403,13 +388,6 @@ def _determined_by(block: Block, outcomes: list[Outcome], equation: Equation) ->
     """The unknown that an equation determines, in words; empty where it determines none."""
     chosen = {column for o in outcomes for column, q in o.because.items() if q is equation}
     return next((u.name for u in block.unknowns if u.column in chosen), "")
-
-
-def any_of(conditions: Iterable[Expr]) -> Expr:
-    result = E.FALSE
-    for item in conditions:
-        result = E.either(result, item)
-    return result
 
 
 def chosen(scope: Scope, solved: list[tuple[Expr, Expr]]) -> Expr:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from ...graph import expr as E
 from ...graph.expr import Column, Expr
 from ...graph.linear import Linear, LinearForm, Parts, combine, isolate, solve_block, tidy
@@ -12,38 +14,34 @@ from .inline import inline
 from .roots import numeric, start
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Stated:
+    """An equation of a block: its linear form (None: it has none), and the unknowns that it names."""
+
+    equation: Equation
+    form: LinearForm | None
+    names: set[Column]
+
+
 def solve_system(
-    env: Env,
-    unknowns: list[Unknown],
-    equations: list[Equation],
-    forms: list[LinearForm | None],
-    matching: Matching,
-    guard: Expr,
+    env: Env, unknowns: list[Unknown], stated: list[Stated], matching: Matching, guard: Expr
 ) -> tuple[dict[Column, Expr], dict[Column, Settled]]:
     """A value for each matched unknown (it may read others that are matched before it) where ``guard`` holds, and how."""
     definitions = env.context.program.definitions
     places = {u.column: k for k, u in enumerate(unknowns)}
-    matched = [u for u in range(len(unknowns)) if matching.equation_of[u] >= 0]
-    chosen = set(matched)
-    linear = Linear(lambda c: c in places, definitions)
+    matched = {u: stated[e] for u, e in enumerate(matching.equation_of) if e >= 0}
     reads: list[set[int]] = [set() for _ in unknowns]
-    for u in matched:
-        e = matching.equation_of[u]
-        form = forms[e]
-        names = (
-            set(form[0]) if form is not None else linear.columns(equations[e].left) | linear.columns(equations[e].right)
-        )
-        reads[u] = {places[c] for c in names if c in places and places[c] != u and places[c] in chosen}
+    for u, own in matched.items():
+        reads[u] = {places[c] for c in own.names if c in places and places[c] != u and places[c] in matched}
     values: dict[Column, Expr] = {}
     told: dict[Column, Settled] = {}
-    for group in components(matched, reads):
+    for group in components(list(matched), reads):
         searched = False
         columns = [unknowns[u].column for u in group]
-        rows = [forms[matching.equation_of[u]] for u in group]
+        sides, rows = [matched[u].equation for u in group], [matched[u].form for u in group]
         known = [row for row in rows if row is not None]
         solution = solve_block(known, columns) if len(known) == len(rows) else None
         if solution is None:
-            sides = [equations[matching.equation_of[u]] for u in group]
             differences = [inline(E.sub(q.left, q.right), columns, definitions) for q in sides]
             solution = None if any(q.near for q in sides) else _eliminate(differences, columns)
             if solution is None and any(row is None for row in rows):
@@ -51,18 +49,12 @@ def solve_system(
                 searched = solution is not None
                 env.context.near.update((q.span, True) for q in sides if searched and q.near)
         if solution is None:
-            raise _unsolved(
-                env, [unknowns[u] for u in group], [equations[matching.equation_of[u]] for u in group], rows
-            )
-        for u, column in zip(group, columns, strict=True):
+            raise _unsolved(env, [unknowns[u] for u in group], sides, rows)
+        for u, column, side in zip(group, columns, sides, strict=True):
             values[column] = solution[column] if searched else tidy(solution[column])
             others = tuple(unknowns[v].name for v in group if v != u)
-            begun = (
-                E.show(start(env, unknowns[u], columns, [equations[matching.equation_of[v]] for v in group]))
-                if searched
-                else ""
-            )
-            told[column] = Settled(guard, equations[matching.equation_of[u]], others, columns[0], begun)
+            begun = E.show(start(env, unknowns[u], columns, sides)) if searched else ""
+            told[column] = Settled(guard, side, others, columns[0], begun)
     return values, told
 
 

@@ -153,11 +153,11 @@ def united(name: str, values: Sequence[tuple[Scope | None, Value]]) -> Ref | Sur
     if (surfaces := alike(Surface, values)) is not None:
         return Surface(tuple((b[0] or scope, *b[1:]) for scope, v in surfaces for b in v.branches))
     if (references := alike(Ref, values)) is not None:
-        return Ref(name, tuple(replace(b, scope=b.scope or s) for s, v in references for b in baked(v).branches))
+        return Ref(name, tuple(replace(b, scope=b.scope or s) for s, v in references for b in _baked(v).branches))
     return None
 
 
-def baked(ref: Ref) -> Ref:
+def _baked(ref: Ref) -> Ref:
     """A reference with its common frame carried by each member."""
     if ref.frame is HERE:
         return ref

@@ -6,7 +6,6 @@ links a value lies on (see ``links``).
 
 from __future__ import annotations
 
-import functools
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -139,8 +138,8 @@ class Choice:
 
     def chosen(self, name: str) -> Expr:
         """The predicate that the option ``name`` is the one (an option may stand there twice)."""
-        codes = [E.call("eq", self.code, E.const(float(k))) for k, option in enumerate(self.options) if option == name]
-        return functools.reduce(E.either, codes) if codes else E.FALSE
+        codes = (k for k, option in enumerate(self.options) if option == name)
+        return E.any_of(E.call("eq", self.code, E.const(float(k))) for k in codes)
 
 
 @dataclass(slots=True, eq=False)

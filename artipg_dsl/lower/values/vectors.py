@@ -40,10 +40,7 @@ def times(a: Triple, factor: Expr) -> Triple:
 
 
 def dot(a: Iterable[Expr], b: Iterable[Expr]) -> Expr:
-    total = ZERO
-    for x, y in zip(a, b, strict=True):
-        total = E.add(total, E.mul(x, y))
-    return total
+    return E.total(E.mul(x, y) for x, y in zip(a, b, strict=True))
 
 
 def cross(a: Triple, b: Triple) -> Triple:
