@@ -12,7 +12,7 @@ from ..graph.program import UNLABELLED, Link, Program
 from ..graph.reference import definitions_of
 from ..graph.text import digest
 from ..semantics.check import TypedProgram
-from ..semantics.symbols import ModuleScope, Symbol
+from ..semantics.symbols import Symbol
 from ..syntax import ast
 from .elaborate import conditions as stated
 from .elaborate import drives, gates, labels, mimic, motions, rings
@@ -236,8 +236,7 @@ def clearances(links: Links) -> None:
         joint = program.joints[number]
         if number in followed or joint.mimic is not None or joint.gates or program.closures:
             links.context.unclear.append(span)
-        whatever = number in links.context.whatever
-        program.joints[number] = replace(program.joints[number], clearance=True, whatever=whatever)
+        program.joints[number] = replace(joint, clearance=True, whatever=number in links.context.whatever)
 
 
 def _root_path(env: Env) -> str:
@@ -276,19 +275,8 @@ def _spoken(env: Env) -> None:
     """
     program = env.context.program
     program.vocabularies["semantic"] = (UNLABELLED,)  # points have a class, whether the text has words for it or not
-    seen: set[int] = set()
-
-    def visit(module: ModuleScope) -> None:
-        if id(module) in seen:
-            return
-        seen.add(id(module))
-        for symbol in module.names.values():
-            if symbol.module is not module:
-                visit(symbol.module)
-        for symbol in module.names.values():
-            if isinstance(symbol.decl, ast.VocabularyDecl):
-                words = program.vocabularies.get(symbol.name, (UNLABELLED,))
-                extra = tuple(w for w in symbol.decl.words if w not in words)
-                program.vocabularies[symbol.name] = words + extra
-
-    visit(env.module)
+    for symbol in (symbol for module in env.module.used() for symbol in module.names.values()):
+        if isinstance(symbol.decl, ast.VocabularyDecl):
+            words = program.vocabularies.get(symbol.name, (UNLABELLED,))
+            extra = tuple(w for w in symbol.decl.words if w not in words)
+            program.vocabularies[symbol.name] = words + extra

@@ -104,12 +104,12 @@ def _count(ck: Checker, entry: Entry, found: list[Attachment], needed: bool, roo
         ck.error(
             "no-attachment",
             entry.span,
-            f"`{entry.name}` is not attached {_words(case, found)}",
+            f"`{entry.name}` is not attached {_words(case)}",
             notes=((found[0].span, "attached here, under a guard"),),
         )
 
 
-def _words(case: dict[str, Hashable], found: list[Attachment]) -> str:
+def _words(case: dict[str, Hashable]) -> str:
     """A case in words: ``when handle is none and rows is 2``."""
     told = []
     for key, value in case.items():

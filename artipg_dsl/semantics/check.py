@@ -86,7 +86,7 @@ def _body(ck: Checker, symbol: Symbol) -> None:
     if symbol.kind == "template":
         roles.check_template(ck, symbol)
     if symbol.kind == "primitive":
-        primitives.check_whole(ck, symbol, scope)
+        primitives.check_whole(ck, symbol)
     if symbol.kind in ("template", "category"):
         attachments.check(ck, scope)
 

@@ -289,10 +289,9 @@ def _material(ck: Checker, ctx: Context, stmt: ast.MaterialStmt) -> None:
     for expr in stmt.targets:
         target(ck, ctx, expr, "a material lies on")
     home = ctx.scope.home(stmt.material) if ctx.scope is not None else None
-    entries = home.table[stmt.material] if home is not None else []
     if home is not None:
         ck.mean(stmt, Declared(stmt.material, home.depth))
-        kind = ck.entry_type(paths.sole(ck, ctx, entries, stmt.material_span))
+        kind = ck.entry_type(paths.sole(ck, ctx, home.table[stmt.material], stmt.material_span))
         if kind not in (MATERIAL, UNKNOWN):
             ck.error("wrong-type", stmt.material_span, f"`{stmt.material}` is not a material but {kind}")
         return

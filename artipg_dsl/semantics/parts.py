@@ -158,20 +158,17 @@ def _lacking(
             ctx.lenient.append(Atom(part.key, frozenset(having), part.domain))
         return None if having else promised
     if having:
-        names = " and ".join(v.name for v in having)
+        names, has = " and ".join(v.name for v in having), "has" if len(having) == 1 else "have"
         return ck.error(
             "optional-outside-when",
             span,
-            f"only {names} has `{word}`, the other alternatives do not"
-            if len(having) == 1
-            else f"only {names} have `{word}`, the other alternatives do not",
+            f"only {names} {has} `{word}`, the other alternatives do not",
             hint=f"put this inside `when {path} is {having[0].name} {{ }}`",
         )
+    what = " or ".join(dict.fromkeys(v.name for v in part.variants))
     if promised is not None:
-        what = " or ".join(dict.fromkeys(v.name for v in part.variants))
         return ck.error("optional-outside-when", span, f"`{word}` is optional in the role, and {what} does not bind it")
     offered = sorted({n for v in part.variants if v.symbol is not None for n in _member_names(ck, v.symbol)})
-    what = " or ".join(dict.fromkeys(v.name for v in part.variants))
     code, missing = ("unknown-port", f"port or part `{word}`") if ctx.ends else ("unknown-member", f"`{word}`")
     return ck.error(
         code,

@@ -111,27 +111,25 @@ def _on_face(ck: Checker, node: ast.Attaching, expr: ast.Expr, kind: Type) -> No
 def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> None:
     """The clauses that place. ``framed``: on a face or port or in a box, whose middle `at center` means."""
     ends = ctx.but(ends=True)
-    for clause in (node.to, node.on):
-        if clause is not None:
-            _end(ck, clause.value, ck.infer(ends, clause.value), f"what follows `{clause.word}`")
-    for value in node.between.value if node.between is not None else ():
+    for clause in ast.present(node.to, node.on):
+        _end(ck, clause.value, ck.infer(ends, clause.value), f"what follows `{clause.word}`")
+    for value in ast.value_of(node.between) or ():
         _end(ck, value, ck.infer(ends, value), "what follows `between`")
     if node.in_ is not None:
         kind = ck.infer(ends, node.in_.value)
         if not isinstance(kind, Boxed) and kind not in (BOX, UNKNOWN):
             ck.unfit(node.in_.value, kind, "`in` needs a box")
-    for clause in (node.gap, node.sink):
-        if clause is not None:
-            ck.expect(ctx, clause.value, LENGTH, f"the `{clause.word}`")
+    for clause in ast.present(node.gap, node.sink):
+        ck.expect(ctx, clause.value, LENGTH, f"the `{clause.word}`")
     if node.facing is not None:
         ck.expect(ctx, node.facing.value, DIRECTION, "what follows `facing`")
-    for value in node.fit.value if node.fit is not None else ():
+    for value in ast.value_of(node.fit) or ():
         if not isinstance(value, ast.NameExpr) or value.name not in FACES:
             near = did_you_mean(value.name, FACES) if isinstance(value, ast.NameExpr) else None
             ck.error(
                 "wrong-type", value.span, "`fit` takes the names of faces", hint=near or f"there are {', '.join(FACES)}"
             )
-    for argument in node.at.value if node.at is not None else ():
+    for argument in ast.value_of(node.at) or ():
         _at(ck, ctx, argument.name, argument.value, framed)
         if node.in_ is not None and node.fit is None and isinstance(ck.meanings.get(id(argument.value)), Word):
             ck.error(
@@ -282,9 +280,8 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
             if value is not None and (low is not None and value < low or high is not None and value > high):
                 text = interval.value.span.text
                 ck.error("illegal-value", rest.value.span, f"the rest value of the joint lies outside its range {text}")
-    for axis in (_taken(ck, kind, node.about), _taken(ck, kind, node.along)):
-        if axis is not None:
-            axis_value(ck, axis.word, axis.value, ck.infer(ctx, axis.value))
+    for axis in ast.present(_taken(ck, kind, node.about), _taken(ck, kind, node.along)):
+        axis_value(ck, axis.word, axis.value, ck.infer(ctx, axis.value))
     if (mimic := _taken(ck, kind, node.mimic)) is not None:
         _mimic(ck, ctx, mimic.value, wanted)
     if (when := _taken(ck, kind, node.when)) is not None:

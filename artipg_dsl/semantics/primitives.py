@@ -11,7 +11,6 @@ from ..syntax.walk import in_branches
 from .calls import range_type
 from .conditions import truth
 from .declarations import check_range
-from .scope import BodyScope
 from .symbols import Symbol
 from .types import COUNT, CURVE, DIRECTION, LENGTH, LENGTH_DIM, POINT, SIZE, UNKNOWN, ScalarType, Type, VecType, fits
 
@@ -34,9 +33,8 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
         case ast.InsideDecl(parameter=name, value=value):
             ck.expect(ctx.but(extra={name: SIZE}), value, LENGTH, "`inside`")
         case ast.BoxDecl():
-            for corner in (stmt.value, stmt.low, stmt.high):
-                if corner is not None:
-                    ck.expect(ctx, corner, SIZE, "the box")
+            for corner in ast.present(stmt.value, stmt.low, stmt.high):
+                ck.expect(ctx, corner, SIZE, "the box")
         case ast.PieceDecl():
             _piece(ck, ctx, stmt)
         case ast.SolidDecl():
@@ -93,19 +91,17 @@ def _solid(ck: Checker, ctx: Context, stmt: ast.SolidDecl) -> None:
             ck.expect(ctx.but(making=curve), curve, CURVE, f"an argument of `{stmt.operator}`")
     if operator is not None:
         _whole(ck, stmt, operator)
-    for end in (stmt.from_, stmt.to):
-        if end is not None:
-            ck.expect(ctx, end.value, LENGTH, f"`{end.word}`")
+    for end in ast.present(stmt.from_, stmt.to):
+        ck.expect(ctx, end.value, LENGTH, f"`{end.word}`")
     levels = stmt.at
     if levels is not None and isinstance(levels.value, ast.VectorExpr):
         for level in levels.value.items:  # any number of them, so no vector
             ck.expect(ctx, level, LENGTH, "a level")
         levels = None
-    for clause in (stmt.about, stmt.along, stmt.up, levels):
-        if clause is not None:
-            kind = ck.infer(ctx, clause.value)
-            if kind != CURVE and not fits(kind, DIRECTION):
-                ck.mismatch(clause.value, kind, DIRECTION, f"what follows `{clause.word}`")
+    for clause in ast.present(stmt.about, stmt.along, stmt.up, levels):
+        kind = ck.infer(ctx, clause.value)
+        if kind != CURVE and not fits(kind, DIRECTION):
+            ck.mismatch(clause.value, kind, DIRECTION, f"what follows `{clause.word}`")
 
 
 def _whole(ck: Checker, stmt: ast.SolidDecl, operator: Kind) -> None:
@@ -126,7 +122,7 @@ def _whole(ck: Checker, stmt: ast.SolidDecl, operator: Kind) -> None:
         ck.error("missing-clause", stmt.span, f"`{operator.name}` needs {any_of(lacking, 'and')}", hint=hint)
 
 
-def check_whole(ck: Checker, symbol: Symbol, scope: BodyScope) -> None:
+def check_whole(ck: Checker, symbol: Symbol) -> None:
     """A primitive is surfaces with an inside function and a box, or one solid."""
     body = list(in_branches(symbol.body))
     solids = [s for s in body if isinstance(s, ast.SolidDecl)]

@@ -100,7 +100,7 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             placing.check_connect(ck, ctx, stmt)
         case ast.AlignStmt():
             _align(ck, ctx, stmt.left, stmt.right, "align")
-            for start in stmt.near.value if stmt.near is not None else ():
+            for start in ast.value_of(stmt.near) or ():
                 _align(ck, ctx, start.left, start.right, "near")
         case ast.RequireStmt() | ast.PreferStmt():
             _condition(ck, ctx, stmt)
@@ -264,7 +264,7 @@ def _condition(ck: Checker, ctx: Context, stmt: ast.RequireStmt | ast.PreferStmt
 
 
 def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr | None, word: str) -> None:
-    for expr in (subject,) if other is None else (subject, other):
+    for expr in ast.present(subject, other):
         kind = ck.infer(ctx.but(lenient=[], many=True, subject=True), expr)
         if not isinstance(kind, Boxed) and kind != UNKNOWN:
             ck.unfit(expr, kind, f"`{word}` names parts")
@@ -297,22 +297,15 @@ def _repeat(ck: Checker, ctx: Context, stmt: ast.RepeatStmt) -> None:
     _form(ck, stmt)
     if stmt.count is not None:
         ck.expect(ctx, stmt.count, COUNT, "the number of elements")
-    for box in (stmt.spread, stmt.split, stmt.fill):
-        if box is not None:
-            kind = ck.infer(ctx, box.value)
-            if not isinstance(kind, Boxed) and kind not in (BOX, UNKNOWN):
-                ck.unfit(
-                    box.value,
-                    kind,
-                    f"`{box.word}` needs a box",
-                    hint="name a part, a box or an element of another repeat",
-                )
-    for length in (stmt.pitch, stmt.margin, stmt.every, stmt.gap):
-        if length is not None:
-            ck.expect(ctx, length.value, LENGTH, f"the `{length.word}`")
-    for axis in (stmt.along, stmt.across):
-        if axis is not None:
-            ck.expect(ctx, axis.value, DIRECTION, f"the `{axis.word}`")
+    for box in ast.present(stmt.spread, stmt.split, stmt.fill):
+        kind = ck.infer(ctx, box.value)
+        if not isinstance(kind, Boxed) and kind not in (BOX, UNKNOWN):
+            hint = "name a part, a box or an element of another repeat"
+            ck.unfit(box.value, kind, f"`{box.word}` needs a box", hint)
+    for length in ast.present(stmt.pitch, stmt.margin, stmt.every, stmt.gap):
+        ck.expect(ctx, length.value, LENGTH, f"the `{length.word}`")
+    for axis in ast.present(stmt.along, stmt.across):
+        ck.expect(ctx, axis.value, DIRECTION, f"the `{axis.word}`")
     if stmt.each is not None:
         declarations.check_range(ck, ctx, stmt.each.value, LENGTH, "the `each`")
     if stmt.about is not None:

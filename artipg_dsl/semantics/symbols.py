@@ -53,6 +53,21 @@ class ModuleScope:
         """The names of declarations of some kinds, for suggestions."""
         return [s.name for s in self.names.values() if s.kind in kinds]
 
+    def used(self) -> list[ModuleScope]:
+        """All modules that it takes names from, and those that these do, each behind what it uses; itself last."""
+        found: list[ModuleScope] = []
+        seen: set[ModuleScope] = set()
+
+        def visit(module: ModuleScope) -> None:
+            seen.add(module)
+            for symbol in module.names.values():
+                if symbol.module not in seen:
+                    visit(symbol.module)
+            found.append(module)
+
+        visit(self)
+        return found
+
     def own(self) -> list[Symbol]:
         """The module's own declarations, in the order of the text."""
         return [s for s in self.names.values() if s.module is self]

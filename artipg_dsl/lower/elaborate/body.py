@@ -148,7 +148,7 @@ def _register_port(env: Env, statement: ast.PortDecl) -> None:
     def make() -> Value:
         found = Evaluator(env).value(value)
         if isinstance(found, Ref):
-            found = Evaluator(env).ref_box(found, value.span)
+            found = Evaluator(env).ref_box(found)
         return found
 
     if statement.index is None:

@@ -93,7 +93,7 @@ class Drive:
 
     def links_of(self, part: Component) -> list[tuple[int, ...]]:
         """The links of a part and of all parts in it."""
-        inner = [p for instance in part.instances for p in instance.parts()]
+        inner = [p for body in part.bodies for p in body.all_parts()]
         return [definitions_of(self.links.of(part)), *(link for p in inner for link in self.links_of(p))]
 
     def lifted(self, joint: Joint) -> tuple[Expr, Joint]:

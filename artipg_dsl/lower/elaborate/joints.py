@@ -13,7 +13,7 @@ from ...language import JOINTS
 from ...semantics.meanings import Clearance
 from ...syntax import ast
 from ..expressions.context import where
-from ..expressions.env import Env, Hinge
+from ..expressions.env import Hinge
 from ..expressions.evaluate import Evaluator
 from ..values.kinds import Frame, Line, Vec
 from ..values.vectors import direct, normalized, place
@@ -46,10 +46,10 @@ def build_joint(links: Links, part: Component, attachment: Attachment) -> None:
         links.gates[len(program.joints)] = (env, statement.when.value)
     given = (statement.damping, statement.friction, statement.effort, statement.velocity, statement.pitch)
     physics: dict[str, Any] = {c.word: ev.scalar(c.value) for c in given if c is not None}
-    name = part.path if statement.name in ("motion", "") else _joint_name(env, statement)
+    path = env.path + statement.name
     joint = Joint(
-        _joint_name(env, statement),
-        name,
+        path,
+        part.path if statement.name in ("motion", "") else path,
         program.links[child].scope,
         kind,
         parents,
@@ -136,7 +136,3 @@ def carried_axis(outer: Pose, axis: Triple, kind: str) -> Triple:
     """An axis in the object's frame; an axis of rotation is a pseudo-vector, which a mirror turns round once more."""
     carried = normalized(direct(outer, axis))
     return triple(E.mul(outer.mirror, c) for c in carried) if JOINTS[kind].turns else carried
-
-
-def _joint_name(env: Env, statement: ast.JointDecl) -> str:
-    return env.path + statement.name

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from ...graph import expr as E
-from ...graph.expr import ONE, Expr, Scope
+from ...graph.expr import Expr, Scope
 from ...graph.formula import free_variables
-from ...graph.primitive import Triple, pair
+from ...graph.primitive import pair, triple
 from ...graph.program import Grasp, Keypoint, Label, Pose, Target
 from ...semantics import types
 from ...semantics.meanings import Current, Declared, Global
@@ -50,9 +50,8 @@ def statements(links: Links, env: Env) -> None:
     homes = list(nested(env))
     for home in homes:
         for part in home.parts:
-            for instance in part.instances:
-                if instance.env is not None:
-                    statements(links, instance.env)
+            for body in part.bodies:
+                statements(links, body)
     said = [(home, statement) for home in homes for statement in home.statements]
     symmetries = [(home, s) for home, s in said if isinstance(s, ast.SymmetryStmt)]
     for home, symmetric in sorted(symmetries, key=lambda pair: _one_element(pair[1])):  # one element last: it says more
@@ -124,11 +123,8 @@ def _depth_of(part: Component) -> int:
 
 def sites_of(links: Links, part: Component) -> list[int]:
     """All elementary primitives of a part, those of its inner parts included."""
-    found = list(links.sites.get(part, []))
-    for instance in part.instances:
-        for inner in instance.parts():
-            found.extend(sites_of(links, inner))
-    return found
+    inner = (site for body in part.bodies for p in body.all_parts() for site in sites_of(links, p))
+    return [*links.sites.get(part, ()), *inner]
 
 
 def _nodes_of(links: Links, part: Component) -> Iterator[tuple[Scope, int]]:
@@ -279,16 +275,11 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
         scope = env.context.guard(aim.scope, present(env, aim), f"{env.path}{statement.name}")
         own = dict(ev.local)
         plain, turned = Evaluator(env, own, ev.pose), Evaluator(env, {**own, **axes()})
-
-        def number(node: ast.Expr, scope: Scope = scope, plain: Evaluator = plain) -> Expr:
-            return shown(plain.scalar(node), scope)
-
-        def triple(values: Triple, scope: Scope = scope) -> Triple:
-            x, y, z = (shown(value, scope) for value in values)
-            return x, y, z
-
         ends = () if statement.range is None else (statement.range.low, statement.range.high)
         low, high = (shown(Evaluator(env).scalar(end), scope) for end in ends) if ends else (E.ZERO, E.ZERO)
+        vectors = plain.vector(at.value), turned.direction(approach.value), turned.direction(close.value)
+        hand, ahead, across = (triple(shown(c, scope) for c in vector) for vector in vectors)
+        quality = E.ONE if statement.quality is None else plain.scalar(statement.quality.value)
         links.context.program.grasps.append(
             Grasp(
                 statement.name,
@@ -299,20 +290,19 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
                 aim.box.center,
                 low,
                 high,
-                triple(plain.vector(at.value)),
-                triple(turned.direction(approach.value)),
-                triple(turned.direction(close.value)),
-                number(opening.value),
-                ONE if statement.quality is None else number(statement.quality.value),
+                hand,
+                ahead,
+                across,
+                shown(plain.scalar(opening.value), scope),
+                shown(quality, scope),
                 where(statement.span),
-                tuple((measure.word, number(measure.value)) for measure in statement.hand),
+                tuple((measure.word, shown(plain.scalar(measure.value), scope)) for measure in statement.hand),
             )
         )
 
 
 def axes() -> dict[str, Value]:
     """In a grasp, axis words are the target's own axes."""
-
     return {letter: Vec(unit(k)) for k, letter in enumerate("xyz")}
 
 
@@ -327,10 +317,8 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
                 origin = Pose(aim.frame.rotation, point, aim.frame.mirror)
                 point = place(origin, Evaluator(env, own.local).vector(statement.at))
             scope = env.context.guard(aim.scope, present(env, aim), f"{env.path}{statement.name}")
-            x, y, z = (shown(c, scope) for c in point)
-            program.keypoints.append(
-                Keypoint(statement.name, scope, links.of(aim.part), (x, y, z), where(statement.span))
-            )
+            point = triple(shown(c, scope) for c in point)
+            program.keypoints.append(Keypoint(statement.name, scope, links.of(aim.part), point, where(statement.span)))
         return
     value = Evaluator(env).value(statement.target)
     match value:
@@ -339,15 +327,9 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
         case _:
             point = Evaluator(env).vector(statement.target)
     on = carriers_of(value)
-    program.keypoints.append(
-        Keypoint(
-            statement.name,
-            env.scope,
-            links.carried(on, statement.span) if on else (0,),
-            place(links.world(env), point),
-            where(statement.span),
-        )
-    )
+    link = links.carried(on, statement.span) if on else (0,)
+    point = place(links.world(env), point)
+    program.keypoints.append(Keypoint(statement.name, env.scope, link, point, where(statement.span)))
 
 
 def _is_part_path(env: Env, node: ast.Expr) -> bool:

@@ -69,7 +69,7 @@ def legalize(links: Links, env: Env) -> None:
             continue
         seen.add(key)
         if _never(quantity, intervals):
-            sources = sources or _sources_of(env)
+            sources = sources or {module.source.name: module.source for module in env.module.used()}
             follows = SIZE in refused and quantity.legal is PLACE  # what is too large lies too far off
             if not follows and str(quantity.where) not in refused:  # of one statement, what is told first
                 refuse(context, quantity, intervals, sources)
@@ -134,18 +134,6 @@ def _line_of(source: Source, place: Where) -> Span:
     start = sum(len(line) + 1 for line in source.text.split("\n")[: place.line - 1]) + place.column - 1
     code = text[place.column - 1 :].split("#")[0].rstrip()
     return Span(source, start, start + max(len(code), 1))
-
-
-def _sources_of(env: Env) -> dict[str, Source]:
-    """The texts of the category's file and of all that it uses, by name."""
-    found: dict[str, Source] = {}
-    waiting = [env.module]
-    while waiting:
-        module = waiting.pop()
-        if module.source.name not in found:
-            found[module.source.name] = module.source
-            waiting.extend(symbol.module for symbol in module.names.values())
-    return found
 
 
 # ---------------------------------------------------------------- the numbers of each record

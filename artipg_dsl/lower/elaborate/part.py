@@ -119,9 +119,9 @@ class Component:
             columns.append(E.col(column))
         return columns[0], columns[1], columns[2]
 
-    def member(self, name: str, span: Span, ev: Evaluator, own: bool = False) -> Value | None:
+    def member(self, name: str, own: bool = False) -> Value | None:
         """A declared member in the frame of its environment (``own``: in its own frame)."""
-        value = self.own(name, span)
+        value = self.own(name)
         if value is None:
             return None
         if isinstance(value, Ports):
@@ -132,10 +132,15 @@ class Component:
         return moved(value, self.pose)
 
     @property
+    def bodies(self) -> list[Env]:
+        """The bodies of the templates that it may be made of."""
+        return [instance.env for instance in self.instances if instance.env is not None]
+
+    @property
     def primitive(self) -> bool:
         return all(i.symbol.kind == "primitive" for i in self.instances)
 
-    def own(self, name: str, span: Span) -> Value | None:
+    def own(self, name: str) -> Value | None:
         """A declared member in the part's own frame, in the table of its environment where alternatives differ."""
         if name in self.inputs:
             return self.inputs[name]

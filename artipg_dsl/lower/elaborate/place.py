@@ -284,7 +284,7 @@ def _bridge_pose(part: Component, mount: Mount, ev: Evaluator) -> Pose:
     if part.rotation() != IDENTITY:
         _turned_in_vain(part, mount)
     subject = mount.subject
-    line = part.own("ends", subject.span) if isinstance(subject, ast.NameExpr) else _own_value(part, subject, mount.env)
+    line = part.own("ends") if isinstance(subject, ast.NameExpr) else _own_value(part, subject, mount.env)
     if not isinstance(line, Line) or line.to is None:
         raise ev.env.context.error(
             "unknown-port",

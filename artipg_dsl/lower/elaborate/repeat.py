@@ -52,13 +52,12 @@ def build_repeat(
     inner.element = element
     if statement.index is not None:
         inner.names[statement.index] = E.rank(scope)
-    inner_ev = Evaluator(inner)
     match statement.form:
         case "split":
             assert box is not None
             split(inner, element, statement, box, register)
         case "spread" | "fill" | "pitch":
-            element.box = _space_elements(ev, inner_ev, statement, box, count, scope)
+            element.box = _space_elements(ev, statement, box, count, scope)
         case "ring":
             inner.frame = ring(ev, statement, count, scope)
         case "mirror":
@@ -79,9 +78,7 @@ def _count_filling(ev: Evaluator, statement: ast.RepeatStmt, box: Box) -> Expr:
     return E.maximum(E.ONE, E.add(E.call("floor", E.add(E.div(length, step), E.const(1e-9))), E.ONE))
 
 
-def _space_elements(
-    ev: Evaluator, inner: Evaluator, statement: ast.RepeatStmt, box: Box | None, count: Expr, scope: Scope
-) -> Box:
+def _space_elements(ev: Evaluator, statement: ast.RepeatStmt, box: Box | None, count: Expr, scope: Scope) -> Box:
     """Elements without extent along the axis: evenly spread, at a pitch, or as many as fit."""
     axis = axis_of(ev, statement)
     if box is None:

@@ -31,9 +31,8 @@ def attempt(links: Links, env: Env, statement: ast.Stmt, meanings: Meanings) -> 
 def _deepest_first(env: Env) -> Iterator[Env]:
     """The bodies of the parts of an environment, its repeats and branches, then the environment itself."""
     for part in env.parts:
-        for instance in part.instances:
-            if instance.env is not None:
-                yield from _deepest_first(instance.env)
+        for body in part.bodies:
+            yield from _deepest_first(body)
     for inner in env.inner:
         yield from _deepest_first(inner)
     yield env

@@ -7,8 +7,9 @@ equations that are matched together.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
@@ -94,10 +95,14 @@ class Env:
 
     @property
     def root(self) -> Env:
-        env = self
-        while env.outer is not None:
+        return self if self.outer is None else self.outer.root
+
+    def chain(self) -> Iterator[Env]:
+        """This environment, then those around it in its body."""
+        env: Env | None = self
+        while env is not None:
+            yield env
             env = env.outer
-        return env
 
     def force(self, name: str) -> Value:
         """The value of a name declared right here, lowering its declaration if that has not happened yet."""
@@ -183,20 +188,14 @@ class Env:
 
     def element_at(self, depth: int) -> Element | None:
         """The element in which this stands, of the repeat whose body is ``depth`` deep."""
-        env: Env | None = self
-        while env is not None:
-            if env.element is not None and env.depth == depth:
-                return env.element
-            env = env.outer
-        return None
+        return next((env.element for env in self.chain() if env.element is not None and env.depth == depth), None)
 
     def pose_in(self, around: Env) -> Pose:
         """This frame in that of an environment around it, of the same body."""
-        pose, env = HERE, self
-        while env is not around and env.outer is not None:
+        pose = HERE
+        for env in takewhile(lambda env: env is not around, self.chain()):
             if env.frame is not HERE:
                 pose = compose(env.frame, pose) if pose is not HERE else env.frame
-            env = env.outer
         return pose
 
 

@@ -72,12 +72,6 @@ class Evaluator:
             case value:
                 raise self.impossible(node.span, "a direction such as x or -z", value)
 
-    def frame(self, node: ast.Expr) -> Frame:
-        value = self.value(node)
-        if isinstance(value, Frame):
-            return value
-        raise self.impossible(node.span, "a frame (a port or a face)", value)
-
     def box(self, node: ast.Expr) -> Box:
         return self.box_of(self.value(node), node.span)
 
@@ -85,7 +79,7 @@ class Evaluator:
         if isinstance(value, At):
             return members.fetch(self, value, Evaluator(value.element.env).box_of(value.inner, span))
         if isinstance(value, Ref):
-            value = self.ref_box(value, span)
+            value = self.ref_box(value)
         if isinstance(value, Element) and value.box is not None:
             value = self.here(value, value.box) if self.inside(value) else value.box
         if isinstance(value, Box):
@@ -215,12 +209,7 @@ class Evaluator:
         return Function(symbol.name, symbol.decl.parameters, symbol.decl.value, home)
 
     def inside(self, element: Element) -> bool:
-        env: Env | None = self.env
-        while env is not None:
-            if env is element.env:
-                return True
-            env = env.outer
-        return False
+        return any(env is element.env for env in self.env.chain())
 
     def _element(self, node: ast.IndexExpr) -> Value:
         value = self.value(node.obj)

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
-from ...graph.expr import Expr, Scope
+from ...graph.expr import Scope
 from ...graph.primitive import triple
 from ...graph.program import Pose
 from ..values.carry import moved
-from ..values.faces import extent
+from ..values.faces import around, extent
 from ..values.kinds import Box
 from ..values.vectors import HERE, ORIGIN, compose
 from .env import Env
@@ -57,8 +57,7 @@ def _boxes_in(env: Env) -> Iterator[tuple[Component, Box]]:
 
 def union_of(env: Env, scope: Scope) -> Box:
     """The axis-aligned box around all parts of an environment and of those inside it, in its frame and ``scope``."""
-    lows: list[list[Expr]] = [[], [], []]
-    highs: list[list[Expr]] = [[], [], []]
+    boxes = []
     for part, found in _boxes_in(env):
         box = extent(found)
         if part.exists is not E.TRUE:
@@ -66,10 +65,5 @@ def union_of(env: Env, scope: Scope) -> Box:
                 triple(E.where(part.exists, c, E.const(float("inf"))) for c in box.low),
                 triple(E.where(part.exists, c, E.const(float("-inf"))) for c in box.high),
             )
-        box = raised(box, part.env.scope, scope)
-        for k in range(3):
-            lows[k].append(box.low[k])
-            highs[k].append(box.high[k])
-    if not lows[0]:
-        return Box(ORIGIN, ORIGIN)
-    return Box(triple(E.minimum(*c) for c in lows), triple(E.maximum(*c) for c in highs))
+        boxes.append(raised(box, part.env.scope, scope))
+    return around(boxes) if boxes else Box(ORIGIN, ORIGIN)

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, TypeVar, overload
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
-from ...graph.primitive import triple
 from ...graph.program import Pose
 from ...semantics.meanings import Feature, Inner
 from ...source import Span
 from ...syntax import ast
 from ..values.carry import mapped, mapped_pose, merged, moved, united
-from ..values.faces import FACES, corner_of, edge_of, extent, face_of, squared
+from ..values.faces import FACES, around, corner_of, edge_of, extent, face_of, squared
 from ..values.handed import Handed
 from ..values.kinds import (
     Alternatives,
@@ -136,7 +135,7 @@ def inner(ev: Evaluator, value: Value, name: str, span: Span) -> Value | None:
     """What the template of a part or the body of an element declares."""
     match value:
         case Ref():
-            return declared(ev, value, name, span)
+            return declared(ev, value, name)
         case Element():
             found = within(ev, value, span).env.declared(name)
             return None if found is None else _from_env(ev, value.env, found)
@@ -162,7 +161,7 @@ def _feature(ev: Evaluator, value: Value, name: str, span: Span) -> Value | None
             return gap
         case At(inner=Element(gap=Box() as gap)) if name == "gap":
             return fetch(ev, value, gap)
-        case Ref() if name == "size" and (size := declared(ev, value, name, span)) is not None:
+        case Ref() if name == "size" and (size := declared(ev, value, name)) is not None:
             return size
         case Element():
             within(ev, value, span)
@@ -258,14 +257,14 @@ def lift(ev: Evaluator, value: Value, scope: Scope | None) -> Value:
     return value
 
 
-def declared(ev: Evaluator, ref: Ref, name: str, span: Span) -> Value | None:
+def declared(ev: Evaluator, ref: Ref, name: str) -> Value | None:
     """What the templates of a reference declare under a name: of whichever alternative exists."""
     results: list[tuple[Scope | None, Value]] = []
     for branch in ref.branches:
         if len(branch.members) != 1:
             continue
         part, outer = branch.members[0]
-        found = part.member(name, span, ev, ref.own)
+        found = part.member(name, ref.own)
         if found is not None:
             results.append((branch.scope, moved(found, outer)))
     if not results or name == "size" and len(results) < len(ref.branches):
@@ -293,12 +292,12 @@ def parted(values: Sequence[tuple[Scope | None, K]]) -> tuple[Scope, list[tuple[
     return parent, own
 
 
-def ref_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
+def ref_box(ev: Evaluator, ref: Ref) -> Box:
     """The box of what a reference names, in the frame of the environment that names it."""
-    return moved(_branch_box(ev, ref, span), ref.frame)
+    return moved(_branch_box(ev, ref), ref.frame)
 
 
-def _branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
+def _branch_box(ev: Evaluator, ref: Ref) -> Box:
     """The box of what a reference names; for several parts, the axis-aligned box around them."""
     boxes: list[tuple[Scope | None, Box]] = []
     carriers: list[Component] = []
@@ -306,10 +305,7 @@ def _branch_box(ev: Evaluator, ref: Ref, span: Span) -> Box:
         held = [_member_box(ev, part, outer, ref.own, branch.scope) for part, outer in branch.members]
         carriers += [part for part, _ in branch.members if part not in carriers]
         if len(held) > 1:
-            held = [extent(b) for b in held]
-            low = triple(E.minimum(*(b.low[k] for b in held)) for k in range(3))
-            high = triple(E.maximum(*(b.high[k] for b in held)) for k in range(3))
-            held = [Box(low, high)]
+            held = [around(held)]
         boxes.append((branch.scope, held[0]))
     on = tuple(carriers)
     if len(boxes) == 1:

@@ -94,7 +94,7 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
     ends: list[Point] = [(extreme(probe, spans, 0, sign), ZERO) for sign in (-1, 1)]
     if not bay.frames.plain:
         ends += [(ZERO, extreme(probe, spans, 1, sign)) for sign in (-1, 1)]
-    twist, wide = turning(probe, bay.rail, bay.frames), E.maximum(*(E.call("hypot", *end) for end in ends))
+    twist, wide = turning(bay.rail, bay.frames), E.maximum(*(E.call("hypot", *end) for end in ends))
     bent = bay.rail.center is not None or bay.rail.length is ZERO
     for number, corners in enumerate(sections):
         corners = [c for k, c in enumerate(corners) if not seen.same(c, corners[k - 1])]

@@ -131,7 +131,7 @@ def mirror(normal: Triple, vector: Triple) -> Triple:
     return minus(vector, times(normal, E.div(E.mul(E.const(2.0), dot(normal, vector)), square)))
 
 
-def turning(probe: Probe, rail: Stretch, made: Frames) -> Expr:
+def turning(rail: Stretch, made: Frames) -> Expr:
     """The most that the section turns about the path in a metre of it, at several places."""
     if made.plain or rail.length is not ZERO:
         return ZERO

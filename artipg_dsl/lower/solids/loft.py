@@ -321,7 +321,7 @@ def _twisted(probe: Probe, bay: Bay, wide: Expr) -> Expr:
     """The greatest slope in space of a distance in a section that turns about the path of a formula and changes along it."""
     outer = E.mul(wide, E.const(1.1))
     tight = E.maximum(E.sub(ONE, E.mul(outer, bend(bay.rail))), E.const(0.1))
-    moved = E.mul(outer, turning(probe, bay.rail, bay.frames))
+    moved = E.mul(outer, turning(bay.rail, bay.frames))
     if not bay.even:
         moved = E.add(moved, E.div(changed(probe, bay), slowest(bay.rail)))
     return E.call("hypot", ONE, E.div(moved, tight))

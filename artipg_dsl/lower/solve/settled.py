@@ -10,7 +10,6 @@ from ..expressions.context import Equation, Unknown
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.faces import squared
-from ..values.kinds import Box
 from ..values.vectors import turn
 
 SMALL = E.const(1e-4)  # the least size of something that equations determine, in metres
@@ -86,15 +85,12 @@ def centred(unknown: Unknown) -> Expr:
     part, axis = unknown.part, unknown.axis
     assert part is not None
     offset = turn(part.rotation(), part.box().center)[axis]
-    at: Env | None = part.env
-    center: Expr = E.ZERO
-    while at is not None:
-        if at.element is not None and at.element.box is not None:
-            box: Box = squared(Evaluator(part.env).here(at.element, at.element.box))
-            center = box.center[axis]
-            break
-        at = at.outer
-    return E.sub(center, offset)
+    elements = (at.element for at in part.env.chain() if at.element is not None)
+    around = next((element for element in elements if element.box is not None), None)
+    if around is None or around.box is None:
+        return E.neg(offset)
+    box = squared(Evaluator(part.env).here(around, around.box))
+    return E.sub(box.center[axis], offset)
 
 
 def determined(env: Env, unknown: Unknown, guard: Expr) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ...graph import expr as E
 from ...graph.expr import ZERO
 from ...graph.primitive import Triple, triple
@@ -106,6 +108,14 @@ def extent(box: Box) -> Box:
     center = place(box.pose, box.center)
     reach = triple(dot((E.call("abs", c) for c in row), half) for row in box.pose.rotation)
     return Box(minus(center, reach), plus(center, reach), HERE, box.on, box.exists)
+
+
+def around(boxes: Sequence[Box]) -> Box:
+    """The axis-aligned box around several, at least one."""
+    boxes = [extent(box) for box in boxes]
+    low = triple(E.minimum(*(box.low[k] for box in boxes)) for k in range(3))
+    high = triple(E.maximum(*(box.high[k] for box in boxes)) for k in range(3))
+    return Box(low, high)
 
 
 def centred(size: Triple, on: tuple[Carrier, ...] = ()) -> Box:

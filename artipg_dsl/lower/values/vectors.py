@@ -123,29 +123,25 @@ def _unplace(pose: Pose, point: Triple) -> Triple:
     return _flip(turn(transpose(pose.rotation), minus(point, pose.translation)), pose.mirror)
 
 
+def _mirrored(rotation: Matrix, mirror: Expr) -> Matrix:
+    """M R M, where M is the mirror in y that a pose begins with, or none."""
+    if mirror is ONE:
+        return rotation
+    rows = enumerate(rotation)
+    return matrix((E.mul(mirror, c) if (i == 1) != (j == 1) else c for j, c in enumerate(row)) for i, row in rows)
+
+
 def compose(outer: Pose, inner: Pose) -> Pose:
     """The pose of something placed by ``inner`` in a frame that ``outer`` places.
 
     A mirror in the outer frame is carried to the geometry: M (R x + t) = (M R M)(M x) + M t, M R M being proper.
     """
-    rotation, mirror = inner.rotation, outer.mirror
-    if mirror is not ONE:
-        rotation = matrix(
-            tuple(E.mul(mirror, c) if (i == 1) != (j == 1) else c for j, c in enumerate(row))
-            for i, row in enumerate(rotation)
-        )
+    rotation = _mirrored(inner.rotation, outer.mirror)
     return Pose(product(outer.rotation, rotation), place(outer, inner.translation), E.mul(outer.mirror, inner.mirror))
 
 
 def inverse(pose: Pose) -> Pose:
-    rotation = transpose(pose.rotation)
-    if pose.mirror is not ONE:
-        rotation = matrix(
-            tuple(E.mul(pose.mirror, c) if (i == 1) != (j == 1) else c for j, c in enumerate(row))
-            for i, row in enumerate(rotation)
-        )
-    at = _unplace(pose, ORIGIN)
-    return Pose(rotation, at, pose.mirror)
+    return Pose(_mirrored(transpose(pose.rotation), pose.mirror), _unplace(pose, ORIGIN), pose.mirror)
 
 
 def along(direction: Triple) -> Matrix:

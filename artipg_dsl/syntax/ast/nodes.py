@@ -43,6 +43,11 @@ def value_of(clause: Clause[Value] | None) -> Value | None:
     return None if clause is None else clause.value
 
 
+def present(*parts: Value | None) -> list[Value]:
+    """Those of some parts of a statement that are there."""
+    return [part for part in parts if part is not None]
+
+
 def clauses(statement: Stmt) -> list[Clause[Any]]:
     """The clauses of a statement in the order of the text, known or not."""
     found: list[Clause[Any]] = []
