@@ -270,7 +270,7 @@ def _of_label(label: Label, program: Program) -> Iterator[Quantity]:
     """What a formula reads of each row; what it makes of points is asked where it is evaluated."""
     name = f"the {'field' if label.vocabulary == 'field' else 'label'} `{label.name}`"
     guard, *values = label.formulas
-    if _row_less(guard):
+    if guard.op != "const" and row_values([guard]) != [guard]:  # it reads coordinates of points
         return
     for scope in dict.fromkeys(program.sites[target.site].scope for target in label.targets):
         for value in values:
@@ -280,11 +280,6 @@ def _of_label(label: Label, program: Program) -> Iterator[Quantity]:
             else:
                 reads = f"what {name} reads"
                 yield from (Quantity(reads, scope, read, NUMBER, label.where, guard) for read in row_values([value]))
-
-
-def _row_less(node: Expr) -> bool:
-    """Whether a predicate reads more than the rows of a table: coordinates of points."""
-    return node.op != "const" and row_values([node]) != [node]
 
 
 def _of_grasp(grasp: Grasp) -> Iterator[Quantity]:

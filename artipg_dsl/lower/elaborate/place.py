@@ -26,6 +26,7 @@ from ..values.vectors import (
     AXES,
     HERE,
     IDENTITY,
+    MINUS,
     Matrix,
     columns,
     cross,
@@ -45,8 +46,6 @@ from .guards import has_row
 
 if TYPE_CHECKING:
     from .part import Component
-
-MINUS = E.const(-1.0)
 
 
 @dataclass(slots=True, eq=False)
@@ -221,12 +220,14 @@ def _mount_pose(part: Component, mount: Mount) -> Pose:
 
 
 def _mounted(ev: Evaluator, value: Value, node: ast.Expr, way: E.Expr) -> Frame:
-    """One end of a mount as a frame; a line counts as one whose ``out`` runs along it, or against it."""
+    """One end of a mount as a frame; a line counts as one whose ``out`` runs along it, or against it, and ``up`` along z (x where
+    it is vertical)."""
     match value:
         case Frame():
             return value
         case Line(point=point, direction=direction, on=on):
-            return Frame(point, _axes_from(times(direction, way)), on)
+            vertical = abs(direction[2].constant or 0.0) == 1.0
+            return Frame(point, frame_of(times(direction, way), unit(0 if vertical else 2)), on)
     message = f"this is {describe(value)}, but a frame (a port or a face) is needed here"
     raise ev.env.context.error("wrong-kind", node.span, message)
 
@@ -242,11 +243,6 @@ def _turned_in_vain(part: Component, mount: Mount) -> None:
         hint="turn the port in its template, or place the part by a face of its box (`connect lid.back on ...`) and equations",
         notes=((mount.statement.span, "the mount"),),
     )
-
-
-def _axes_from(direction: Triple) -> Matrix:
-    """Axes for a line used as a frame: out along it, up z (x for a vertical one)."""
-    return frame_of(direction, unit(0 if abs(direction[2].constant or 0.0) == 1.0 else 2))
 
 
 def _own_value(part: Component, subject: ast.Expr, env: Env, rotation: Matrix = IDENTITY) -> Value:
@@ -302,7 +298,8 @@ def _bridge_pose(part: Component, mount: Mount, ev: Evaluator) -> Pose:
     reach = next((c for c in inner if c is not ZERO), ZERO) if sum(c is not ZERO for c in inner) == 1 else norm(inner)
     mount.env.equations.append(Equation(reach, distance, clause.span, "the distance of the two ends", part.exists))
     along = normalized(outer)
-    toward = ev.direction(statement.facing.value) if statement.facing is not None else _perpendicular(along)
+    upright = along[0] is ZERO and along[1] is ZERO  # by construction
+    toward = ev.direction(statement.facing.value) if statement.facing is not None else unit(0 if upright else 2)
     own_axis = next((k for k in range(3) if inner[k] is not ZERO), 2)
     own_along = unit(own_axis) if sum(c is not ZERO for c in inner) == 1 else normalized(inner)
     own_toward = unit(0 if own_axis != 0 else 2)
@@ -329,11 +326,6 @@ def _frame_at(ev: Evaluator, node: ast.Expr) -> Frame | None:
     if not isinstance(value, Frame) and isinstance(node, ast.MemberExpr) and node.name in ("center", "origin"):
         value = ev.value(node.obj)
     return value if isinstance(value, Frame) else None
-
-
-def _perpendicular(direction: Triple) -> Triple:
-    """z, or x where the direction is vertical by construction."""
-    return unit(0) if direction[0] is ZERO and direction[1] is ZERO else unit(2)
 
 
 def _basis(along: Triple, toward: Triple) -> Matrix:

@@ -46,7 +46,8 @@ def frames(probe: Probe, rails: list[Stretch], up: Triple | None) -> list[Frames
             break
     wanted = up or unit(2)
     if least(probe, rails, wanted) > ALONG and all(rail.center is None for rail in rails):
-        return [_upright(rail, wanted) for rail in rails]
+        sides = [normalized(cross(wanted, rail.direction)) for rail in rails]
+        return [Frames(at(s), at(cross(rail.direction, s))) for s, rail in zip(sides, rails, strict=True)]
     start = rails[0].towards(0.0)
     if sine(probe, start, wanted).min() <= ALONG:
         wanted = max((unit(k) for k in range(3)), key=lambda axis: float(sine(probe, start, axis).min()))
@@ -79,11 +80,6 @@ def least(probe: Probe, rails: list[Stretch], axis: Triple) -> float:
     """The sine of the least angle between a path and an axis."""
     across = (probe.along(cross(axis, rail.direction), [k / 64 for k in range(65)], V) for rail in rails)
     return float(min(np.nan_to_num(np.sqrt((seen**2).sum(axis=1))).min() for seen in across))
-
-
-def _upright(rail: Stretch, up: Triple) -> Frames:
-    side = normalized(cross(up, rail.direction))
-    return Frames(at(side), at(cross(rail.direction, side)))
 
 
 def carried(probe: Probe, rail: Stretch, side: Triple) -> Frames:
