@@ -113,7 +113,8 @@ class Lowered:
             )
             place, message, name = part.span, condition.message, "the path"
             if bend is not None:
-                for curve in [v for v in instance.values.values() if isinstance(v, Curve)][:1]:
+                curve = next((v for v in instance.values.values() if isinstance(v, Curve)), None)
+                if curve is not None:
                     place, name = curve.statement.name_span, f"`{curve.name}`"
                 message = f"{name} bends more tightly than its section allows"
             told, text = f"{part.path}: {message}", f"{part.path}: {condition.text}"
