@@ -21,7 +21,8 @@ def hulls(points: np.ndarray, valid: np.ndarray) -> np.ndarray:
     some = valid.any(axis=1)
     masked = np.where(valid[:, :, None], points, np.nan)
     low = np.where(valid, points[..., 0], np.inf)
-    low = np.where(low <= low.min(axis=1, initial=np.inf)[:, None], points[..., 1], np.inf)
+    # of points on one upright line but for rounding, the lowest: another is no corner, and the outline would not come back to it
+    low = np.where(low <= low.min(axis=1, initial=np.inf)[:, None] + NEAR, points[..., 1], np.inf)
     start = np.argmin(np.where(valid, low, np.inf), axis=1)
     first = masked[rows, start]
     corners, at, way = [first], first, np.tile((0.0, -1.0), (count, 1))

@@ -45,6 +45,14 @@ def test_hulls_are_those_of_scipy() -> None:
         assert (depth(found[row : row + 1], probe[None])[0] < 0) == (inside < 0)
 
 
+def test_corners_on_one_upright_line_but_for_rounding_come_back_to_the_first() -> None:
+    """The leftmost by an error of rounding is no corner when another point of its line lies lower."""
+    square = np.array([(0.0, -0.9), (1e-16, -1.0), (1.0, -1.0), (1.0, 1.0), (1e-16, 1.0)])
+    for points in (square, np.concatenate([square, square + 1e-17]), np.concatenate([square] * 9)):
+        found = hulls(points[None], np.ones((1, len(points)), dtype=bool))
+        assert depth(found, np.array([[0.4, 0.1]]))[0] == pytest.approx(0.4)
+
+
 @pytest.mark.parametrize("points", [[], [(0, 0)], [(0, 0), (1, 0)], [(0, 0), (1, 0), (2, 0), (1, 0)]])
 def test_on_points_and_lines_nothing_stands(points: list) -> None:
     padded, valid = np.zeros((1, 5, 2)), np.zeros((1, 5), dtype=bool)
