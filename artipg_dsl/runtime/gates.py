@@ -34,7 +34,8 @@ class Gates:
 
     def settle(self, values: np.ndarray) -> np.ndarray:
         """Joint values (..., J) with every joint at rest whose gates are not all open, the outermost first."""
-        flat = np.array(values, dtype=np.float64).reshape(-1, len(self.rest))
+        flat = np.array(values, dtype=np.float64)
+        flat = flat.reshape(flat.size // max(1, len(self.rest)), len(self.rest))  # there may be no joint at all
         for level in range(int(self.level.max(initial=-1)) + 1):
             rows = np.flatnonzero(self.level == level)
             state, held = np.nonzero(self.held(flat)[:, rows])

@@ -1,5 +1,7 @@
 """Joints that wait for others: what states become, and what the check proves of them."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -105,3 +107,16 @@ def test_a_door_waits_for_the_bolt_that_its_gate_draws(tmp_path_factory: pytest.
     file.write_text(SAFE.replace("LEAST", "10deg"), encoding="utf-8")  # hardly drawn
     with pytest.raises(UserError, match="bolt collide while open moves"):
         apg.sample(str(file), 1)
+
+
+def test_objects_of_which_none_moves_have_no_states_to_settle(tmp_path: Path) -> None:
+    """A category whose joints wait may draw objects without joints, and a batch may hold only these."""
+    file = tmp_path / "chest.apg"
+    moving = TEXT.replace("LEAST", "95deg").split("  part door")
+    file.write_text(
+        f"{moving[0]}  param shut : choice yes | no = no\n  when shut == no {{\n  part door{moving[1].rstrip()}\n}}\n",
+        encoding="utf-8",
+    )
+    still = apg.sample(str(file), 2, set={"shut": "yes"})
+    assert joint_values(still.batch, read_states("open,random:3")).shape == (4, 0)
+    assert [one["joints"] for one in annotate(still.batch, still.batch.rest()[None])] == [[], []]
