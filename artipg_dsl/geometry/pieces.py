@@ -105,7 +105,8 @@ class Cloud:
     def ranges(self) -> list[tuple[int, int, int]]:
         """(index, where its rows begin, where they end): rows are sorted by index."""
         edges = np.flatnonzero(np.diff(self.index, prepend=-1)).tolist()
-        return [(int(self.index[a]), a, b) for a, b in zip(edges, [*edges[1:], len(self.index)], strict=True)]
+        ends = [*edges[1:], len(self.index)] if edges else []  # a piece under a condition may be in no row
+        return [(int(self.index[a]), a, b) for a, b in zip(edges, ends, strict=True)]
 
     def settled(self) -> np.ndarray:
         """(k,) of which pieces all points are corners, as far as is known before their faces are."""

@@ -89,3 +89,14 @@ def test_flat_pieces_are_refused():
     flat = shapes.cuboid(pieces=(Piece("sheet", ((x, y, ZERO), (-x, y, ZERO), (x, -y, ZERO), (-x, -y, ZERO))),))
     with pytest.raises(PrimitiveError, match="sheet has no volume"):
         pieces.build(flat, draw_trial(flat))
+
+
+def test_a_guarded_piece_may_be_in_no_row():
+    x, y, z = shapes.size()
+    whole = tuple(
+        (a * (x / 2), b * (y / 2), c * (z / 2)) for a in (-1.0, 1.0) for b in (-1.0, 1.0) for c in (-1.0, 1.0)
+    )
+    split = shapes.cuboid(pieces=(Piece("box", whole), Piece("extra", whole, None, shapes.call("lt", const(0.5), x))))
+    small = {"size.x": np.array([0.05, 0.25]), "size.y": np.full(2, 0.1), "size.z": np.full(2, 0.2)}
+    assert [group.name for group in pieces.build(split, small)] == ["box"]
+    assert [g.name for cloud in pieces.clouds(split, small) for g in cloud.groups()] == ["box"]
