@@ -26,7 +26,7 @@ PALM = np.array([0.06, 0.14, 0.07])
 FRICTION = 0.5
 APPROACHES = 12  # about a line between two pads
 BUTTON = 4e-3  # metres that a button gives way by, at most
-ROLLING = ("drum", "disc", "fork")  # a drum, castors: nothing for two fingers
+ROLLING = ("drum", "disc", "fork", "pedal")  # a drum, castors, what a foot presses: nothing for two fingers
 MOST = 12  # solids of a link that are tried
 CLEAR = 5e-5  # metres that fingers may touch by
 CONE = 1 / np.sqrt(1 + FRICTION**2)
@@ -155,7 +155,7 @@ class Verdict:
 
 def verdicts(batch: Batch, told: list[dict[str, Any]]) -> tuple[list[Verdict], list[tuple[str, bool]]]:
     """All grasps at rest for a hand of 8 cm; and of all links that move and can be held at all, the name and whether it, or
-    what it carries, has a grasp. Links that give way when they are pressed are not gripped; nor is a drum or a wheel."""
+    what it carries, has a grasp. Links that give way when they are pressed are not gripped; nor is a drum, a wheel or a pedal."""
     robots, moving = Robots(batch, physics=False), own_joints(batch)
     first, held, links = np.searchsorted(batch.links().owner, np.arange(len(batch))), [], []
     for i, one in enumerate(told):

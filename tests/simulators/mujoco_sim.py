@@ -84,11 +84,14 @@ class MujocoSim:
         dof = int(model.joint(name).dofadr[0])
         moved, unit = np.zeros(model.nv), np.zeros(model.nv)
         unit[dof] = 1.0
+        for other in self.subject.moving:  # it moves what follows it, too
+            if other.mimic and other.mimic[0] == name:
+                unit[int(model.joint(other.name).dofadr[0])] = other.mimic[1]
         mujoco.mj_mulM(model, data, moved, unit)
         error = target - data.joint(name).qpos[0]
-        pull = moved[dof] * (BANDWIDTH**2 * error - 2 * BANDWIDTH * data.qvel[dof])
+        pull = (unit @ moved) * (BANDWIDTH**2 * error - 2 * BANDWIDTH * data.qvel[dof])
         near = 0.005 * (joint.high - joint.low)
-        force = data.qfrc_bias[dof] + pull + drag * np.clip(error / near, -1, 1)
+        force = unit @ data.qfrc_bias + pull + drag * np.clip(error / near, -1, 1)
         data.qfrc_applied[dof] = np.clip(force, -joint.effort, joint.effort)
 
     def value(self, joint: str) -> float:
