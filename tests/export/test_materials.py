@@ -135,6 +135,7 @@ MASSES = {
     "Scissors": (0.02, 0.13),
     "Switch": (0.03, 1.2),
     "Table": (4, 80),
+    "TrashCan": (0.4, 18),
     "USB": (0.003, 0.03),
     "WashingMachine": (25, 100),
 }
