@@ -120,6 +120,7 @@ def test_shipped_materials_have_real_values() -> None:
 # kg: what shops and makers state of such things, with some room
 MASSES = {
     "Bottle": (0.02, 0.7),
+    "Box": (0.15, 12),
     "Chair": (3, 45),
     "Dishwasher": (12, 70),
     "Display": (2.5, 40),
