@@ -238,8 +238,7 @@ def _align(ck: Checker, ctx: Context, first: ast.Expr, second: ast.Expr, word: s
             ck.unfit(expr, kind, f"`{word}` equates planes, numbers or points", hint=hint)
             return
     if is_number(left) != is_number(right):
-        number = first if is_number(left) else second
-        kind = left if is_number(left) else right
+        number, kind = (first, left) if is_number(left) else (second, right)
         ck.unfit(number, kind, "a point can only be aligned with a point")
         return
     a, b = dimension_of(left), dimension_of(right)

@@ -19,7 +19,6 @@ from ..values.kinds import Choice, Value, Vec
 if TYPE_CHECKING:
     from .part import Component
 
-_LETTERS = ("x", "y", "z")
 SMALL = 1e-9
 Drawn: TypeAlias = ast.ParamDecl | ast.CountDecl | ast.PartDecl | ast.StyleDecl
 
@@ -162,7 +161,7 @@ def open_parameter(
         if item is not None and not isinstance(item, ast.HoleExpr):
             items.append(Evaluator(part.env).scalar(item))
         else:
-            items.append(_open_scalar(part, local, declaration, f"{name}.{_LETTERS[k]}", span, k))
+            items.append(_open_scalar(part, local, declaration, f"{name}.{'xyz'[k]}", span, k))
     return Vec(tuple(items))
 
 

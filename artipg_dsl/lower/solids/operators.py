@@ -245,15 +245,10 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
     pieces: tuple[Piece, ...] = ()
     if len(loops) > 1 or not convex(probe, loops[0][0], mirrored=False):
         polygons = parts(probe, strips, orientation(probe, loops[0][0])) if region is None else region.polygons
-        pieces = _prisms(polygons, axis, (low, high))
+        pieces = tuple(
+            Piece(f"part_{number}", tuple(turned(axis, corner, end) for end in (low, high) for corner in corners))
+            for number, corners in enumerate(polygons)
+        )
     return Made(
         tuple(patches), pieces, inside, bounds[0], bounds[1], {}, (Demand(low, high, "the prism has no height"),)
-    )
-
-
-def _prisms(polygons: list[list[Point]], axis: int, ends: tuple[Expr, Expr]) -> tuple[Piece, ...]:
-    """Prisms over the convex parts of a region."""
-    return tuple(
-        Piece(f"part_{number}", tuple(turned(axis, corner, end) for end in ends for corner in corners))
-        for number, corners in enumerate(polygons)
     )
