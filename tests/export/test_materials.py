@@ -121,6 +121,7 @@ def test_shipped_materials_have_real_values() -> None:
 MASSES = {
     "Bottle": (0.02, 0.7),
     "Box": (0.15, 12),
+    "Bucket": (0.4, 3),
     "Chair": (3, 45),
     "Dishwasher": (12, 70),
     "Display": (2.5, 40),
