@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1] / "artipg_dsl"
@@ -17,11 +18,15 @@ LONGEST = 3  # files of one room that import one another in a circle
 START = ("cli", "api", "__init__.py", "session.py")  # they load what a command needs, and nothing else
 
 
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def late_imports(path: Path) -> Iterator[tuple[int, str]]:
     """Line and text of every import of our own modules inside a function."""
-    text = path.read_text(encoding="utf-8")
-    lines = text.splitlines()
-    for function in ast.walk(ast.parse(text)):
+    lines = path.read_text(encoding="utf-8").splitlines()
+    for function in ast.walk(parsed(path)):
         if isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
             for node in ast.walk(function):
                 if isinstance(node, ast.ImportFrom) and node.level:
@@ -62,7 +67,7 @@ def imports(root: Path) -> dict[str, set[str]]:
     files = {path.relative_to(root).with_suffix("").parts: path for path in root.rglob("*.py")}
     found: dict[str, set[str]] = {}
     for name, path in files.items():
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        tree = parsed(path)
         targets = {t for t in imported(tree, name[:-1]) if t in files and t != name}
         found["/".join(name)] = {"/".join(t) for t in targets}
     return found
@@ -129,7 +134,7 @@ def test_lowering_asks_no_value_for_an_attribute_by_its_name() -> None:
     """What a value is of is asked of its class."""
     asked = {"getattr", "hasattr"}
     for path in (ROOT / "lower").rglob("*.py"):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        tree = parsed(path)
         assert not asked & {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}, path
 
 
@@ -182,7 +187,7 @@ def annotated(tree: ast.Module) -> set[str]:
 
 def test_what_stays_inside_a_file_has_an_underscore() -> None:
     folders = (ROOT, ROOT.parent / "tests", ROOT.parent / "benchmarks")
-    trees = {path: ast.parse(path.read_text(encoding="utf-8")) for top in folders for path in top.rglob("*.py")}
+    trees = {path: parsed(path) for top in folders for path in top.rglob("*.py")}
     asked = {path: asked_for(tree) for path, tree in trees.items()}
     often = Counter(name for names in asked.values() for name in names)
     wrong = []

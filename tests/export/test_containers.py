@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from artipg_dsl.annotate.states import read_states
 from artipg_dsl.export.content import Content
 from artipg_dsl.export.registry import FORMATS, OTHERS, find_formats
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session
 
 CONTENT = Content(Sampling(40), read_states("rest,open"), True, Cameras(count=2, width=24, height=18, points=30))
@@ -54,12 +56,18 @@ def read_parquet(data: bytes) -> dict[str, np.ndarray]:
     return {field.name: array(field) for field in found.schema}
 
 
+@cache
+def plainly(kind: str) -> tuple[Batch, dict[str, np.ndarray]]:
+    """Three laptops, and the arrays of their NumPy file."""
+    batch = Session.of("Laptop").sampler.batch(np.arange(3), 5)
+    return batch, read_npz(FORMATS[kind].shard_bytes(batch, CONTENT))
+
+
 @pytest.mark.parametrize("container", OTHERS)
 @pytest.mark.parametrize("kind", ["points", "views", "correspondence"])
 def test_every_container_holds_the_same_arrays(tmp_path: Path, container: str, kind: str) -> None:
     pytest.importorskip(OTHERS[container].needs[0])  # type: ignore[index]
-    batch = Session.of("Laptop").sampler.batch(np.arange(3), 5)
-    plain = read_npz(FORMATS[kind].shard_bytes(batch, CONTENT))
+    batch, plain = plainly(kind)
     data = FORMATS[f"{kind}.{container}"].shard_bytes(batch, CONTENT)
     assert data == FORMATS[f"{kind}.{container}"].shard_bytes(batch, CONTENT)
     readers = {"hdf5": read_hdf5, "parquet": read_parquet, "zarr": lambda data: read_zarr(data, tmp_path)}

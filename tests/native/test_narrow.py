@@ -90,7 +90,7 @@ def test_no_pairs(using):
     assert len(one) == len(other) == 0
 
 
-@pytest.mark.parametrize("category", ["USB", "Chair"])
+@pytest.mark.parametrize("category", [pytest.param("USB", marks=pytest.mark.slow), "Chair"])
 def test_moments_of_solids(using, category):
     """The moments of all primitives, for each row by itself and for one of those that are alike."""
     found = []
