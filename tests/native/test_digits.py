@@ -4,11 +4,18 @@ import numpy as np
 import pytest
 
 from artipg_dsl.export.decimals import numbers
+from artipg_dsl.native import backend
 from artipg_dsl.native.digits import _printed, print_rows
 
 from .machine import needs_compiler
 
 MARKS = ("v ", " ", " ", "\n")
+
+
+@pytest.fixture
+def compiled(machine, monkeypatch):
+    """The machine that all tests share: a backend chosen anew is compiled anew."""
+    monkeypatch.setattr(backend, "machine", lambda: machine)
 
 
 def some(kind):
@@ -31,8 +38,7 @@ def some(kind):
 @pytest.mark.parametrize(
     "kind", ["plain", "small", "half way", "exactly half way", "powers of ten", "beside them", "nothing"]
 )
-def test_numbers_are_those_of_python(using, form, kind):
-    using("c")
+def test_numbers_are_those_of_python(compiled, form, kind):
     values = some(kind)
     left = 0
     for rows in np.split(values, 100):
@@ -45,8 +51,7 @@ def test_numbers_are_those_of_python(using, form, kind):
 
 
 @needs_compiler
-def test_whole_numbers_and_what_is_left_to_python(using):
-    using("c")
+def test_whole_numbers_and_what_is_left_to_python(compiled):
     whole = np.array([[0, -1, 2**62], [-(2**63), 7, 10]] * 3)
     assert (
         print_rows(whole, "%d", ("f ", "//", " ", "\n"))
@@ -58,10 +63,11 @@ def test_whole_numbers_and_what_is_left_to_python(using):
         assert print_rows(rows, "%.9g", MARKS) == f"v {value:.9g} {value:.9g} {value:.9g}\n" * 5
 
 
-@pytest.mark.parametrize("backend", ["numpy", pytest.param("c", marks=needs_compiler)])
-def test_a_few_numbers_and_many(using, backend):
+@pytest.mark.parametrize("with_machine", [False, pytest.param(True, marks=needs_compiler)])
+def test_a_few_numbers_and_many(request, monkeypatch, with_machine):
     """Either way they are rounded as NumPy rounds them."""
-    using(backend)
+    used = request.getfixturevalue("machine") if with_machine else None
+    monkeypatch.setattr(backend, "machine", lambda: used)
     lots = np.random.Generator(np.random.PCG64(5))
     for count in (0, 1, 3, 60):
         values = np.concatenate([lots.normal(size=count), 1e-12 * lots.normal(size=count)])

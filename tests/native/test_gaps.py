@@ -5,6 +5,7 @@ from scipy.spatial import ConvexHull
 
 from artipg_dsl.geometry import merge
 from artipg_dsl.geometry.merge import Convex
+from artipg_dsl.native import backend
 from artipg_dsl.native.gaps import Stock
 
 from .machine import needs_compiler
@@ -24,13 +25,13 @@ def pieces(count, near, plain):
 
 
 @needs_compiler
-def test_gaps_of_clusters(using):
+def test_gaps_of_clusters(machine, monkeypatch):
     for near in (0.5, 1.0, 1.5, 3.0):
         for plain in (False, True):
             every = pieces(70, near, plain)
             for some in (every[:2], every[3:9], every[::7], every):
                 found = []
-                for name in ("numpy", "c"):
-                    using(name)
+                for used in (None, machine):
+                    monkeypatch.setattr(backend, "machine", lambda used=used: used)
                     found.append(merge._deepest.__wrapped__(tuple(some)))
                 assert found[0] == found[1]
