@@ -209,8 +209,12 @@ class Side:
         more = [] if exports else ["--no-exports"]
         process = subprocess.Popen(
             self.command("--serve", category, "-n", str(count), *more),
-            env=self.environment, cwd=self.root, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-        )  # fmt: off
+            env=self.environment,
+            cwd=self.root,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
         assert process.stdin is not None and process.stdout is not None
         source, sink = process.stdin, process.stdout
 

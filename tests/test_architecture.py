@@ -130,6 +130,12 @@ def test_the_type_checker_looks_away_seldom() -> None:
     assert sum(path.read_text(encoding="utf-8").count("# type: ignore") for path in ROOT.rglob("*.py")) <= IGNORED
 
 
+def test_one_formatter_lays_out_every_line() -> None:
+    files = [path for top in ("artipg_dsl", "benchmarks") for path in sorted((ROOT.parent / top).rglob("*.py"))]
+    assert len(files) > 400
+    assert not [path for path in files if "# fmt:" in path.read_text(encoding="utf-8")]
+
+
 def test_lowering_asks_no_value_for_an_attribute_by_its_name() -> None:
     """What a value is of is asked of its class."""
     asked = {"getattr", "hasattr"}

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .narrow import Side, address, told
+from .calls import call
+from .narrow import Side, told
 
 if TYPE_CHECKING:
     from .backend import Machine
@@ -81,23 +82,24 @@ def examine(
     count, columns = cells.joint.shape
     turns = (cells.joint >= 0) & np.append(axes.turns, False)[cells.joint]
     middle, wide = np.where(turns, cells.middle, 0.0), np.where(turns, np.minimum(cells.wide, np.pi), 0.0)
-    told_cells, held = _pointers(
-        (
-            cells.joint, cells.piece, cells.other, cells.middle, cells.wide, np.cos(middle), np.sin(middle), np.cos(wide),
-            np.sin(wide), cells.radius, cells.low, cells.high,
-        ),
-        *[np.int64] * 3, *[np.float64] * 9,
-    )  # fmt: skip
+    places = (cells.joint, cells.piece, cells.other)
+    angles = (cells.middle, cells.wide, np.cos(middle), np.sin(middle), np.cos(wide), np.sin(wide))
+    sizes = (cells.radius, cells.low, cells.high)
+    told_cells, held = _pointers((*places, *angles, *sizes), *[np.int64] * 3, *[np.float64] * 9)
     found = Examined(
-        np.empty(count, dtype=np.bool_), np.empty((count, 3)), np.empty(count), np.empty(count), np.empty((count, columns)),
-        np.empty((2, count)), np.empty((2, count)), np.empty((2, count), dtype=np.bool_),
-    )  # fmt: skip
+        hit=np.empty(count, dtype=np.bool_),
+        away=np.empty((count, 3)),
+        length=np.empty(count),
+        between=np.empty(count),
+        loss=np.empty((count, columns)),
+        bounds=np.empty((2, count)),
+        least=np.empty((2, count)),
+        many=np.empty((2, count), dtype=np.bool_),
+    )
     (one, kept), (two, more), (told_axes, others) = told(first), told(second), _axes(axes)
-    done = machine.library.examine_cells(
-        ctypes.c_int64(count), ctypes.c_int64(columns), ctypes.byref(one), ctypes.byref(two), ctypes.byref(told_axes),
-        ctypes.byref(told_cells), ctypes.c_double(near), ctypes.c_int64(steps),
-        *[address(getattr(found, name)) for name in Examined.__slots__],
-    )  # fmt: skip
+    every = [getattr(found, name) for name in Examined.__slots__]
+    examined = machine.library.examine_cells
+    done = call(examined, count, columns, one, two, told_axes, told_cells, float(near), steps, *every)
     del held, kept, more, others  # were to live until here
     return found if done else None
 
@@ -121,9 +123,6 @@ def reach(
     numbers = (np.cos(angle), np.sin(angle), wider, slide, ahead)
     given = [np.ascontiguousarray(column, dtype=np.int64) for column in (joint, count)]
     given += [np.ascontiguousarray(column, dtype=np.float64) for column in numbers]
-    done = machine.library.reach_of_cells(
-        ctypes.c_int64(joint.shape[0]), ctypes.c_int64(joint.shape[1]), ctypes.byref(one), ctypes.byref(told_axes),
-        *[address(column) for column in given], address(found),
-    )  # fmt: skip
+    done = call(machine.library.reach_of_cells, *joint.shape, one, told_axes, *given, found)
     del held, others  # were to live until here
     return found if done else None

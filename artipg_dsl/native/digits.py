@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
 
 from . import backend
-from .narrow import address
+from .calls import call
 
 _WIDTH = 24  # more than a number takes
 _FEW = 12  # numbers below which Python is as fast
@@ -34,10 +33,7 @@ def _printed(values: np.ndarray, form: str, marks: tuple[str, ...]) -> bytes | N
     number, digits, text, ends = _row(form, marks)
     values = np.ascontiguousarray(values, dtype=np.float64 if number else np.int64)
     out = np.empty(len(values) * (len(text) + _WIDTH * values.shape[1]), dtype=np.uint8)
-    long = ctypes.c_int64
-    length = machine.library.print_rows(
-        long(len(values)), long(values.shape[1]), long(number), long(digits), address(values), text, address(ends), address(out)
-    )  # fmt: skip
+    length = call(machine.library.print_rows, *values.shape, number, digits, values, text, ends, out)
     return None if length < 0 else out[:length].tobytes()
 
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .calls import call
+
 if TYPE_CHECKING:
     from .backend import Machine
 
@@ -26,9 +28,7 @@ class Stock:
 def deepest(machine: Machine, stock: Stock, pieces: Sequence[int], ways: np.ndarray) -> tuple[float, int]:
     """How far the hull of pieces, told by their numbers, reaches where it does most, and the nearest face there, counted
     over them. ``ways`` (w, 3), up to 64: what extreme points are extreme along."""
-    numbers, depth, long = array("q", pieces), ctypes.c_double(), ctypes.c_int64
-    face = machine.library.deepest(
-        long(len(pieces)), ctypes.c_void_p(numbers.buffer_info()[0]), *stock.places,
-        long(len(ways)), ctypes.c_void_p(ways.ctypes.data), ctypes.byref(depth),
-    )  # fmt: skip
+    numbers, depth = array("q", pieces), ctypes.c_double()
+    place = ctypes.c_void_p(numbers.buffer_info()[0])
+    face = call(machine.library.deepest, len(pieces), place, *stock.places, len(ways), ways, ctypes.byref(depth))
     return depth.value, face

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import loops
-from .narrow import address
+from .calls import call
 
 if TYPE_CHECKING:
     from .backend import Machine
@@ -35,11 +35,9 @@ def add_moments(
     add, data = loops.loop(np.add, _ADD)
     weight, rows = np.ascontiguousarray(weight), np.ascontiguousarray(rows, dtype=np.int64)
     middle = np.ascontiguousarray(middle)
-    room, long = np.empty(7 * many), ctypes.c_int64
-    machine.library.add_moments(
-        long(count), long(many), long(inertia), places, strides, address(weight), address(rows), address(middle),
-        ctypes.c_void_p(add), ctypes.c_void_p(data), address(room), *[address(column) for column in moments],
-    )  # fmt: skip
+    adding = ctypes.c_void_p(add), ctypes.c_void_p(data), np.empty(7 * many)
+    given = (places, strides, weight, rows, middle)
+    call(machine.library.add_moments, count, many, inertia, *given, *adding, *moments)
 
 
 def _strides(array: np.ndarray) -> tuple[int, int]:
@@ -52,8 +50,6 @@ def row_sums(machine: Machine, values: np.ndarray) -> np.ndarray:
     """Sums (k,) of rows (k, n), as the quadrature makes them."""
     found = np.empty(len(values))
     add, data = loops.loop(np.add, _ADD)
-    machine.library.row_sums(
-        ctypes.c_int64(len(values)), ctypes.c_int64(values.shape[1]), ctypes.c_void_p(add), ctypes.c_void_p(data),
-        address(values), address(found),
-    )  # fmt: skip
+    adding = ctypes.c_void_p(add), ctypes.c_void_p(data)
+    call(machine.library.row_sums, *values.shape, *adding, values, found)
     return found

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .calls import call
+
 if TYPE_CHECKING:
     from .backend import Machine
 
@@ -39,15 +41,7 @@ def separate(
     nearest = np.array(direction, dtype=np.float64, order="C")
     hit = np.empty(len(nearest), dtype=np.bool_)
     (one, held), (two, kept) = (told(side) for side in (first, second))
-    machine.library.separate(
-        ctypes.c_int64(len(nearest)),
-        ctypes.byref(one),
-        ctypes.byref(two),
-        ctypes.c_double(near),
-        ctypes.c_int64(steps),
-        address(nearest),
-        address(hit),
-    )
+    call(machine.library.separate, len(nearest), one, two, float(near), steps, nearest, hit)
     del held, kept  # were to live until here
     return hit, nearest
 
@@ -56,14 +50,8 @@ def closest(machine: Machine, simplex: np.ndarray) -> tuple[np.ndarray, np.ndarr
     """The points (k, 3) of tetrahedra (k, 4, 3) nearest the origin, and their weights (k, 4)."""
     simplex = np.ascontiguousarray(simplex, dtype=np.float64)
     value, weight = np.empty((len(simplex), 3)), np.empty((len(simplex), 4))
-    given = [address(array) for array in (simplex, value, weight)]
-    machine.library.closest(ctypes.c_int64(len(simplex)), *given)
+    call(machine.library.closest, len(simplex), simplex, value, weight)
     return value, weight
-
-
-def address(array: np.ndarray) -> ctypes.c_void_p:
-    """Where the numbers of an array begin."""
-    return ctypes.c_void_p(array.ctypes.data)
 
 
 def told(side: Side) -> tuple[_Side, list[np.ndarray]]:

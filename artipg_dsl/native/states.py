@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .narrow import Side, address, told
+from .calls import call
+from .narrow import Side, told
 
 if TYPE_CHECKING:
     from .backend import Machine
@@ -54,15 +55,13 @@ def near_in_states(
     one, two = (np.ascontiguousarray(side, dtype=integer) for side in pairs)
     asked, pieces = np.ascontiguousarray(asked, dtype=np.bool_), len(scene.low)
     boxes, seen = np.empty(6 * pieces + 12 * links), np.empty(2 * links, dtype=integer)
-    rows, room, long = np.empty(pieces, dtype=integer), _ROOM, ctypes.c_int64
+    rows, room = np.empty(pieces, dtype=integer), _ROOM
     held = _Scene(*[array.ctypes.data for array in given])
     while True:
         found = np.empty((room, 3), dtype=integer)
-        count = machine.library.near_in_states(
-            long(states), long(links), long(asked.shape[1]), address(turn), address(shift), ctypes.byref(held),
-            long(len(one)), address(one), address(two), address(asked), long(pieces), address(boxes), address(seen),
-            address(rows), long(room), address(found),
-        )  # fmt: skip
+        places = (states, links, asked.shape[1], turn, shift, held)
+        kept = (pieces, boxes, seen, rows, room, found)
+        count = call(machine.library.near_in_states, *places, len(one), one, two, asked, *kept)
         if count <= room:
             state, piece, other = np.ascontiguousarray(found[:count].T)
             return state, piece, other
@@ -87,9 +86,7 @@ def meet_in_states(
     piece, other = (np.ascontiguousarray(side, dtype=np.int64) for side in pieces)
     low, high = (np.ascontiguousarray(end, dtype=np.float64) for end in boxes)
     (one, held), (two, more) = (told(side) for side in (first, second))
-    machine.library.meet_in_states(
-        ctypes.c_int64(len(hit)), ctypes.byref(one), ctypes.byref(two), address(piece), address(other), address(low),
-        address(high), ctypes.c_double(clear), ctypes.c_int64(steps), address(kept), address(hit),
-    )  # fmt: skip
+    bodies = (one, two, piece, other, low, high)
+    call(machine.library.meet_in_states, len(hit), *bodies, float(clear), steps, kept, hit)
     del held, more  # were to live until here
     return hit

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .narrow import Side, address, told
+from .calls import call
+from .narrow import Side, told
 
 if TYPE_CHECKING:
     from .backend import Machine
@@ -31,9 +32,8 @@ class Intervals:
     high: np.ndarray
 
 
-_NUMBERS = (
-    "axis", "origin", "middle", "half", "cos_middle", "sin_middle", "cos_half", "sin_half", "advance", "gap", "low", "high",
-)  # fmt: skip
+_ANGLES = ("middle", "half", "cos_middle", "sin_middle", "cos_half", "sin_half")
+_NUMBERS = ("axis", "origin", *_ANGLES, "advance", "gap", "low", "high")
 
 
 class _Turns(ctypes.Structure):
@@ -46,18 +46,13 @@ def examine(
     """Which pairs (k,) meet in the middle of their intervals, and which are proved to stay apart in all of them."""
     hit, apart = np.empty((2, len(turns.piece)), dtype=np.bool_)
     least = np.minimum(turns.half, np.pi)
-    angles = np.cos(turns.middle), np.sin(turns.middle), np.cos(least), np.sin(least)
-    columns = (
-        turns.axis, turns.origin, turns.middle, turns.half, *angles, turns.advance, turns.gap, turns.low, turns.high
-    )  # fmt: skip
+    angles = (turns.middle, turns.half, np.cos(turns.middle), np.sin(turns.middle), np.cos(least), np.sin(least))
+    columns = (turns.axis, turns.origin, *angles, turns.advance, turns.gap, turns.low, turns.high)
     given = [None if column is None else np.ascontiguousarray(column, dtype=np.float64) for column in columns]
     given += [np.ascontiguousarray(column, dtype=np.int64) for column in (turns.piece, turns.other)]
     all_of = _Turns(*[None if array is None else array.ctypes.data for array in given])
     (one, held), (two, more) = (told(side) for side in (moved, still))
-    machine.library.examine(
-        ctypes.c_int64(len(hit)), ctypes.byref(one), ctypes.byref(two), ctypes.byref(all_of), ctypes.c_double(near),
-        ctypes.c_int64(steps), address(hit), address(apart),
-    )  # fmt: skip
+    call(machine.library.examine, len(hit), one, two, all_of, float(near), steps, hit, apart)
     del held, more  # were to live until here
     return hit, apart
 
@@ -71,8 +66,6 @@ def sweep(
     columns = (axis, origin, np.cos(half), np.sin(half), direction)
     given = [np.ascontiguousarray(column, dtype=np.float64) for column in columns]
     one, held = told(moved)
-    machine.library.sweep(
-        ctypes.c_int64(len(half)), ctypes.byref(one), *[address(column) for column in given], address(found)
-    )
+    call(machine.library.sweep, len(half), one, *given, found)
     del held  # was to live until here
     return found

@@ -1,0 +1,28 @@
+"""Calls of compiled code: what is handed over, as C takes it."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+
+def call(function: Callable[..., Any], *values: object) -> Any:
+    """What ``function`` of a loaded library returns for ``values``: integers of 64 bits, doubles, arrays and structures by their
+    addresses; what ctypes knows already, and text, as it is. The arrays lie in memory row by row, with the types that the code expects."""
+    return function(*map(_passed, values))
+
+
+def _passed(value: object) -> object:
+    match value:
+        case np.ndarray():
+            return ctypes.c_void_p(value.ctypes.data)
+        case bool() | int():
+            return ctypes.c_int64(value)
+        case float():
+            return ctypes.c_double(value)
+        case ctypes.Structure():
+            return ctypes.byref(value)
+    return value
