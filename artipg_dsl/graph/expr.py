@@ -156,12 +156,13 @@ def call(op: str, *args: Expr) -> Expr:
     arity, function = FUNCTIONS[op]
     if len(args) != arity:
         raise ValueError(f"{op} takes {arity} arguments")
-    if all(a.op == "const" for a in args):
-        value = fold_constants(function, [a.value for a in args])
-        if op in ("sin", "cos") and math.isfinite(value) and abs(value - round(value)) < 1e-15:
-            value = float(round(value))  # quarter turns are exact
-        return const(value)
-    return _make(op, args, scope=deepest(args))
+    for arg in args:
+        if arg.op != "const":
+            return _make(op, args, scope=deepest(args))
+    value = fold_constants(function, [a.value for a in args])
+    if op in ("sin", "cos") and math.isfinite(value) and abs(value - round(value)) < 1e-15:
+        value = float(round(value))  # quarter turns are exact
+    return const(value)
 
 
 def add(a: Expr, b: Expr) -> Expr:
@@ -379,6 +380,15 @@ def nodes(root: Expr) -> Iterator[Expr]:
             stack.extend(node.args)
 
 
+def variables(exprs: Iterable[Expr]) -> set[str]:
+    """Names of the variables that expressions read."""
+    reads = 0
+    for expr in exprs:
+        reads |= expr.reads
+    names = list(_bits)
+    return {str(names[place]) for place in range(reads.bit_length()) if reads >> place & 1}
+
+
 def leaves(root: Expr) -> set[Column]:
     """The columns an expression reads, those inside phi, reductions and elements too."""
     return {node.value for node in nodes(root) if node.op == "col"}
@@ -391,7 +401,7 @@ def substitute(root: Expr, mapping: dict[Expr, Expr]) -> Expr:
 
 def substitute_all(roots: Iterable[Expr], mapping: dict[Expr, Expr]) -> list[Expr]:
     """As ``substitute``, in several expressions; what they share is replaced once."""
-    memo: dict[int, Expr] = {}
+    memo = replaced(*mapping, *mapping.values())
     sought = 0  # the variables to be replaced; -1 where other nodes are
     for key in mapping:
         sought |= key.reads if key.op == "var" else -1
@@ -401,14 +411,19 @@ def substitute_all(roots: Iterable[Expr], mapping: dict[Expr, Expr]) -> list[Exp
             return mapping[node]
         if not node.args or sought >= 0 and not node.reads & sought:
             return node
-        done = memo.get(id(node))
+        done = memo.get(node)
         if done is None:
             args = tuple([visit(a) for a in node.args])
-            done = node if args == node.args else rebuild(node, args)
-            memo[id(node)] = done
+            done = memo[node] = node if args == node.args else rebuild(node, args)
         return done
 
     return list(map(visit, roots))
+
+
+@functools.lru_cache(maxsize=256)
+def replaced(*mapping: Expr) -> dict[Expr, Expr]:
+    """What nodes have become where the first half of some expressions was replaced by the second; operators ask again and again."""
+    return {}
 
 
 _BUILDERS: dict[str, Callable[..., Expr]] = {

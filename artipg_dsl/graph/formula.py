@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
+from math import prod
 from typing import Any
 
 import numpy as np
 
 from ..native import backend
 from ..native.tape import Tape
-from .expr import Expr, show
+from .expr import Expr, show, variables
 
 NUMPY = {
     "add": "({0} + {1})",
@@ -129,22 +130,28 @@ _quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
 
 SHORT = 16  # steps below which calling NumPy for each is faster than telling the machine of all
 _OFTEN = 64  # calls from which on generated code is faster, the time to generate it included
+# To NumPy a step costs as much for being called as for a thousand numbers; to tell the machine of it takes as long as ten calls.
+_CALL = 1000
+_WORTH = 10 * _CALL
 
 
 class Formula:
     """A function of arrays or numbers that returns a tuple of values, one per expression."""
 
-    __slots__ = ("_exprs", "_names", "_tape", "_code", "_calls")
+    __slots__ = ("_exprs", "_names", "_tape", "_code", "_calls", "_work")
 
     def __init__(self, exprs: tuple[Expr, ...], names: tuple[str, ...]):
         self._exprs, self._names = exprs, names
         self._tape = tape(exprs, names)
         self._code: Callable[..., tuple[Any, ...]] | None = None
         self._calls = 0
+        self._work = 0  # what NumPy has had to do for each step
 
     def __call__(self, *values: Any) -> tuple[Any, ...]:
         machine = backend.machine() if len(self._tape.steps) >= SHORT else None
-        if machine is not None:
+        if machine is not None and self._work < _WORTH:
+            self._work += _CALL + prod(np.broadcast_shapes(*map(np.shape, values)))
+        if machine is not None and self._work >= _WORTH:
             found = self._tape.run(machine, values)
             if found is not None:
                 return found
@@ -192,26 +199,10 @@ def compile_formula(exprs: Sequence[Expr], names: Sequence[str]) -> Formula:
 
 def evaluate(exprs: Sequence[Expr], values: dict[str, np.ndarray | float]) -> list[np.ndarray]:
     """Values of the expressions for the given variables, broadcast to one common shape, float64 or bool."""
-    names = tuple(sorted(free_variables(exprs)))
+    names = tuple(sorted(variables(exprs)))
     results = compile_formula(exprs, names)(*(values[n] for n in names))
     shape = np.broadcast_shapes(*(np.shape(v) for v in values.values())) if values else ()
     return [np.broadcast_to(np.asarray(r), shape) for r in results]
-
-
-def free_variables(exprs: Sequence[Expr]) -> set[str]:
-    """Names of the variables that the expressions read."""
-    found: set[str] = set()
-    seen: set[int] = set()
-    stack = list(exprs)
-    while stack:
-        node = stack.pop()
-        if id(node) in seen:
-            continue
-        seen.add(id(node))
-        if node.op == "var":
-            found.add(str(node.value))
-        stack.extend(node.args)
-    return found
 
 
 def row_values(formulas: Iterable[Expr]) -> list[Expr]:

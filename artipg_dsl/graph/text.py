@@ -105,21 +105,24 @@ class _Writer:
         return f"${self.columns[column]}"
 
     def expr(self, root: Expr) -> str:
-        stack = [root]
+        numbers, lines = self.exprs, self.lines
+        stack = [] if root in numbers else [root]
         while stack:
             node = stack[-1]
-            if node in self.exprs:
+            if node in numbers:
                 stack.pop()
                 continue
-            missing = [a for a in node.args if a not in self.exprs]
+            missing = [a for a in node.args if a not in numbers]
             if missing:
-                stack.extend(reversed(missing))
+                missing.reverse()
+                stack += missing
                 continue
             stack.pop()
-            words = [node.op, *self.payload(node), *(f"%{self.exprs[a]}" for a in node.args)]
-            self.exprs[node] = len(self.exprs)
-            self.emit(f"%{self.exprs[node]} = {' '.join(words)}")
-        return f"%{self.exprs[root]}"
+            words = [node.op] if node.value is None else [node.op, *self.payload(node)]
+            words += [f"%{numbers[a]}" for a in node.args]
+            number = numbers[node] = len(numbers)
+            lines.append(f"%{number} = {' '.join(words)}")
+        return f"%{numbers[root]}"
 
     def payload(self, node: Expr) -> list[str]:
         value = node.value

@@ -12,7 +12,7 @@ from hashlib import blake2b
 import numpy as np
 
 from ..graph.expr import Expr, Scope
-from ..graph.formula import free_variables, row_values
+from ..graph.formula import row_values
 from ..random import mix
 from ..runtime.batch import Batch
 from ..runtime.needs import pose_cells
@@ -98,6 +98,6 @@ def _shape_of(formula: Expr) -> str:
         return repr(formula.value)
     if formula.op == "var":
         return str(formula.value)
-    if formula.scope is not None and not free_variables([formula]):
+    if formula.scope is not None and not formula.reads:
         return "_"
     return f"{formula.op}({', '.join(map(_shape_of, formula.args))})"

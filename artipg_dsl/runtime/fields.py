@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from ..graph.expr import Expr, Scope, substitute, var
-from ..graph.formula import compile_formula, free_variables, row_values
+from ..graph.expr import Expr, Scope, substitute, var, variables
+from ..graph.formula import compile_formula, row_values
 from .needs import pose_cells
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class Field:
         self.inputs = row_values(exprs)
         mapping = {expr: var(f"#{i}") for i, expr in enumerate(self.inputs)}
         self.formulas = [substitute(expr, mapping) for expr in exprs]
-        self.names = tuple(sorted(free_variables(self.formulas)))
+        self.names = tuple(sorted(variables(self.formulas)))
 
     def __call__(self, inputs: Sequence[np.ndarray], variables: dict[str, np.ndarray]) -> list[np.ndarray]:
         """Values of the expressions; ``inputs`` as in ``self.inputs``, broadcasting with the variables."""

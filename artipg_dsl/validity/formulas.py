@@ -14,8 +14,7 @@ import numpy as np
 from ..geometry.patches import surfaces
 from ..geometry.points import evaluate_flat
 from ..geometry.pointset import PointSet
-from ..graph.expr import Scope
-from ..graph.formula import free_variables
+from ..graph.expr import Scope, variables
 from ..graph.program import Label, Program, Target
 from ..runtime.fields import Field, FieldReader, read_pose, read_triples
 from ..runtime.motion import apply
@@ -111,7 +110,7 @@ def label_in_words(label: Label) -> str:
 @lru_cache(maxsize=8)
 def find_fallible(program: Program) -> tuple[Label, ...]:
     """The labels whose values depend on the point and may be none."""
-    return tuple(label for label in program.labels if not is_predicate(label) and free_variables(label.formulas))
+    return tuple(label for label in program.labels if not is_predicate(label) and variables(label.formulas))
 
 
 def find_unsaid(batch: Batch) -> list[tuple[str, np.ndarray]]:

@@ -123,7 +123,17 @@ def test_a_short_formula_is_left_to_numpy(using, monkeypatch):
         long = raw("sin", (long,))
     monkeypatch.setattr(Tape, "run", lambda self, *_: ("run",) if len(self.steps) >= SHORT else 1 / 0)
     assert compile_formula([raw("sin", (short,))], ("a",))(0.0) == (0.0,)
-    assert compile_formula([long], ("b",))(0.0) == ("run",)
+    assert compile_formula([long], ("b",))(np.zeros(10_000)) == ("run",)
+
+
+def test_a_formula_of_few_numbers_is_told_to_the_machine_when_it_is_asked_again(using, monkeypatch):
+    using("c")
+    long = var("c")
+    for _ in range(SHORT):
+        long = raw("sin", (long,))
+    monkeypatch.setattr(Tape, "run", lambda *_: ("run",))
+    told = [compile_formula([long], ("c",))(0.0) == ("run",) for _ in range(20)]
+    assert not told[0] and told[-1] and told == sorted(told)
 
 
 def test_every_operation_is_tried_before_it_is_used(machine, monkeypatch):

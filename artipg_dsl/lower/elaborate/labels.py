@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
-from ...graph.formula import free_variables
 from ...graph.primitive import pair, triple
 from ...graph.program import Grasp, Keypoint, Label, Pose, Target
 from ...semantics import types
@@ -183,7 +182,7 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
             )
             links.context.labels.append((aim.depth, made))
             whole = statement.vocabulary == "semantic" and statement.value is None and not aim.surfaces
-            if whole and not free_variables([holds]):  # it holds for a part as a whole, or does not
+            if whole and not holds.reads:  # it holds for a part as a whole, or does not
                 for _, number in _nodes_of(links, aim.part):
                     made_of = program.parts[number]
                     said = (*made_of.semantic, (statement.label, holds))

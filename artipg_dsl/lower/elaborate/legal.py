@@ -12,7 +12,7 @@ from ...graph import expr as E
 from ...graph.defined import Defined, Sharp
 from ...graph.expr import Expr, Scope
 from ...graph.feasible import is_certain
-from ...graph.formula import free_variables, row_values
+from ...graph.formula import row_values
 from ...graph.interval import Intervals
 from ...graph.linear import tidy
 from ...graph.primitive import triple
@@ -196,7 +196,7 @@ def rows(scope: Scope, place: Where) -> Iterator[Quantity]:
 
 def of_element(element: Fetched) -> Iterator[Quantity]:
     """That the element of a rank is there: none before it that is not, and none missing behind it."""
-    if free_variables([element.rank, element.guard]):  # in the formula of a label, of every point
+    if element.rank.reads | element.guard.reads:  # in the formula of a label, of every point
         return
     left = E.sub(E.sub(element.count, E.ONE), element.rank)
     tables = [element.scope, *(e.scope for e in (left, element.guard) if e.scope is not None)]

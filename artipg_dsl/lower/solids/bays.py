@@ -9,13 +9,13 @@ import numpy as np
 
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
-from ...graph.primitive import Piece, Triple, pair, triple
+from ...graph.primitive import Piece, Triple, pair
 from ..values.vectors import dot, minus, plus, times
 from .curves import TURN
 from .frames import Frames, turning
 from .paths import Stretch, turned
 from .probe import Probe
-from .profiles import Loop, Point, Side, Span, V, between, equal_steps, extreme, orientation, right_of, straight
+from .profiles import Loop, Point, Side, Span, between, equal_steps, extreme, orientation, right_of, straight
 from .profiles import dot as flat_dot
 from .profiles import minus as flat_minus
 from .regions import Strips
@@ -48,8 +48,7 @@ class Bay:
         ]
 
     def place(self, across: Point, v: Expr | float) -> Triple:
-        at = triple(E.substitute(c, {V: E.wrap(v)}) for c in self.rail.place)
-        return plus(at, plus(times(self.frames.side(v), across[0]), times(self.frames.up(v), across[1])))
+        return plus(self.rail.at(v), plus(times(self.frames.side(v), across[0]), times(self.frames.up(v), across[1])))
 
     @property
     def even(self) -> bool:
@@ -98,6 +97,7 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
     bent = bay.rail.center is not None or bay.rail.length is ZERO
     for number, corners in enumerate(sections):
         corners = [c for k, c in enumerate(corners) if not seen.same(c, corners[k - 1])]
+        rings = Rings(probe, corners)
         middle = pair(E.div(E.total(c[k] for c in corners), E.const(float(len(corners)))) for k in (0, 1))
         narrow = _inradius(corners, middle)
         ring = zip(corners, [*corners[1:], corners[0]], strict=True)
@@ -107,13 +107,13 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
         for count in (c for c in (1, 2, 3, 4, 6, 8, 12, 16, 24, 48, 72, 96, 144, 192) if c <= most):
             if bent and count < 3:
                 continue
-            lost = [change(probe, corners, narrow, k / count, (k + 1) / count) for k in range(count)]
+            lost = [change(probe, rings, narrow, k / count, (k + 1) / count) for k in range(count)]
             cuts = [_sagitta(bay, ends, k / count, (k + 1) / count) if bent else ZERO for k in range(count)]
             if twist is not ZERO:
                 cuts = [E.add(c, _screwed(bay, wide, twist, k / count, (k + 1) / count)) for k, c in enumerate(cuts)]
             least = [E.substitute(narrow, {BLEND: E.const((k + 0.5) / count)}) for k in range(count)]
             if bay.course is not None:
-                cuts = [_hollow(corners, sign, k / count, (k + 1) / count) for k in range(count)]
+                cuts = [_hollow(rings, sign, k / count, (k + 1) / count) for k in range(count)]
                 least = [
                     E.minimum(*(E.substitute(narrow, {BLEND: E.const((k + f) / count)}) for f in _INNER))
                     for k in range(count)
@@ -126,8 +126,7 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
             points = []
             for v in (k / count, (k + 1) / count):
                 hub = swapped(middle, {BLEND: E.const(v)})
-                for corner in corners:
-                    here = swapped(corner, {BLEND: E.const(v)})
+                for here in rings.at(v):
                     drawn = pair(E.add(h, E.mul(keep, E.sub(c, h))) for c, h in zip(here, hub, strict=True))
                     points.append(bay.place(drawn, v))
             made.append(Piece(f"{name}_{number}_{k}", tuple(points)))
@@ -147,16 +146,16 @@ def _inradius(corners: list[Point], middle: Point) -> Expr:
     return E.minimum(*found)
 
 
-def _hollow(corners: list[Point], sign: Expr, low: float, high: float) -> Expr:
+def _hollow(rings: Rings, sign: Expr, low: float, high: float) -> Expr:
     """How far a hull between two polygons reaches beyond the edges of what a smooth course leaves between them, at most.
 
     ``sign`` is +1 where they run anticlockwise. Three places of the step are asked: between them a cubic lies no more than
     a twentieth further off.
     """
-    ends = [[swapped(c, {BLEND: E.const(v)}) for c in corners] for v in (low, high)]
+    ends = [rings.at(v) for v in (low, high)]
     found = []
     for f in _INNER:
-        ring = [swapped(c, {BLEND: E.const(low + f * (high - low))}) for c in corners]
+        ring = rings.at(low + f * (high - low))
         away = [flat_minus(_toward(a, b, f), c) for a, b, c in zip(*ends, ring, strict=True)]
         edges = [right_of(flat_minus(b, a), sign) for a, b in zip(ring, [*ring[1:], ring[0]], strict=True)]
         found += [flat_dot(away[(k + d) % len(ring)], edge) for k, edge in enumerate(edges) for d in (0, 1)]
@@ -167,10 +166,21 @@ def _toward(a: Point, b: Point, share: float) -> Point:
     return pair(E.add(p, E.mul(E.const(share), E.sub(q, p))) for p, q in zip(a, b, strict=True))
 
 
-def shown(probe: Probe, corners: Sequence[Point]) -> np.ndarray:
-    """(rows, corners, 2): the test values of places."""
-    values = probe(*(c for corner in corners for c in corner))
-    return values.T.reshape(values.shape[1], len(corners), 2)
+class Rings:
+    """The corners of a polygon at places along a bay, and their test values (rows, corners, 2): neighbours ask for the same ones."""
+
+    def __init__(self, probe: Probe, corners: Sequence[Point]):
+        self.probe, self.corners = probe, corners
+        self.known: dict[float, np.ndarray] = {}
+
+    def at(self, v: float) -> list[Point]:
+        return [swapped(corner, {BLEND: E.const(v)}) for corner in self.corners]
+
+    def shown(self, v: float) -> np.ndarray:
+        if v not in self.known:
+            values = self.probe(*(c for corner in self.at(v) for c in corner))
+            self.known[v] = values.T.reshape(values.shape[1], len(self.corners), 2)
+        return self.known[v]
 
 
 def _beyond(ring: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -183,12 +193,12 @@ def _beyond(ring: np.ndarray, points: np.ndarray) -> np.ndarray:
     return reach / np.sqrt((edge**2).sum(axis=-1))[:, None]
 
 
-def change(probe: Probe, corners: list[Point], narrow: Expr, low: float, high: float) -> float:
+def change(probe: Probe, rings: Rings, narrow: Expr, low: float, high: float) -> float:
     """By what share a hull between two polygons must be drawn in to lie within the straight lines between partners.
 
     Halfway the hull is the polygon of all middles between a corner of one and a corner of the other.
     """
-    first, last = (shown(probe, [swapped(c, {BLEND: E.const(v)}) for c in corners]) for v in (low, high))
+    first, last = rings.shown(low), rings.shown(high)
     half = (first + last) / 2
     pairs = (first[:, :, None] + last[:, None]).reshape(len(half), -1, 2) / 2
     least = probe(E.substitute(narrow, {BLEND: E.const((low + high) / 2)}))[0]

@@ -161,6 +161,7 @@ def shaped(context: Draft, symbol: Symbol, paths: dict[str, Handed], tested: dic
         found = make(context, symbol, name, paths)
     finally:
         context.blamed, context.tested = None, {}
+        E.replaced.cache_clear()  # another primitive has other formulas
     found.paths, found.trace = tuple(paths.values()), tuple(context.trace)
     return found
 

@@ -49,8 +49,7 @@ def _at_end(span: Span, end: Expr) -> Span:
 def between(probe: Probe, height: Expr) -> list[Expr]:
     """The summit of a function of v and w, where it has one off the edges for some test value."""
     steps = [k / 16 for k in range(17)]
-    places = [E.substitute(height, {V: E.const(v), W: E.const(w)}) for v in steps for w in steps]
-    values = probe(*places).reshape(17, 17, -1)
+    values = np.stack([probe.along([E.substitute(height, {V: E.const(v)})], steps, W)[:, 0] for v in steps])
     edges = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
     if not (values.max(axis=(0, 1)) > edges.max(axis=0) + 1e-12).any() and not _leads_in(probe, height, values):
         return []
