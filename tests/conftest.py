@@ -17,10 +17,13 @@ if _KEPT not in os.environ:  # one for the run: its workers and the commands tha
 SMALL = 40  # parts: larger programs are verified pass by pass in tests/lower/test_passes.py
 SHORT = 200_000  # characters: so are those with longer formulas
 SEEN: set[int] = set()  # hashes of what has been verified
+LONG: list[lowering.Lowering] = []  # the last one with longer formulas: passes make none shorter
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Without ``ARTIPG_EVERY=1`` long tests are left out, unless they are asked for by name."""
+    """Without ``ARTIPG_EVERY=1`` long tests are left out, unless they are asked for by name. The shipped categories come first:
+    what is compiled there is in the cache for all others."""
+    items.sort(key=lambda item: item.path.name != "test_shipped.py")
     if os.environ.get("ARTIPG_EVERY") or any("::" in name for name in config.args):
         return
     slow = [item for item in items if item.get_closest_marker("slow")]
@@ -44,9 +47,11 @@ def update_golden(request: pytest.FixtureRequest) -> bool:
 
 def verified(step: lowering.Pass, done: lowering.Lowering) -> None:
     """What a pass leaves behind is a program: it is written and read back, which verifies it."""
-    if step.gives and not done.context.report.failed and len(done.program.parts) < SMALL:
+    if step.gives and not done.context.report.failed and len(done.program.parts) < SMALL and done not in LONG:
         text = to_text(done.program)
-        if len(text) < SHORT and hash(text) not in SEEN:
+        if len(text) >= SHORT:
+            LONG[:] = [done]
+        elif hash(text) not in SEEN:
             from_text(text)
             SEEN.add(hash(text))
 

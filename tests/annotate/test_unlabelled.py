@@ -13,8 +13,7 @@ from artipg_dsl.diagnostics import Diagnostic
 from artipg_dsl.export.partnet_mobility import partnet_files
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.usd import usd_files
-from artipg_dsl.graph.unlabelled import find_unlabelled
-from artipg_dsl.session import Session, categories
+from artipg_dsl.session import Session
 from artipg_dsl.source import Source
 
 TEXT = """apg 1
@@ -135,11 +134,3 @@ def test_the_word_is_reserved(tmp_path: Path) -> None:
     assert [(d.code, d.span and made.source.text[d.span.start : d.span.end]) for d in made.report.diagnostics] == [
         ("reserved-name", "unlabelled")
     ]
-
-
-@pytest.mark.parametrize("name", sorted(categories()))
-def test_shipped_categories_label_all_of_their_surface(name: str) -> None:
-    made = Session.of(name)
-    batch = made.sampler.batch(np.arange(6), seed=11)
-    assert [batch.program.sites[bare.number].path for bare in find_unlabelled(batch.program)] == []
-    assert (sample_points(batch, 512).semantic > 0).all()

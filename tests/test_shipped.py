@@ -1,14 +1,19 @@
-"""The shipped categories pass every phase, sample with few rejections, and come out finite and rigid."""
+"""The shipped categories pass every phase, sample with few rejections, come out finite and rigid, labelled all over, and as heavy
+as real ones."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from export.test_materials import MASSES
 
+from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.graph.text import digest, from_text, to_text
+from artipg_dsl.graph.unlabelled import find_unlabelled
 from artipg_dsl.resources import categories_dir
 from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session
+from artipg_dsl.validity.mass import masses
 
 FILES = sorted(categories_dir().glob("*.apg"))
 OBJECTS = 50
@@ -22,6 +27,19 @@ def session(request: pytest.FixtureRequest) -> Session:
 
 def test_checks_without_error(session: Session) -> None:
     assert not session.examine().failed, [d.message for d in session.report.diagnostics]
+
+
+def test_all_of_the_surface_is_labelled(session: Session) -> None:
+    batch = session.sampler.batch(np.arange(6), seed=11)
+    assert [batch.program.sites[bare.number].path for bare in find_unlabelled(batch.program)] == []
+    assert (sample_points(batch, 512).semantic > 0).all()
+
+
+def test_objects_weigh_about_what_real_ones_do(session: Session) -> None:
+    batch = session.sampler.batch(np.arange(24), 2)
+    low, high = MASSES.get(batch.program.name, (0.0, np.inf))
+    total = np.bincount(batch.links().owner, masses(batch).mass, len(batch))
+    assert low <= np.median(total) <= high and (total > low / 1.5).all() and (total < high * 1.3).all(), total
 
 
 @pytest.mark.slow
