@@ -140,12 +140,8 @@ def test_a_second_run_completes_what_is_missing_and_nothing_else(tmp_path: Path)
 
 
 def test_an_interrupted_run_leaves_only_whole_things(tmp_path: Path) -> None:
-    calls = 0
-
     def interrupted(numbers: np.ndarray) -> FakeBatch:
-        nonlocal calls
-        calls += 1
-        if calls == 3:
+        if numbers[-1] == 4:  # of the third shard, however many are made at a time: that is a matter of memory
             raise KeyboardInterrupt
         return sample(numbers)
 
