@@ -127,6 +127,7 @@ MASSES = {
     "Faucet": (0.7, 4.5),
     "Foldingrack": (1.5, 10),
     "Kettle": (0.3, 4.5),
+    "KitchenPot": (0.4, 8),
     "Laptop": (0.9, 4.5),
     "Microwave": (9, 27),
     "Mug": (0.15, 1.5),
