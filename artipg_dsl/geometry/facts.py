@@ -50,7 +50,9 @@ def _kind(name: str) -> str:
 
 @lru_cache(maxsize=512)
 def _facts(primitive: Primitive) -> _Facts:
-    return _Facts(primitive)
+    made = _Facts(primitive)
+    with _LOCK:
+        return _changed.get(made.entry or "", made)
 
 
 def recall_fact(

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+from pathlib import Path
 
 from ..diagnostics import Report
 from ..diagnostics.suggest import did_you_mean
 from ..graph.program import UNLABELLED
+from ..resources import library_dir
 from ..syntax import ast
 from . import attachments, declarations, primitives, roles, statements
 from .checker import Checker, Context
@@ -15,11 +18,13 @@ from .modules import Workspace
 from .symbols import ModuleScope, Symbol
 from .types import DIMENSIONS, NONE, RATIO, UNKNOWN, ScalarType, Type, VecType
 
+_NAME = re.compile(r"[A-Za-z_]\w*")
+
 
 @dataclass(slots=True, eq=False)
 class TypedProgram:
-    """The outcome of a check. ``types`` and ``meanings`` map ``id`` of an expression to its type and, of a name, to what it
-    stands for; ``modules`` keep the trees alive.
+    """The outcome of a check of some declarations, ``symbols``. ``types`` and ``meanings`` map ``id`` of an expression to its type
+    and, of a name, to what it stands for; ``modules`` keep the trees alive.
 
     In the body of a function they are those of no call in particular: there is a type for each call, by those of its arguments
     (``Checker.calls``). Lowering asks for none there. It evaluates a body anew for each call, where every value says what
@@ -29,6 +34,7 @@ class TypedProgram:
     modules: dict[str, ModuleScope]
     main: ModuleScope
     category: Symbol | None
+    symbols: tuple[Symbol, ...]
     types: dict[int, Type]
     meanings: dict[int, Meaning]
     checker: Checker
@@ -39,16 +45,16 @@ class TypedProgram:
 
 
 def check(workspace: Workspace, module: ModuleScope, report: Report) -> TypedProgram:
-    """Checks every module of the workspace once; errors are collected in ``report``."""
+    """Checks what there is to check, once (see ``_to_check``); errors are collected in ``report``."""
     ck = Checker(workspace, report)
+    symbols = _to_check(workspace, module)
     for scope in workspace.modules.values():
         for symbol in scope.own():
             if isinstance(symbol.decl, ast.VocabularyDecl):
                 ck.vocabularies.setdefault(symbol.name, set()).update(symbol.decl.words)
-    for scope in workspace.modules.values():
-        for symbol in scope.own():
-            _declaration(ck, symbol)
-    roles.check_nesting(ck, [s for scope in workspace.modules.values() for s in scope.own()])
+    for symbol in symbols:
+        _declaration(ck, symbol)
+    roles.check_nesting(ck, symbols)
     categories = [s for s in module.own() if s.kind == "category"]
     for extra in categories[1:]:
         report.error(
@@ -57,7 +63,28 @@ def check(workspace: Workspace, module: ModuleScope, report: Report) -> TypedPro
             "a file holds one category",
             notes=((categories[0].decl.name_span, "the first one"),),
         )
-    return TypedProgram(workspace.modules, module, categories[0] if categories else None, ck.types, ck.meanings, ck)
+    category = categories[0] if categories else None
+    return TypedProgram(workspace.modules, module, category, tuple(symbols), ck.types, ck.meanings, ck)
+
+
+def _to_check(workspace: Workspace, module: ModuleScope) -> list[Symbol]:
+    """All declarations of the file and of the modules beside it; of the shipped library, which was checked when it was made,
+    those that they name, and those that these do.
+    """
+    shipped = library_dir().resolve()
+    every = [s for scope in workspace.modules.values() for s in scope.own()]
+    library = {scope for key, scope in workspace.modules.items() if Path(key).parent == shipped and scope is not module}
+    reached = {symbol for symbol in every if symbol.module not in library}
+    found = list(reached)
+    while found:
+        symbol = found.pop()
+        span = symbol.decl.span
+        for name in set(_NAME.findall(span.source.text, span.start, span.end)):
+            named = symbol.module.names.get(name)
+            if named is not None and named not in reached:
+                reached.add(named)
+                found.append(named)
+    return [symbol for symbol in every if symbol in reached]
 
 
 def _declaration(ck: Checker, symbol: Symbol) -> None:

@@ -13,13 +13,13 @@ from .types import UNKNOWN, ElementType, FunctionType, PartType
 
 
 def show_typed(typed: TypedProgram) -> str:
-    """The declarations of the main module, then of the modules it uses, each body indented under its name; in the main module
-    also what the names and paths of a body stand for, each once."""
+    """The declarations of the main module, then those that were checked of the modules it uses, each body indented under its name;
+    in the main module also what the names and paths of a body stand for, each once."""
     lines: list[str] = []
     ordered = [typed.main, *(m for m in typed.modules.values() if m is not typed.main)]
     for module in ordered:
         lines.append(f"module {module.name}")
-        for symbol in module.own():
+        for symbol in (s for s in typed.symbols if s.module is module):
             role = getattr(symbol.decl, "role", None) or getattr(symbol.decl, "parent", None)
             lines.append(f"  {symbol.kind} {symbol.name}" + (f" : {role}" if role else ""))
             if symbol.body:

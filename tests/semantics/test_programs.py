@@ -71,3 +71,11 @@ category Chest {
         "    name true : true or false\n"
         "    name z : a direction (x, -y, ...)\n"
     )
+
+
+def test_of_the_library_what_is_named_is_checked(tmp_path):
+    (tmp_path / "own.apg").write_text("apg 1\nlet wrong = 1cm + 1deg\nlet good = 1cm\n")
+    text = "apg 1\nuse own { good }\nuse primitives { Cuboid }\ncategory A { root part body : Cuboid(size = [good, 1cm, 1cm]) }\n"
+    report, typed = check_text(tmp_path, text)
+    assert [symbol.name for symbol in typed.symbols if symbol.module.name == "primitives"] == ["Cuboid"]
+    assert [d.code for d in report.diagnostics] == ["wrong-dimension"]  # what nobody names in a module of one's own
