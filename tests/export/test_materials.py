@@ -128,6 +128,7 @@ MASSES = {
     "Foldingrack": (1.5, 10),
     "Kettle": (0.3, 4.5),
     "KitchenPot": (0.4, 8),
+    "Knife": (0.03, 0.7),
     "Laptop": (0.9, 4.5),
     "Microwave": (9, 27),
     "Mug": (0.15, 1.5),
