@@ -133,6 +133,7 @@ MASSES = {
     "Microwave": (9, 27),
     "Mug": (0.15, 1.5),
     "Oven": (8, 110),
+    "Pen": (0.003, 0.06),
     "Refrigerator": (15, 190),
     "Safe": (10, 420),
     "Scissors": (0.02, 0.13),
