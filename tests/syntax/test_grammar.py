@@ -103,10 +103,11 @@ OTHERS = [b"", b"\x80\x05garbage", b"3", b'{"x":1}', b'{"pairs":[["memo",{"pairs
 
 @pytest.mark.parametrize("content", [pickle.dumps(Runs()), *(pytest.param(c, marks=pytest.mark.slow) for c in OTHERS)])
 def test_corrupt_cache(cache_folder, content):
-    Machine()
-    (file,) = cache_folder.iterdir()
+    cache_folder.mkdir()
+    file = grammar._cache_path(grammar_path().read_text(encoding="utf-8"))
     file.write_bytes(content)
     assert works(Machine())
+    assert file.parent == cache_folder and file.read_bytes() != content  # and is made anew
 
 
 def test_cache_folder_is_a_file(tmp_path, monkeypatch):
