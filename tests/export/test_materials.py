@@ -123,6 +123,7 @@ MASSES = {
     "Bucket": (0.4, 3),
     "Chair": (3, 45),
     "Dishwasher": (12, 70),
+    "Dispenser": (0.25, 55),
     "Display": (2.5, 40),
     "Faucet": (0.7, 4.5),
     "Foldingrack": (1.5, 10),
