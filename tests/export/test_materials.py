@@ -131,6 +131,7 @@ MASSES = {
     "KitchenPot": (0.4, 8),
     "Knife": (0.03, 0.7),
     "Laptop": (0.9, 4.5),
+    "Lighter": (0.01, 0.8),
     "Microwave": (9, 27),
     "Mug": (0.15, 1.5),
     "Oven": (8, 110),
