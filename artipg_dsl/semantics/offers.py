@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from ..diagnostics.suggest import did_you_mean, suggest
 from ..resources import library_dir
 
-_DECLARED = re.compile(r"^(role|template|primitive|material|vocabulary)[ ]+(\w+)", re.MULTILINE)
+DECLARED = re.compile(r"^(role|template|primitive|material|vocabulary)[ ]+(\w+)", re.MULTILINE)
 TEMPLATES = ("role", "template", "primitive")
 
 
@@ -21,7 +21,7 @@ def missing(name: str, here: Iterable[str], *kinds: str) -> str | None:
     library = {
         word: path.stem
         for path in sorted(library_dir().glob("*.apg"), reverse=True)
-        for kind, word in _DECLARED.findall(path.read_text(encoding="utf-8"))
+        for kind, word in DECLARED.findall(path.read_text(encoding="utf-8"))
         if kind in kinds
     }
     if name in library:

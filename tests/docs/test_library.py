@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
+
+from artipg_dsl.resources import library_dir
+from artipg_dsl.semantics.offers import DECLARED
 
 from .library_index import SOUGHT, entries, page
 
@@ -18,6 +22,14 @@ def test_the_page_is_up_to_date(update_golden: bool) -> None:
 
 def test_everything_says_what_it_is() -> None:
     assert [f"{e.module}.{e.name}" for e in entries() if not e.doc] == []
+
+
+def test_a_name_is_declared_in_one_module() -> None:
+    """Whoever misses a name is told which module to import it from."""
+    declared = Counter(
+        word for path in library_dir().glob("*.apg") for _, word in DECLARED.findall(path.read_text(encoding="utf-8"))
+    )
+    assert [word for word, modules in declared.items() if modules > 1] == []
 
 
 def test_whatever_is_sought_is_found() -> None:
