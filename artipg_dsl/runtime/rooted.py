@@ -16,7 +16,7 @@ class Ring(UserError):
 
 
 def lead_by_heads(joints: JointTable) -> JointTable:
-    """The same joints, each that follows one that follows another following the head of the chain itself."""
+    """The same joints, each that follows one that follows another following the head of the chain itself, at rest too."""
     base = np.searchsorted(joints.owner, joints.owner)
     leader = np.where(joints.mimic >= 0, base + joints.mimic, -1)
     multiplier, offset = joints.multiplier, joints.offset
@@ -35,7 +35,11 @@ def lead_by_heads(joints: JointTable) -> JointTable:
             f"the joint `{joints.name[row]}` follows itself",
             hint="one of the joints of the ring must move independently",
         )
-    return replace(joints, mimic=np.where(leader >= 0, leader - base, -1), multiplier=multiplier, offset=offset)
+    led = np.flatnonzero(leader >= 0)
+    rest = joints.rest.copy()
+    rest[led] = multiplier[led] * rest[leader[led]] + offset[led]
+    mimic = np.where(leader >= 0, leader - base, -1)
+    return replace(joints, mimic=mimic, multiplier=multiplier, offset=offset, rest=rest)
 
 
 def root_joints(joints: JointTable, numbers: np.ndarray) -> JointTable:

@@ -239,8 +239,11 @@ def _blame(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type, rule: str
 
 def _arithmetic(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
     left, right = ck.infer(ctx, expr.left), ck.infer(ctx, expr.right)
-    if UNKNOWN in (left, right):
-        return UNKNOWN
+    return UNKNOWN if UNKNOWN in (left, right) else arithmetic(ck, expr, left, right)
+
+
+def arithmetic(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> Type:
+    """The type of a sum, product, quotient or power of operands of these types."""
     if expr.op in ("+", "-"):
         found = _sum(expr.op, left, right)
         if found is None and _addable(left) and _addable(right):

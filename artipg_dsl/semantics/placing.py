@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..diagnostics.suggest import any_of, did_you_mean, suggest
 from ..language import DIRECTIONS, FACES, JOINTS
 from ..syntax import ast
-from ..syntax.walk import path_root, walk
+from ..syntax.walk import path_root
 from ..units import UNITS
 from . import foreign
 from .declarations import check_range
 from .fold import components
 from .gates import check_gate
 from .meanings import Clearance, Declared, Word
+from .mimic import check_mimic
 from .types import (
     ANGLE,
     BASE,
@@ -28,7 +29,6 @@ from .types import (
     SURFACE,
     UNKNOWN,
     Boxed,
-    JointType,
     PartType,
     ScalarType,
     Type,
@@ -283,7 +283,10 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
     for axis in ast.present(_taken(ck, kind, node.about), _taken(ck, kind, node.along)):
         axis_value(ck, axis.word, axis.value, ck.infer(ctx, axis.value))
     if (mimic := _taken(ck, kind, node.mimic)) is not None:
-        _mimic(ck, ctx, mimic.value, wanted)
+        check_mimic(ck, ctx, mimic.value, wanted)
+        if node.rest is not None:
+            message = "a joint that follows another takes no `rest`"
+            ck.error("unknown-clause", node.rest.span, message, hint="it rests where its leader, at rest, puts it")
     if (when := _taken(ck, kind, node.when)) is not None:
         check_gate(ck, ctx, when.value)
         if node.mimic is not None:
@@ -333,28 +336,6 @@ def _clears(ck: Checker, ctx: Context, end: ast.Expr) -> bool:
         return False
     ck.mean(word, Clearance())
     return True
-
-
-def _mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> None:
-    """``mimic previous.open``, ``mimic -other.turn``, ``mimic 2 * other.turn``: the first element leads."""
-    match value:
-        case ast.UnaryExpr(operand=operand):
-            _mimic(ck, ctx, operand, wanted)
-        case ast.BinaryExpr(left=left, right=right):
-            _mimic(ck, ctx, left, wanted)
-            _mimic(ck, ctx, right, wanted)
-        case ast.NumberExpr():
-            ck.infer(ctx, value)
-        case _:
-            given = ck.infer(ctx.but(lenient=[], asked=True), value)
-            indices = [node for node in walk(value) if isinstance(node, ast.IndexExpr)]
-            if given != UNKNOWN and any(not isinstance(node.obj, ast.NameExpr) for node in indices):
-                message = "`mimic` must follow a joint of one element of a repeat of this body"
-                ck.error(
-                    "many-elements", value.span, message, hint="as in `mimic row[0].open` or `mimic previous.open`"
-                )
-            elif not isinstance(given, JointType | ScalarType) and given != UNKNOWN:
-                ck.unfit(value, given, "`mimic` must follow a joint")
 
 
 def axis_value(ck: Checker, word: str, value: ast.Expr, kind: Type) -> None:

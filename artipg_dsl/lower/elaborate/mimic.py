@@ -1,14 +1,15 @@
-"""``mimic``: a joint that follows another, by a factor."""
+"""``mimic``: a joint that follows another, by a factor and an offset."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ...graph import expr as E
 from ...graph.expr import Expr
 from ...graph.reference import Elsewhere, Reference
 from ...semantics.meanings import Previous
+from ...semantics.types import JointType
 from ...syntax import ast
 from ..expressions.context import Abort
 from ..expressions.env import Element, Env
@@ -25,26 +26,41 @@ def resolve(links: Links) -> None:
     program = links.context.program
     for number, (env, node) in links.mimics.items():
         try:
-            path, factor = followed(Evaluator(env), node)
+            path, factor, offset = followed(Evaluator(env), node)
+            assert path is not None  # as semantics has seen
             leader = leader_of(links, env, path)
         except Abort:
             continue
-        program.joints[number] = replace(program.joints[number], mimic=(leader, factor, E.ZERO))
+        program.joints[number] = replace(program.joints[number], mimic=(leader, factor, offset))
 
 
-def followed(ev: Evaluator, node: ast.Expr) -> tuple[ast.Expr, Expr]:
-    """The joint and the factor of ``mimic fold``, ``mimic -fold``, ``mimic 2 * fold``, ``mimic fold / 3``."""
-    if isinstance(node, ast.UnaryExpr) and node.op in ("-", "+"):
-        leader, factor = followed(ev, node.operand)
-        return leader, E.neg(factor) if node.op == "-" else factor
-    if isinstance(node, ast.BinaryExpr) and node.op == "*":
-        constant = node.left if isinstance(node.left, ast.NumberExpr | ast.UnaryExpr) else node.right
-        leader, factor = followed(ev, node.right if constant is node.left else node.left)
-        return leader, E.mul(factor, ev.scalar(constant))
-    if isinstance(node, ast.BinaryExpr) and node.op == "/":
-        leader, factor = followed(ev, node.left)
-        return leader, E.div(factor, ev.scalar(node.right))
-    return node, E.ONE
+class Followed(NamedTuple):
+    """``factor`` times the joint that ``path`` names, plus ``offset``; a number alone has no path."""
+
+    path: ast.Expr | None
+    factor: Expr
+    offset: Expr
+
+
+def followed(ev: Evaluator, node: ast.Expr) -> Followed:
+    """What ``mimic -fold``, ``mimic lead * fold / 3 + 10deg`` say of one joint, as semantics has seen."""
+    if isinstance(node, ast.UnaryExpr):
+        path, factor, offset = followed(ev, node.operand)
+        return Followed(path, E.neg(factor), E.neg(offset)) if node.op == "-" else Followed(path, factor, offset)
+    if isinstance(node, ast.BinaryExpr):
+        left, right = followed(ev, node.left), followed(ev, node.right)
+        path = left.path or right.path
+        if node.op in ("*", "/"):
+            led, number = (right, left) if left.path is None else (left, right)
+            scale = E.mul if node.op == "*" else E.div
+            if path is None:
+                return Followed(None, E.ZERO, scale(left.offset, right.offset))
+            return Followed(path, scale(led.factor, number.offset), scale(led.offset, number.offset))
+        join = E.add if node.op == "+" else E.sub
+        return Followed(path, join(left.factor, right.factor), join(left.offset, right.offset))
+    if isinstance(ev.env.context.typed.type_of(node), JointType):
+        return Followed(node, E.ONE, E.ZERO)
+    return Followed(None, E.ZERO, ev.scalar(node))
 
 
 def leader_of(links: Links, env: Env, node: ast.Expr) -> Reference:

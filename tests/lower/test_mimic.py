@@ -1,0 +1,63 @@
+"""A joint follows another by a factor and an offset, written in any order."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from artipg_dsl.session import Session
+
+TEXT = """apg 1
+use primitives {{ Cuboid, Cylinder }}
+category Dials {{
+  param lead : ratio in 2 .. 2
+  root part body : Cuboid(size = [20cm, 20cm, 20cm])
+  part dial : Cylinder(radius = 2cm, height = 1cm)
+  joint turn : revolute body.top -> dial.bottom at center gap 1mm range 0deg .. 90deg
+  part hand : Cylinder(radius = 1cm, height = 1cm)
+  joint follow : {} body.left -> hand.bottom at center gap 1mm range {} mimic {}
+}}
+"""
+TURN = np.deg2rad(1.0)
+
+
+@pytest.mark.parametrize(
+    ("formula", "multiplier", "offset"),
+    [
+        ("turn", 1.0, 0.0),
+        ("lead * turn", 2.0, 0.0),
+        ("-(turn * lead) / 3", -2.0 / 3.0, 0.0),
+        ("2 * (lead * turn)", 4.0, 0.0),
+        ("turn + 10deg", 1.0, 10.0 * TURN),
+        ("20deg - lead * turn", -2.0, 20.0 * TURN),
+        ("lead * (turn - 5deg) / 4", 0.5, -2.5 * TURN),
+        ("min(lead, 1) * turn", 1.0, 0.0),
+    ],
+)
+def test_angles(formula: str, multiplier: float, offset: float) -> None:
+    joints = (
+        Session.of_text(TEXT.format("revolute", "-180deg .. 1turn", formula)).sampler.batch(np.arange(2), 1).joints()
+    )
+    row = joints.name.index("follow")
+    np.testing.assert_allclose(joints.multiplier[row], multiplier, rtol=1e-12)
+    np.testing.assert_allclose(joints.offset[row], offset, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "formula", ["turn * (2cm / 90deg)", "2cm / 90deg * turn", "turn * lead * 1cm / 90deg", "(turn / 90deg) * 2cm"]
+)
+def test_a_slide_follows_a_hinge(formula: str) -> None:
+    batch = Session.of_text(TEXT.format("prismatic", "0 .. 5cm", f"{formula} + 1cm")).sampler.batch(np.arange(2), 1)
+    joints = batch.joints()
+    rows, leads = (np.flatnonzero(np.array(joints.name) == name) for name in ("follow", "turn"))
+    states = np.zeros(len(joints.name))
+    states[leads] = np.deg2rad(45.0)
+    np.testing.assert_allclose(batch.settle(states)[rows], 0.02, atol=1e-12)
+
+
+def test_it_rests_where_its_leader_puts_it() -> None:
+    text = TEXT.replace("0deg .. 90deg", "0deg .. 90deg rest 30deg").format(
+        "revolute", "0deg .. 1turn", "turn * 2 + 10deg"
+    )
+    joints = Session.of_text(text).sampler.batch(np.arange(2), 1).joints()
+    np.testing.assert_allclose(joints.rest, np.deg2rad([30.0, 70.0] * 2), rtol=1e-12)
