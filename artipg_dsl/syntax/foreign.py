@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+_CHOICE = "a choice is written `param kind : choice one | two`"
 STATEMENTS_ELSEWHERE = {
     "if": "to make statements conditional, write `when ... { ... }`",
     "for": "to repeat parts, write `repeat x[i] in 0 ..< n { ... }`",
@@ -26,6 +27,11 @@ STATEMENTS_ELSEWHERE = {
     "constraint": "to require a condition, write `require ...`",
     "set": "to name a value, write `let x = ...`; to state an equation, `align a = b`",
     "parameter": "a parameter is written `param x : length in 1cm .. 2cm`",
+    **dict.fromkeys(("choice", "enum", "option"), _CHOICE),
+    **dict.fromkeys(
+        ("length", "angle", "ratio", "float", "number"), "a parameter is written `param x : length in 1cm .. 2cm`"
+    ),
+    "int": "a whole number is written `count n in 1 .. 4`",
     "apg": "`apg 1` must be the first line of a file",
     "variable": "to name a value, write `let x = ...`",
     "link": "links are derived from joints: declare parts, and joints between them",
@@ -62,6 +68,7 @@ _PLACED = "place a part by `connect` or `align`, in a separate statement"
 CLAUSES_ELSEWHERE = {
     **{("part", word): _PLACED for word in ("at", "on", "to", "in", "fit")},
     ("part", "mirror"): "for a mirrored pair, write `repeat x mirror across y { ... }`",
+    ("param", "|"): _CHOICE,
     ("align", "gap"): "put the distance into the equation: `align a.left = b.left + 1cm`",
     **{
         ("connect", word): "a moving part is attached by a `joint`"

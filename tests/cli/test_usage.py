@@ -96,17 +96,17 @@ def test_a_word_of_ones_own(apgc: Apgc, tmp_path: Path) -> None:
     program = tmp_path / "bin.apg"
     text = (
         "apg 1\nuse primitives { Cuboid }\nuse vocabularies { semantic }\ncategory Bin {\n"
-        "  root part body : Cuboid(size = [20cm, 20cm, 40cm])\n  label semantic.pedal on body\n}\n"
+        "  root part body : Cuboid(size = [20cm, 20cm, 40cm])\n  label semantic.tread on body\n}\n"
     )
     program.write_text(text)
     code, out, _ = apgc("check", program)
-    assert code == 1 and "`vocabulary semantic { pedal }`, and remove `semantic` from `use`" in out
+    assert code == 1 and "`vocabulary semantic { tread }`, and remove `semantic` from `use`" in out
     program.write_text(
-        text.replace("vocabularies { semantic }", "vocabularies { affordance }\nvocabulary semantic { pedal }")
+        text.replace("vocabularies { semantic }", "vocabularies { affordance }\nvocabulary semantic { tread }")
     )
     assert apgc("sample", program, "-n", 1, "--points", 8, "-o", tmp_path / "out")[0] == 0
     words = json.loads((tmp_path / "out" / "manifest.json").read_text())["vocabularies"]["semantic"]
-    assert words[:2] == ["unlabelled", "body"] and words[-1] == "pedal"  # class 0 is unlabelled
+    assert words[:2] == ["unlabelled", "body"] and words[-1] == "tread"  # class 0 is unlabelled
 
 
 def test_an_alternative_that_leaves_a_size_open(apgc: Apgc, tmp_path: Path) -> None:
