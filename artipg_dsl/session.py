@@ -166,7 +166,8 @@ class Session:
                 "needs-clearance",
                 span,
                 "this `clearance` cannot be solved for",
-                hint="only the high end of a revolute or prismatic joint that moves independently can be; write a number or a formula",
+                hint="only the high end of a revolute or prismatic joint that moves independently, without `positions`, can be; "
+                "write a number or a formula",
             )
         if lowering is None or self.report.failed:
             raise CompileError(self.report)

@@ -147,6 +147,8 @@ def _joints(batch: Batch) -> list[list[dict[str, Any]]]:
         "rest": _tidy(joints.rest),
         "mimic": [None if a is None else {"joint": a, "multiplier": m, "offset": o} for a, m, o in follow],
     }
+    if any(joint.positions is not None for joint in batch.program.joints):
+        columns["positions"] = [None if np.isnan(count) else int(count) for count in joints.positions]
     if batch.gates is not None:
         columns["enabled_when"] = _enabled_when(batch, batch.gates)
     return _grouped(joints.owner, n, columns)

@@ -12,6 +12,7 @@ import numpy as np
 from .. import random
 from ..errors import UsageError
 from ..language import JOINTS
+from ..runtime.detents import caught, in_positions
 from ..runtime.motion import freedoms_of
 from .frames import rotate
 
@@ -80,7 +81,7 @@ def joint_values(batch: Batch, states: States) -> np.ndarray:
             found.append(
                 rest_values(batch)
                 if name == "rest"
-                else open_values(batch)
+                else caught(batch.joints(), open_values(batch))
                 if name == "open"
                 else _parse_state(batch, name)
             )
@@ -149,7 +150,7 @@ def _parse_state(batch: Batch, text: str) -> np.ndarray:
 
 
 def draw_values(batch: Batch, k: int) -> np.ndarray:
-    """The ``k``-th random joint values (J,): independent and uniform within the limits, -pi .. pi where none are.
+    """The ``k``-th random joint values (J,): independent and uniform within the limits, -pi .. pi where none are, or over positions.
 
     Addressed by object, path of the joint and rank of its repeats. A sliding joint without a limit rests.
     """
@@ -163,13 +164,14 @@ def draw_values(batch: Batch, k: int) -> np.ndarray:
     )
     instance = joints.owner * len(batch.program.joints) + definition
     rank = np.arange(len(instance)) - np.searchsorted(instance, instance)
+    share = np.zeros(len(instance))
     address = random.mix(np.asarray(batch.numbers).astype(np.uint64)[joints.owner], rank)
     for number, joint in enumerate(batch.program.joints):
         at = np.flatnonzero(definition == number)
         if len(at):
-            share = random.uniform(random.key(batch.seed, "states", joint.path), address[at], 0, k)
-            values[at] = low[at] + share * (high[at] - low[at])
-    return values
+            share[at] = random.uniform(random.key(batch.seed, "states", joint.path), address[at], 0, k)
+            values[at] = low[at] + share[at] * (high[at] - low[at])
+    return in_positions(joints, share, values)
 
 
 def state_table(batch: Batch, values: np.ndarray) -> np.ndarray:

@@ -186,6 +186,8 @@ def _describe(joint: RobotJoint) -> dict[str, Any]:
     }
     if joint.traits.advances:
         described["pitch"] = round(joint.pitch, 9)  # metres per turn
+    if joint.positions:
+        described["positions"] = joint.positions
     if joint.mimic is not None:
         described["mimic"] = {"joint": joint.mimic[0], "multiplier": joint.mimic[1], "offset": joint.mimic[2]}
     if joint.gates:

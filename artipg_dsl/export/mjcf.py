@@ -98,6 +98,11 @@ class _Model:
                 for joint in robot.joints
                 if joint.gates
             ],
+            "positions": [
+                {"name": f"positions_{joint.name}", "data": joint.positions}
+                for joint in robot.joints
+                if joint.positions
+            ],
             "closures": [
                 {"name": f"closure_{n}", "site1": f"closure_{n}_a", "site2": f"closure_{n}_b"}
                 for n in range(len(robot.closures))

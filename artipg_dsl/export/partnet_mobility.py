@@ -328,6 +328,8 @@ def _mobility(member: FolderLink, members: list[FolderLink]) -> dict[str, Any]:
             assert joint.low is not None and joint.high is not None
             turn = _short(np.degrees(np.array(joint.high - joint.low)))
             data["limit"] |= {"rotates": True, "noRotationLimit": False, "rotationLimit": turn}
+    if data and joint is not None and joint.positions:
+        data["positions"] = joint.positions
     if data and joint is not None and joint.gates:
         data["enabled_when"] = [_gate(*gate, members) for gate in joint.gates]
     parts = [{"id": leaf.id, "name": leaf.name, "children": []} for leaf in member.leaves.values()]

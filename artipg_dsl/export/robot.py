@@ -108,8 +108,9 @@ class RobotLink:
 class RobotJoint:
     """``origin`` in the parent link's frame, ``axis`` in the object's axes. ``low``, ``high`` None: no limit.
 
-    ``mimic`` is (name of the leader, multiplier, offset), ``pitch`` a screw's advance by a turn, ``gates`` what it waits for: (name
-    of a joint, from, to), -inf and inf where there is no such end. Radians and metres.
+    ``mimic`` is (name of the leader, multiplier, offset), ``pitch`` a screw's advance by a turn, ``positions`` in how many
+    values it catches (0: anywhere), ``gates`` what it waits for: (name of a joint, from, to), -inf and inf where there is no
+    such end. Radians and metres.
     """
 
     name: str
@@ -127,6 +128,7 @@ class RobotJoint:
     friction: float
     mimic: tuple[str, float, float] | None
     pitch: float = 0.0
+    positions: int = 0
     armature: float = 0.0
     gates: tuple[tuple[str, float, float], ...] = ()
 
@@ -368,6 +370,7 @@ class Robots:
                     if leader < 0
                     else (joints.name[first + leader], float(joints.multiplier[j]), float(joints.offset[j])),
                     pitch=_number_or(joints.pitch[j], 0.0),
+                    positions=int(_number_or(joints.positions[j], 0.0)),
                     armature=float(self.dynamics.armature[j]),
                     gates=self._gates(j),
                 )

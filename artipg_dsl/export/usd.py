@@ -198,6 +198,8 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
         schemas = ["PhysicsDriveAPI:angular" if angular else "PhysicsDriveAPI:linear", "PhysxJointAPI"]
         if joint.traits.advances:
             lines.append(f"custom double artipg:screw:pitch = {joint.pitch:.17g}")
+        if joint.positions:
+            lines.append(f"custom int artipg:positions = {joint.positions}")
         if joint.mimic is not None:
             lines += _mimic(robot, joint, name, letter, paths, schemas)
         lines += _gates(joint, name, paths)

@@ -209,7 +209,7 @@ class Joint:
     ``low``, ``high``, ``rest`` in radians or metres (None: no limit; of a ball, how far it tilts). ``mimic`` is (reference
     to a joint, multiplier, offset). One instance per row of ``scope``. ``clearance``: from its rest value it goes on as far as
     nothing is in the way, at most to ``high``; ``whatever``: with the other joints anywhere, else at rest. It stays at rest unless
-    all ``gates`` are open.
+    all ``gates`` are open. It catches at ``positions`` values, evenly spaced from end to end or round the turn.
     """
 
     path: str
@@ -229,6 +229,7 @@ class Joint:
     effort: Expr | None = None
     velocity: Expr | None = None
     pitch: Expr | None = None
+    positions: Expr | None = None
     where: Where | None = None
     clearance: bool = False
     whatever: bool = False

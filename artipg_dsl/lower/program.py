@@ -234,7 +234,13 @@ def clearances(links: Links) -> None:
     followed = {k for joint in program.joints if joint.mimic is not None for k in definitions_of(joint.mimic[0])}
     for number, span in links.context.clearances.items():
         joint = program.joints[number]
-        if number in followed or joint.mimic is not None or joint.gates or program.closures:
+        if (
+            number in followed
+            or joint.mimic is not None
+            or joint.gates
+            or joint.positions is not None
+            or program.closures
+        ):
             links.context.unclear.append(span)
         program.joints[number] = replace(joint, clearance=True, whatever=number in links.context.whatever)
 

@@ -65,6 +65,7 @@ class _Observer:
                 joint.effort,
                 joint.velocity,
                 joint.pitch,
+                joint.positions,
             )
             there = [e for e in given if e is not None]
             absent = "".join("-" if e is None else "+" for e in given)

@@ -16,6 +16,7 @@ from ..graph.expr import Expr, Scope
 from ..graph.program import Draw, Program
 from ..graph.reference import Reference
 from . import motion
+from .detents import rest_caught
 from .gates import Gates, gates_of
 from .kernels import State
 from .loops import Loops, loops_of
@@ -260,7 +261,7 @@ class Batch:
             columns["child"].append(self.link_numbers(scope, (joint.child,)))
             columns["origin"].append(self._vectors(joint.origin, scope))
             columns["axis"].append(self._vectors(joint.axis, scope))
-            for name in ("low", "high", "damping", "friction", "effort", "velocity", "pitch"):
+            for name in ("low", "high", "damping", "friction", "effort", "velocity", "pitch", "positions"):
                 expr = getattr(joint, name)
                 columns[name].append(np.full(size, np.nan) if expr is None else self.read([expr], scope)[0])
             columns["rest"].append(self.read([joint.rest], scope)[0])
@@ -289,7 +290,7 @@ class Batch:
             kinds,
             **sorted_columns,
         )
-        return root_joints(lead_by_heads(table), self.numbers)
+        return root_joints(lead_by_heads(rest_caught(table)), self.numbers)
 
     def parts(self) -> PartTable:
         """The parts, elementary ones too."""

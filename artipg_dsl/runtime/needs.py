@@ -43,6 +43,7 @@ def find_wanted(program: Program) -> Iterator[Wanted]:
             joint.effort,
             joint.velocity,
             joint.pitch,
+            joint.positions,
         )
         yield from _each(joint.scope, joint.origin, joint.axis, (p for p in physics if p is not None))
         yield from ranks_of(joint.parent)

@@ -29,7 +29,8 @@ class JointTable:
     """J joints sorted by owner, then number. ``parent`` and ``child`` are link numbers, ``mimic`` a joint number or -1.
 
     ``origin``, ``axis`` (J, 3) lie in the object's frame at joint values 0; radians or metres; nan: not limited, not given.
-    ``pitch`` is the advance of a screw by a turn, in metres. The value of a ball joint is a tilt (see ``motion``).
+    ``pitch`` is the advance of a screw by a turn, in metres, ``positions`` in how many places a joint catches (see ``detents``). The
+    value of a ball joint is a tilt (see ``motion``).
     """
 
     owner: np.ndarray
@@ -52,6 +53,7 @@ class JointTable:
     effort: np.ndarray
     velocity: np.ndarray
     pitch: np.ndarray
+    positions: np.ndarray
 
     def that(self, *ways: str) -> np.ndarray:
         """Which joints (J,) move in one of these ways: ``turns``, ``slides``, ``tilts``; without a way, which move at all."""

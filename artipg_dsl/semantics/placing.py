@@ -11,7 +11,7 @@ from ..syntax.walk import path_root
 from ..units import UNITS
 from . import foreign
 from .declarations import check_range
-from .fold import components
+from .fold import components, constant
 from .gates import check_gate
 from .meanings import Clearance, Declared, Word
 from .mimic import check_mimic
@@ -19,6 +19,7 @@ from .types import (
     ANGLE,
     BASE,
     BOX,
+    COUNT,
     DIRECTION,
     EDGE,
     FRAME,
@@ -296,6 +297,8 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
         given = ck.infer(ctx, pitch.value)
         if not isinstance(given, ScalarType) and given != UNKNOWN:
             ck.mismatch(pitch.value, given, LENGTH, "the pitch")
+    if (positions := _taken(ck, kind, node.positions)) is not None:
+        _positions(ck, ctx, node, positions)
     for physics in (node.damping, node.friction, node.effort, node.velocity):
         if (number := _taken(ck, kind, physics)) is not None:
             given = ck.infer(ctx, number.value)
@@ -315,6 +318,17 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
                 )
             else:
                 ck.unfit(number.value, given, f"`{number.word}` must be a number")
+
+
+def _positions(ck: Checker, ctx: Context, node: ast.JointDecl, positions: ast.Clause[ast.Expr]) -> None:
+    """In how many places a joint catches: two at least, and of a joint that moves by itself, between ends of its own."""
+    ck.expect(ctx, positions.value, COUNT, "the number of positions")
+    number = constant(positions.value, ctx.module)
+    if number is not None and number < 2:
+        ck.error("illegal-value", positions.value.span, "a joint has at least two positions")
+    if node.mimic is not None:
+        message = "a joint that follows another has no positions of its own"
+        ck.error("unknown-clause", positions.span, message, hint="put `positions` on the joint that leads")
 
 
 def motion_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, wanted: Type) -> None:

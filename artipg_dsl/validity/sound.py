@@ -72,6 +72,8 @@ def prove(batch: Batch) -> None:
         ((physics < 0) | np.isinf(physics)).any(axis=0),
         "its damping, friction, effort or velocity is negative or infinite",
     )
+    few = (joints.positions < 2.0) | (joints.positions != np.rint(joints.positions)) & ~np.isnan(joints.positions)
+    _refuse(batch, "joint", joints.owner, joints.name, few, "the number of its positions is not a whole number above 1")
     if batch.program.foreign:
         _tree(batch)
         _said(batch)

@@ -267,6 +267,7 @@ class FakeBatch:
             effort=nan,
             velocity=nan,
             pitch=nan,
+            positions=nan,
         )
 
     def parts(self) -> SimpleNamespace:

@@ -45,7 +45,7 @@ def one(kind: str, axis: list[float], mass: float = 2.0, lifted: float = 0.0, **
         kind=[kind],
         origin=np.zeros((1, 3)),
         axis=np.array([axis]),
-        **({name: nan for name in ("damping", "friction", "effort", "velocity")} | fields),
+        **({name: nan for name in ("damping", "friction", "effort", "velocity", "positions")} | fields),
     )
     inertia = np.array([np.eye(3), mass * np.diag([5e-7, 0.03, 0.03])])
     turn = np.array([[np.cos(lifted), 0, -np.sin(lifted)], [0, 1, 0], [np.sin(lifted), 0, np.cos(lifted)]])

@@ -44,7 +44,14 @@ def build_joint(links: Links, part: Component, attachment: Attachment) -> None:
         links.mimics[len(program.joints)] = (env, statement.mimic.value)
     if statement.when is not None:
         links.gates[len(program.joints)] = (env, statement.when.value)
-    given = (statement.damping, statement.friction, statement.effort, statement.velocity, statement.pitch)
+    given = (
+        statement.damping,
+        statement.friction,
+        statement.effort,
+        statement.velocity,
+        statement.pitch,
+        statement.positions,
+    )
     physics: dict[str, Any] = {c.word: ev.scalar(c.value) for c in given if c is not None}
     path = env.path + statement.name
     joint = Joint(

@@ -39,6 +39,7 @@ from .ranges import (
     OPTION,
     PITCH,
     PLACE,
+    POSITIONS,
     ROWS,
     SHARE,
     SIZE,
@@ -260,6 +261,8 @@ def _of_joint(joint: Joint) -> Iterator[Quantity]:
     for word, value, legal in (*held, *driven):
         if value is not None:
             yield Quantity(f"the {word} of {name}", scope, value, legal, place)
+    if joint.positions is not None:
+        yield Quantity(f"the number of positions of {name}", scope, joint.positions, POSITIONS, place)
     if joint.pitch is not None:
         yield Quantity(f"the pitch of {name}", scope, E.call("abs", joint.pitch), PITCH, place)
     if joint.mimic is not None:

@@ -50,6 +50,7 @@ class JointDecl(Attaching):
     effort: Clause[Expr] | None = None
     velocity: Clause[Expr] | None = None
     pitch: Clause[Expr] | None = None
+    positions: Clause[Expr] | None = None
     when: Clause[Expr] | None = None
 
 
