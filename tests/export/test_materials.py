@@ -140,6 +140,7 @@ MASSES = {
     "Refrigerator": (15, 190),
     "Safe": (10, 420),
     "Scissors": (0.02, 0.13),
+    "Stapler": (0.03, 1.5),
     "Switch": (0.03, 1.2),
     "Table": (4, 80),
     "TrashCan": (0.4, 18),
