@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
 from artipg_dsl.diagnostics import Report
 from artipg_dsl.resources import library_dir
@@ -70,8 +71,13 @@ class Entry:
         return set(re.findall(r"[a-z]+", f"{' '.join(names)} {begins}".lower()))
 
 
-def entries() -> Iterator[Entry]:
+@cache
+def entries() -> tuple[Entry, ...]:
     """Roles, templates and primitives, by module, in the order of the text."""
+    return tuple(_entries())
+
+
+def _entries() -> Iterator[Entry]:
     for path in sorted(library_dir().glob("*.apg")):
         tree = parse(Source(path.name, path.read_text(encoding="utf-8")), Report())
         assert tree is not None, path.name
@@ -82,7 +88,7 @@ def entries() -> Iterator[Entry]:
 
 def page() -> str:
     """The whole page."""
-    known = list(entries())
+    known = entries()
     lines = [HEAD, "## By what you look for", "", "| you look for | see |", "|---|---|"]
     for title, words in SOUGHT.items():
         found = [e for e in known if e.words & set(words.split())]
