@@ -125,6 +125,7 @@ MASSES = {
     "Dishwasher": (12, 70),
     "Dispenser": (0.25, 55),
     "Display": (2.5, 40),
+    "Eyeglasses": (0.008, 0.09),
     "Faucet": (0.7, 4.5),
     "Foldingrack": (1.5, 10),
     "Kettle": (0.3, 4.5),
