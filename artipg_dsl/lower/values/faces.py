@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...graph import expr as E
-from ...graph.expr import ZERO
+from ...graph.expr import ONE, ZERO
 from ...graph.primitive import Triple, triple
+from ...graph.program import Pose
 from .kinds import Box, Carrier, Edge, Face, Vec
 from .vectors import (
     HERE,
@@ -19,6 +20,7 @@ from .vectors import (
     normalized,
     place,
     plus,
+    product,
     signed_axis,
     sole_axis,
     times,
@@ -75,7 +77,8 @@ def corner_of(edge: Edge, name: str) -> Vec | None:
 
 
 def squared(box: Box) -> Box:
-    """The same box written in the frame of the environment, when its pose turns it by right angles only.
+    """The same box written in the frame of the environment, when its pose turns it by right angles only; if it turns it by another
+    angle about an axis of the environment, the box whose faces along that axis have the names that they have in the environment.
 
     Where a direction may differ from row to row (the halves of a mirror), low and high follow from centre and size.
     """
@@ -83,7 +86,7 @@ def squared(box: Box) -> Box:
         return box
     turned = box.pose.rotation
     if any(sole_axis(row) is None for row in turned) or any(sole_axis(row) is None for row in transpose(turned)):
-        return box
+        return _along_the_axis(box)
     if box.pose.mirror.constant is None or any(signed_axis(row) is None for row in turned):
         center = place(box.pose, box.center)
         half = triple(E.mul(box.size[k], E.const(0.5)) for k in map(sole_axis, turned) if k is not None)
@@ -97,6 +100,27 @@ def squared(box: Box) -> Box:
         low.append(ends[0 if sign > 0 else 1][k])
         high.append(ends[1 if sign > 0 else 0][k])
     return Box(triple(low), triple(high), HERE, box.on, box.exists)
+
+
+def _along_the_axis(box: Box) -> Box:
+    """A box that is turned about an axis of the environment, its own axes exchanged so that this one has its name and sense."""
+    if box.pose.mirror is not ONE:
+        return box
+    for k, row in enumerate(box.pose.rotation):
+        found = signed_axis(row)
+        if found is None or found == (k, 1):
+            continue
+        own = [
+            ((found[0] + shift) % 3, found[1] if shift != 1 else 1) for shift in range(3)
+        ]  # of k and the two after it
+        taken = [own[(axis - k) % 3] for axis in range(3)]
+        pose = Pose(product(box.pose.rotation, columns(*(unit(*one) for one in taken))), box.pose.translation, ONE)
+        low, high = (
+            triple(E.mul(E.const(float(sign)), (ends if sign > 0 else others)[axis]) for axis, sign in taken)
+            for ends, others in ((box.low, box.high), (box.high, box.low))
+        )
+        return Box(low, high, pose, box.on, box.exists)
+    return box
 
 
 def extent(box: Box) -> Box:
