@@ -1,6 +1,8 @@
-"""Of every family of grasps of every shipped category, how many the gripper can make with all joints at rest.
+"""Of every family of grasps of every shipped category, how many the gripper can make: the table of docs/benchmarks.md.
 
-python benchmarks/grasps.py [--objects 32] [--gripper standard]
+With all joints at rest, with the reasons, and with all of them open: what lies behind a door is for a hand once the door is open.
+
+    python benchmarks/grasps.py [--objects 32] [--gripper standard]
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ import numpy as np
 
 from artipg_dsl.annotate.grasps import sample_grasps
 from artipg_dsl.annotate.gripper import REASONS, judge, read_gripper
+from artipg_dsl.annotate.states import joint_values, read_states
 from artipg_dsl.session import Session, categories
 
 
@@ -22,15 +25,19 @@ def main() -> None:
     gripper = read_gripper(options.gripper)
     if gripper is None:
         parser.error("give a gripper to judge by")
-    print(f"{'category':18}{'grasp':16}{'tried':>7}" + "".join(f"{reason:>11}" for reason in REASONS))
+    print("| category | grasp | tried | feasible | too wide | blocked | empty | feasible, open |")
+    print("|---|---|" + "---:|" * 6)
     for category in categories():
         batch = Session.of(category).sampler.batch(np.arange(options.objects), 5)
         grasps = sample_grasps(batch)
-        verdict, names = judge(batch, grasps, gripper), np.array(grasps.name)
+        (opened,) = joint_values(batch, read_states("open"))
+        shut, names = judge(batch, grasps, gripper), np.array(grasps.name)
+        wide = judge(batch, grasps, gripper, opened)
         for name in dict.fromkeys(grasps.name):
-            counts = np.bincount(verdict[names == name], minlength=len(REASONS))
-            shares = "".join(f"{100 * count / counts.sum():10.0f}%" for count in counts)
-            print(f"{category:18}{name:16}{counts.sum():7}{shares}")
+            own = names == name
+            shares = [np.mean(shut[own] == reason) for reason in range(len(REASONS))] + [np.mean(wide[own] == 0)]
+            cells = "".join(f" {100 * share:.0f} % |" for share in shares)
+            print(f"| {batch.program.name} | `{name}` | {own.sum()} |{cells}", flush=True)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from artipg_dsl.session import Session, categories
 from artipg_dsl.view.sheet import write_sheet
 
 HERE = Path(__file__).parent
-TILE, COLUMNS = 170, 10
+TILE, COLUMNS = 170, 11
 #: which objects stand for their category, the second of them with its joints opened
 SHOWN = {
     "Faucet": (0, 17),

@@ -114,37 +114,3 @@ def test_shipped_materials_have_real_values() -> None:
             values = getattr(material, field)
             assert 0 <= values[0] <= values[1] <= 1, (name, field)
         assert all(0 <= c <= 1 for colour in material.colour for c in colour)
-
-
-# kg: what shops and makers state of such things, with some room
-MASSES = {
-    "Bottle": (0.02, 0.7),
-    "Box": (0.15, 12),
-    "Bucket": (0.4, 3),
-    "Chair": (3, 45),
-    "Dishwasher": (12, 70),
-    "Dispenser": (0.25, 55),
-    "Display": (2.5, 40),
-    "Eyeglasses": (0.008, 0.09),
-    "Faucet": (0.7, 4.5),
-    "Foldingrack": (1.5, 10),
-    "Kettle": (0.3, 4.5),
-    "KitchenPot": (0.4, 8),
-    "Knife": (0.03, 0.7),
-    "Laptop": (0.9, 4.5),
-    "Lighter": (0.01, 0.8),
-    "Microwave": (9, 27),
-    "Mug": (0.15, 1.5),
-    "Oven": (8, 110),
-    "Pen": (0.003, 0.06),
-    "Pliers": (0.1, 0.35),
-    "Refrigerator": (15, 190),
-    "Safe": (10, 420),
-    "Scissors": (0.02, 0.13),
-    "Stapler": (0.03, 1.5),
-    "Switch": (0.03, 1.2),
-    "Table": (4, 80),
-    "TrashCan": (0.4, 18),
-    "USB": (0.003, 0.03),
-    "WashingMachine": (25, 100),
-}
