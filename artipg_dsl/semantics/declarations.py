@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import did_you_mean, given
 from ..language import DIRECTIONS, DISTRIBUTIONS, FACES, FUNCTIONS, OWN, TYPES, WORDS
 from ..syntax import ast
+from ..syntax.walk import walk
 from .entries import of_reference
 from .fold import components, constant
 from .guards import consistent
-from .meanings import Word
+from .meanings import Declared, Word
 from .scope import BodyScope, Entry
 from .types import COUNT, RATIO, SIZE, UNKNOWN, ChoiceType, ScalarType, Type, VecType, fits
 
@@ -123,6 +124,31 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
         base = ScalarType(kind.dimension) if isinstance(kind, VecType) and kind.dimension is not None else kind
         if not fits(step, RATIO) and not fits(step, base):
             ck.mismatch(node.vary, step, base, f"the step of {what} is a ratio or")
+    _follows(ck, ctx, node)
+
+
+def _follows(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
+    """What a template takes is settled before its body, one parameter after the other: each may follow from those above it."""
+    scope = ctx.scope
+    if scope is None or scope.owner.kind == "category" or node not in scope.owner.body:
+        return
+    for said in ast.present(node.domain, node.default, node.distribution, node.vary):
+        for name in walk(said):
+            if not isinstance(name, ast.NameExpr) or not isinstance(ck.meanings.get(id(name)), Declared):
+                continue
+            found = next((entry for entry in scope.table.get(name.name, ()) if entry.scope is scope), None)
+            if found is None or isinstance(found.node, ast.ParamDecl) and found.span.start < node.name_spans[0].start:
+                continue
+            if found.span.source is not node.span.source:
+                continue  # of a role
+            if isinstance(found.node, ast.ParamDecl):
+                same = name.name in node.names
+                message = f"`{name.name}` depends on itself" if same else f"`{name.name}` is declared below"
+                hint = "a parameter can follow from those above it"
+            else:
+                message = f"a parameter cannot follow from `{name.name}`: the body of the template is made from its parameters"
+                hint = f"write out what `{name.name}` is, or state with `require` what must hold between the two"
+            ck.error("circular-definition", name.span, message, hint=hint)
 
 
 def check_count(ck: Checker, ctx: Context, node: ast.CountDecl) -> None:
