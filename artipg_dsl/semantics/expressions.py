@@ -210,7 +210,17 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
     axis = next(
         (e.name for e in (expr.left, expr.right) if isinstance(e, ast.NameExpr) and e.name in ("x", "y", "z")), None
     )
-    if isinstance(left, PartType) or isinstance(right, PartType):
+    option = next(
+        (
+            e.name
+            for e, other in ((expr.left, right), (expr.right, left))
+            if isinstance(e, ast.NameExpr) and isinstance(other, ChoiceType) and e.name in other.values
+        ),
+        None,
+    )
+    if option is not None:
+        hint = f"`{option}` is declared here, so it is not the option of that name: rename what is declared"
+    elif isinstance(left, PartType) or isinstance(right, PartType):
         hint = "to test what a part is, write `part is Template`"
     elif STRING in (left, right) and (isinstance(left, ChoiceType) or isinstance(right, ChoiceType)):
         hint = "the options of a choice are written without quotes"
