@@ -29,7 +29,11 @@ def _joined(name: str, arrays: list[np.ndarray]) -> np.ndarray:
     if name in _FILLED:
         size = np.max([array.shape for array in arrays], axis=0)
         arrays = [
-            np.pad(a, [(0, 0), *((0, int(n)) for n in (size - a.shape)[1:])], constant_values=_FILLED[name])
+            np.pad(
+                a,
+                [(0, 0), *((0, int(most) - own) for most, own in zip(size[1:], a.shape[1:], strict=True))],
+                constant_values=_FILLED[name],
+            )
             for a in arrays
         ]
     return np.concatenate(arrays)

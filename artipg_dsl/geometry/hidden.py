@@ -215,7 +215,7 @@ class Occlusion:
             ends = np.stack([origin + u * a + v * b + (u * v) * c for u, v in corners])
             row = pairs.other[mine] - shelf.start
             params = {name: value[row] for name, value in shelf.params.items()}
-            found = bound_inside(shelf.primitive, params, ends.min(axis=0), ends.max(axis=0))
+            found = bound_inside(shelf.primitive, params, list(ends.min(axis=0)), list(ends.max(axis=0)))
             out[pairs.cell[mine[found < 0.0]]] = True
         return out
 

@@ -130,7 +130,7 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
 def _follows(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
     """What a template takes is settled before its body, one parameter after the other: each may follow from those above it."""
     scope = ctx.scope
-    if scope is None or scope.owner.kind == "category" or node not in scope.owner.body:
+    if scope is None or scope.owner.kind == "category" or all(stated is not node for stated in scope.owner.body):
         return
     for said in ast.present(node.domain, node.default, node.distribution, node.vary):
         for name in walk(said):

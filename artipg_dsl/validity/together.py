@@ -279,8 +279,8 @@ def least_share(
         moved = ((part.stop - part.start) / 2 * part.radius)[going]
         mixed = np.maximum(total[going] - add_columns(loss[going]), 0.0) / np.maximum(add_columns(moved), 1e-300)
         weight = loss[going] + np.maximum(np.minimum(mixed, 1.0), _TIE)[:, None] * moved
-        column = np.where(bound[going], np.argmax(ends, axis=1), np.argmax(weight, axis=1))
-        part = part.at(going).halved(column)
+        widest = np.where(bound[going], np.argmax(ends, axis=1), np.argmax(weight, axis=1))
+        part = part.at(going).halved(widest)
     return room, met
 
 
