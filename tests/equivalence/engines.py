@@ -93,7 +93,8 @@ def pybullet_urdf(folder: Path, robot: Robot) -> Reading:
         # the mass of a fixed base reads 0
         mass = None if k < 0 else data[0]
         bodies[name] = Body(mass, center, None if k < 0 else principal_to_full(np.array(data[2]), axes), count)
-    limits = {row[1].decode(): (row[8], row[9]) if row[8] <= row[9] else None for row in info}
+    moving = [row for row in info if row[2] != pybullet.JOINT_FIXED]
+    limits = {row[1].decode(): (row[8], row[9]) if row[8] <= row[9] else None for row in moving}
     return Reading(bodies, limits, poses)
 
 
