@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..graph.program import MEASURES
+from ..runtime.curves import tabulate
 from .frames import rotate
 from .grasps import GraspTable, KeypointTable, sample_grasps, sample_keypoints
 from .gripper import REASONS, STANDARD, Gripper, judge
@@ -147,6 +148,8 @@ def _joints(batch: Batch) -> list[list[dict[str, Any]]]:
         "rest": _tidy(joints.rest),
         "mimic": [None if a is None else {"joint": a, "multiplier": m, "offset": o} for a, m, o in follow],
     }
+    for row, (lead, own) in tabulate(joints).items():  # of the straight line the ends alone are right
+        columns["mimic"][row]["curve"] = {"lead": _tidy(lead), "value": _tidy(own)}
     if any(joint.positions is not None for joint in batch.program.joints):
         columns["positions"] = [None if np.isnan(count) else int(count) for count in joints.positions]
     if batch.gates is not None:

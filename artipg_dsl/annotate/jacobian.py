@@ -85,6 +85,8 @@ def find_rates(batch: Batch, values: np.ndarray) -> tuple[np.ndarray, np.ndarray
     joints = batch.joints()
     count = len(joints.owner)
     leader, multiple = leaders_of(joints)
+    for curve in joints.curves:
+        multiple[curve.row] = curve.rate(values[curve.leader])
     loops = batch.loops
     turning, sliding = freedoms_of(joints)
     free = (leader == np.arange(count)) & ((turning != 0.0) | (sliding != 0.0)).any(axis=1)

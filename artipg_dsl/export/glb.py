@@ -190,6 +190,8 @@ def _describe(joint: RobotJoint) -> dict[str, Any]:
         described["positions"] = joint.positions
     if joint.mimic is not None:
         described["mimic"] = {"joint": joint.mimic[0], "multiplier": joint.mimic[1], "offset": joint.mimic[2]}
+        if joint.curve is not None:
+            described["mimic"]["curve"] = dict(zip(("lead", "value"), map(_short, joint.curve), strict=True))
     if joint.gates:
         described["when"] = [
             {"joint": name, "from": low if np.isfinite(low) else None, "to": high if np.isfinite(high) else None}
@@ -213,12 +215,15 @@ def _animation(robot: Robot, rest: dict[str, float], buffer: _Buffer) -> dict[st
     """Every joint from rest to its other end and back; a continuous one by a full turn."""
     samplers: list[dict[str, Any]] = []
     channels: list[dict[str, Any]] = []
-    ends = open_values(robot)
+    ends, by_name = open_values(robot), {joint.name: joint for joint in robot.joints}
     clocks: dict[int, int] = {}
     for joint in robot.joints:
         if joint.kind not in _PATHS:
             continue
         values = _course(joint, rest[joint.name], ends[joint.name])
+        if joint.mimic is not None and joint.curve is not None:
+            lead = joint.mimic[0]
+            values = joint.following(_course(by_name[lead], rest[lead], ends[lead]))
         if len(values) not in clocks:
             times = np.arange(len(values)) * (_OPENING / (len(values) - 1))
             clocks[len(values)] = buffer.add(times.astype("<f4"), "SCALAR", FLOAT, bounds=True)

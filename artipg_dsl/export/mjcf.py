@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from ..runtime.motion import perpendicular_to
 from . import decimals
@@ -158,12 +159,16 @@ class _Model:
             self._couple(joint.name + _ADVANCE, joint.name, 0.0, joint.pitch / (2 * np.pi))
         if joint.mimic is not None:
             leader, multiplier, offset = joint.mimic
-            self._couple(joint.name, leader, offset, multiplier)
+            coefficients = [offset, multiplier]
+            if joint.curve is not None:  # MuJoCo couples joints by a polynomial of the fourth degree
+                coefficients = Polynomial.fit(*joint.curve, 4).convert().coef.astype(np.float64).tolist()
+            self._couple(joint.name, leader, *coefficients)
         return made
 
-    def _couple(self, follower: str, leader: str, offset: float, multiplier: float) -> None:
-        coefficients = f"{offset:.9g} {multiplier:.9g} 0 0 0"
-        self.couplings.append({"name": follower, "joint1": follower, "joint2": leader, "polycoef": coefficients})
+    def _couple(self, follower: str, leader: str, *coefficients: float) -> None:
+        """The follower is at a polynomial of its leader's value: offset, multiplier and what else there is of five coefficients."""
+        given = " ".join(f"{c:.9g}" for c in (*coefficients, *[0.0] * (5 - len(coefficients))))
+        self.couplings.append({"name": follower, "joint1": follower, "joint2": leader, "polycoef": given})
 
     def _piece(self, link: RobotLink, collider: Collider) -> dict[str, str]:
         name = collider.full

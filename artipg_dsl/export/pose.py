@@ -33,8 +33,7 @@ def follow_leaders(robot: Robot, values: dict[str, float]) -> dict[str, float]:
         mimic = by_name[name].mimic
         if mimic is None or depth > len(by_name):
             return values[name]
-        leader, multiplier, offset = mimic
-        return multiplier * value(leader, depth + 1) + offset
+        return float(by_name[name].following(np.asarray(value(mimic[0], depth + 1))))
 
     return {name: value(name) for name in values}
 

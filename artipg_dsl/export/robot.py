@@ -13,11 +13,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from ..annotate.frames import quaternion
 from ..geometry.resolution import STANDARD, Resolution
 from ..graph.program import Material
 from ..language import JOINTS, Kind
+from ..runtime.curves import tabulate
 from ..validity.mass import Mass, masses
 from ..validity.materials import list_materials, material_rows
 from . import materials, solids
@@ -110,7 +112,8 @@ class RobotJoint:
 
     ``mimic`` is (name of the leader, multiplier, offset), ``pitch`` a screw's advance by a turn, ``positions`` in how many
     values it catches (0: anywhere), ``gates`` what it waits for: (name of a joint, from, to), -inf and inf where there is no
-    such end. Radians and metres.
+    such end. ``curve`` is how a joint follows by a formula: values of the leader over its range, and its own at these (k,);
+    ``mimic`` is then the straight line between the ends. Radians and metres.
     """
 
     name: str
@@ -131,6 +134,7 @@ class RobotJoint:
     positions: int = 0
     armature: float = 0.0
     gates: tuple[tuple[str, float, float], ...] = ()
+    curve: tuple[np.ndarray, np.ndarray] | None = None
 
     @property
     def traits(self) -> Kind:
@@ -145,6 +149,13 @@ class RobotJoint:
     def advance(self) -> float | None:
         """How far it slides per unit of its value: 1 of what slides, metres per radian of a screw; None of others."""
         return 1.0 if self.traits.slides else self.pitch / (2 * np.pi) if self.traits.advances else None
+
+    def following(self, lead: np.ndarray) -> np.ndarray:
+        """Its values where its leader is at ``lead`` (...,)."""
+        assert self.mimic is not None
+        if self.curve is None:
+            return self.mimic[1] * lead + self.mimic[2]
+        return CubicSpline(*self.curve)(lead)
 
     @property
     def hinge(self) -> str:
@@ -218,6 +229,11 @@ class Robots:
         inertia = mass.inertia + spare[:, None, None] * np.eye(3)
         center = np.where(mass.mass[:, None] > 0, mass.center - self.origins, 0.0)
         return Mass(np.maximum(mass.mass, SMALLEST_MASS), center, inertia)
+
+    @cached_property
+    def curves(self) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+        """How joints follow by formulas: by the row, values of the leader and its own at these."""
+        return tabulate(self.joints)
 
     @cached_property
     def dynamics(self) -> Dynamics:
@@ -373,6 +389,7 @@ class Robots:
                     positions=int(_number_or(joints.positions[j], 0.0)),
                     armature=float(self.dynamics.armature[j]),
                     gates=self._gates(j),
+                    curve=self.curves.get(j),
                 )
             )
         return made

@@ -1,7 +1,8 @@
 """Joints that a format does not have, as chains of those that it has, with links of next to no mass between.
 
 A screw is a hinge and a slide on one axis that follows it. A ball is three hinges through one point: the tilt that its
-value is (see ``runtime.motion.freedoms``), the tilt about the third direction, and the twist about its own axis. An object
+value is (see ``runtime.motion.freedoms``), the tilt about the third direction, and the twist about its own axis. What follows
+another by a formula follows by the straight line between its ends. An object
 of one link gets a second one, of next to no mass and fixed to the first: SAPIEN takes no file without a joint for an articulation.
 """
 
@@ -22,7 +23,7 @@ _SHARE = 1e-3  # of the moved link's mass and inertia, for a link that is there 
 def simple_joints(robot: Robot) -> Robot:
     """The same robot with hinges, slides and fixed joints alone; a joint that needs more keeps its name and value."""
     links, joints = list(robot.links), []
-    for joint in robot.joints:
+    for joint in (replace(joint, curve=None) for joint in robot.joints):
         kind = "revolute" if joint.limited else "continuous"
         if joint.traits.advances:
             advance = (joint.name, joint.pitch / (2.0 * np.pi), 0.0)

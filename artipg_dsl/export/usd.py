@@ -234,7 +234,12 @@ def _mimic(
     sort, led_sort = ("trans" if j.traits.slides else "rot" for j in (joint, led))
     schemas.append(f"PhysxMimicJointAPI:{sort}{letter}")
     physx = f"physxMimicJoint:{sort}{letter}"
+    curve = () if joint.curve is None else zip(("leader", "value"), joint.curve, strict=True)
     return [
+        *(
+            f"custom double[] artipg:mimic:{word} = [{', '.join(f'{v:.17g}' for v in values)}]"
+            for word, values in curve
+        ),
         f"custom rel artipg:mimic:joint = </{name}/joints/{paths[leader]}>",
         f"custom double artipg:mimic:multiplier = {multiplier:.17g}",
         f"custom double artipg:mimic:offset = {offset:.17g}",

@@ -16,6 +16,7 @@ from .reference import Reference
 
 Triple = tuple[Expr, Expr, Expr]
 
+LEAD = "lead"  # in the formula of a follower: the value of the joint that it follows
 UNLABELLED = "unlabelled"  # place 0 of every vocabulary: of a surface no word of it is said
 
 
@@ -207,7 +208,8 @@ class Joint:
     """``kind``: revolute, prismatic, continuous, screw, ball or fixed; origin and axis in the object's frame at value 0.
 
     ``low``, ``high``, ``rest`` in radians or metres (None: no limit; of a ball, how far it tilts). ``mimic`` is (reference
-    to a joint, multiplier, offset). One instance per row of ``scope``. ``clearance``: from its rest value it goes on as far as
+    to a joint, multiplier, offset); where ``curve`` is given it follows by that formula of the variable ``lead``, the other's
+    value, and columns instead. One instance per row of ``scope``. ``clearance``: from its rest value it goes on as far as
     nothing is in the way, at most to ``high``; ``whatever``: with the other joints anywhere, else at rest. It stays at rest unless
     all ``gates`` are open. It catches at ``positions`` values, evenly spaced from end to end or round the turn.
     """
@@ -224,6 +226,7 @@ class Joint:
     high: Expr | None
     rest: Expr
     mimic: tuple[Reference, Expr, Expr] | None = None
+    curve: Expr | None = None
     damping: Expr | None = None
     friction: Expr | None = None
     effort: Expr | None = None

@@ -236,6 +236,8 @@ class Verifier:
         joints = self.program.joints
         # whether they follow one another in a ring depends on guards and ranks: the runtime asks by row
         self.reference(() if joint.mimic is None else joint.mimic[0], joints, "joint")
+        require(joint.curve is None or joint.mimic is not None, "a joint with a curve follows no other")
+        self.formulas([joint.curve], frozenset({P.LEAD}), joint.scope)
         for gate in joint.gates:
             self.reference(gate.joint, joints, "joint")
 
@@ -337,6 +339,7 @@ def _scope_of(item: Any) -> Scope | None:
 
 
 _FORMULAS = {  # fields that hold formulas, or that stand in other tables than their record
+    P.Joint: {"curve"},
     P.Label: {"value", "guard", "vector", "targets"},
     P.Grasp: {"at", "approach", "close", "opening", "quality", "hand"},
     Primitive: {"patches", "inside", "low", "high", "pieces", "requires"},

@@ -122,6 +122,7 @@ def motion(lowering: Lowering) -> None:
     carry_out(lowering.links, lowering.root, motions.MEANINGS)
     clearances(lowering.links)
     gates.refuse_loops(lowering.links)
+    mimic.refuse_curves(lowering.links)
 
 
 def carried(lowering: Lowering) -> None:

@@ -70,7 +70,9 @@ class _Observer:
             there = [e for e in given if e is not None]
             absent = "".join("-" if e is None else "+" for e in given)
             cells = [*joint.origin, *joint.axis, *there, *(joint.mimic[1:] if joint.mimic is not None else ())]
-            self.read(f"joint {joint.kind} {absent}", joint.scope, cells)
+            followed = [] if joint.curve is None else [joint.curve]
+            shape = "".join(map(_shape_of, followed))
+            self.read(f"joint {joint.kind} {absent}{shape}", joint.scope, [*cells, *row_values(followed)])
         for closure in self.program.closures:
             self.read("closure", closure.scope, [*closure.points[0], *closure.points[1]])
 

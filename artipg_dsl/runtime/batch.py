@@ -16,6 +16,7 @@ from ..graph.expr import Expr, Scope
 from ..graph.program import Draw, Program
 from ..graph.reference import Reference
 from . import motion
+from .curves import add_curves
 from .detents import rest_caught
 from .gates import Gates, gates_of
 from .kernels import State
@@ -288,9 +289,10 @@ class Batch:
             make_distinct(made.sort_names(names), made.owner),
             made.definition,
             kinds,
+            curves=(),
             **sorted_columns,
         )
-        return root_joints(lead_by_heads(rest_caught(table)), self.numbers)
+        return root_joints(add_curves(lead_by_heads(rest_caught(table)), self), self.numbers)
 
     def parts(self) -> PartTable:
         """The parts, elementary ones too."""
@@ -415,7 +417,9 @@ def to_plain(draw: Draw, value: float) -> Any:
     return draw.options[int(value)] if draw.kind == "choice" else int(value) if draw.kind == "count" else float(value)
 
 
-_JOINT_COLUMNS = tuple(field.name for field in fields(JointTable))[5:]  # behind those that say which joint it is
+_JOINT_COLUMNS = tuple(f.name for f in fields(JointTable))[
+    5:-1
+]  # behind those that say which joint it is, before `curves`
 
 
 @lru_cache(maxsize=8)

@@ -61,6 +61,8 @@ def follow(joints: JointTable, states: np.ndarray) -> np.ndarray:
         values[..., leads] = joints.multiplier[leads] * values[..., leader] + joints.offset[leads]
         if np.array_equal(before, values[..., leads], equal_nan=True):
             break
+    for curve in joints.curves:
+        values[..., curve.row] = curve.value(values[..., curve.leader])
     return values
 
 

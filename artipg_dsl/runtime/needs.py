@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from ..graph.derive import derive
 from ..graph.expr import Expr, Scope
 from ..graph.formula import row_values
-from ..graph.program import Pose, Program
+from ..graph.program import LEAD, Joint, Pose, Program
 from ..graph.reference import ranks_of
 
 Wanted = tuple[Expr, Scope]
@@ -48,7 +49,7 @@ def find_wanted(program: Program) -> Iterator[Wanted]:
         yield from _each(joint.scope, joint.origin, joint.axis, (p for p in physics if p is not None))
         yield from ranks_of(joint.parent)
         if joint.mimic is not None:
-            yield from _each(joint.scope, joint.mimic[1:])
+            yield from _each(joint.scope, joint.mimic[1:], row_values(following(joint)))
             yield from ranks_of(joint.mimic[0])
         for gate in joint.gates:
             yield from _each(joint.scope, (end for end in (gate.low, gate.high) if end is not None))
@@ -67,6 +68,11 @@ def find_wanted(program: Program) -> Iterator[Wanted]:
     for keypoint in program.keypoints:
         yield from _each(keypoint.scope, keypoint.point)
         yield from ranks_of(keypoint.link)
+
+
+def following(joint: Joint) -> list[Expr]:
+    """The formula by which a joint follows another, and its derivative by the value of that."""
+    return [] if joint.curve is None else [joint.curve, derive(joint.curve, LEAD)]
 
 
 def narrowing_of(program: Program) -> Iterator[Wanted]:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..graph.expr import Scope
 from ..language import JOINTS
 from .kernels import Rows
+
+if TYPE_CHECKING:
+    from .curves import Curve
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,7 +34,8 @@ class JointTable:
 
     ``origin``, ``axis`` (J, 3) lie in the object's frame at joint values 0; radians or metres; nan: not limited, not given.
     ``pitch`` is the advance of a screw by a turn, in metres, ``positions`` in how many places a joint catches (see ``detents``). The
-    value of a ball joint is a tilt (see ``motion``).
+    value of a ball joint is a tilt (see ``motion``). Joints of ``curves`` follow by a formula; ``multiplier`` and ``offset`` are the
+    straight line between its ends.
     """
 
     owner: np.ndarray
@@ -54,6 +59,7 @@ class JointTable:
     velocity: np.ndarray
     pitch: np.ndarray
     positions: np.ndarray
+    curves: tuple[Curve, ...] = ()
 
     def that(self, *ways: str) -> np.ndarray:
         """Which joints (J,) move in one of these ways: ``turns``, ``slides``, ``tilts``; without a way, which move at all."""

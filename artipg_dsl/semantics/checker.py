@@ -36,6 +36,7 @@ class Context:
     ``component``: the dimension that the components of this vector should have.
     ``making``: the expression that may make a curve, as the value of a `let` and the argument of an operator do.
     ``silent``: the types are not recorded (the body of a function, once per call).
+    ``leads``: by the identity of a path, that it stands for the value of the joint that it names, and the type of that.
     """
 
     module: ModuleScope
@@ -51,6 +52,7 @@ class Context:
     subject: bool = False
     component: Dimension | None = None
     making: ast.Expr | None = None
+    leads: Mapping[int, Type] = field(default_factory=dict)
 
     def but(self, **changes: Any) -> Context:
         return replace(self, **changes)
@@ -147,6 +149,8 @@ class Checker:
 
     def infer(self, ctx: Context, expr: ast.Expr) -> Type:
         """The type of an expression, recorded; errors are reported once per place."""
+        if (value := ctx.leads.get(id(expr))) is not None:
+            return value
         kind = expressions.infer(self, ctx, expr)
         if not ctx.silent:
             self.types[id(expr)] = kind

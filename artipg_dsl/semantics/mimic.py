@@ -1,59 +1,69 @@
-"""``mimic`` behind a joint: the value of another joint, times a factor, plus an offset."""
+"""``mimic`` behind a joint: a formula of the value of one other joint."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ..language import JOINTS
 from ..syntax import ast
 from ..syntax.walk import walk
-from .expressions import arithmetic
 from .types import ANGLE, LENGTH, UNKNOWN, JointType, ScalarType, Type, fits
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
 
-_FORM = "write for example `mimic turn`, `mimic -2 * turn`, `mimic turn * (2cm / 90deg)` or `mimic turn + 10deg`"
+_FORM = "write for example `mimic turn`, `mimic -2 * turn`, `mimic turn * (2cm / 90deg)` or `mimic 2cm * sin(turn)`"
 
 
 def check_mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> None:
-    """``previous.open``, ``-other.turn``, ``2 * other.turn + 10deg``: of the dimension of the joint that follows, ``wanted``."""
-    leaders, given = _formula(ck, ctx, value)
-    if given == UNKNOWN and not leaders:
-        return
+    """``previous.open``, ``2 * other.turn + 10deg``, ``2cm * sin(turn)``: of the dimension of the joint that follows, ``wanted``."""
+    leaders = _leaders(ck, ctx, value)
     if not leaders:
-        ck.unfit(value, given, "`mimic` must follow a joint")
-    elif given != UNKNOWN and not fits(given, wanted):
+        given = ck.infer(ctx.but(lenient=[], asked=True), value)
+        if given != UNKNOWN:
+            ck.unfit(value, given, "`mimic` must follow a joint")
+        return
+    (path, joint), *others = leaders
+    if any(other.span.words != path.span.words for other, _ in others):
+        ck.error("wrong-type", value.span, "`mimic` must follow one joint", hint=_FORM)
+        return
+    stands = _value_of(ck, path, joint)
+    given = ck.infer(ctx.but(leads={id(node): stands for node, _ in leaders}), value)
+    if given == UNKNOWN:
+        return
+    if not isinstance(given, ScalarType):
+        ck.unfit(value, given, "what `mimic` computes must be a number")
+    elif not fits(given, wanted):
         ck.error(
             "wrong-dimension",
             value.span,
             f"this joint's value is {wanted}, but what it follows here is {given}",
-            hint=_factor(leaders[0], given, wanted),
+            hint=_factor(path, given, wanted),
         )
 
 
-def _formula(ck: Checker, ctx: Context, value: ast.Expr) -> tuple[list[ast.Expr], Type]:
-    """The joint in a formula, if there is one, and the type of the formula, where the joint is the number that is its value."""
-    match value:
-        case ast.UnaryExpr(op="+" | "-", operand=operand):
-            return _formula(ck, ctx, operand)
-        case ast.BinaryExpr(op="+" | "-" | "*" | "/", left=left, right=right):
-            (before, one), (behind, two) = _formula(ck, ctx, left), _formula(ck, ctx, right)
-            if behind and (before or value.op == "/"):
-                ck.error(
-                    "wrong-type", value.span, "`mimic` must follow one joint, by a factor and an offset", hint=_FORM
-                )
-                return [*before, *behind], UNKNOWN
-            kind = UNKNOWN if UNKNOWN in (one, two) else arithmetic(ck, value, one, two)
-            return [*before, *behind], kind
-        case _:
-            given = ck.infer(ctx.but(lenient=[], asked=True), value)
-            if isinstance(given, JointType):
-                return [value], _value_of(ck, value, given)
-            if not isinstance(given, ScalarType) and given != UNKNOWN:
-                ck.unfit(value, given, "`mimic` must follow a joint")
-                given = UNKNOWN
-            return [], given
+def _leaders(ck: Checker, ctx: Context, value: ast.Expr) -> list[tuple[ast.Expr, JointType]]:
+    """The paths in a formula that name joints."""
+    lenient, found = ctx.but(lenient=[], asked=True), []
+    with ck.muted():
+        for path in paths(value):
+            kind = ck.infer(lenient, path)
+            if isinstance(kind, JointType):
+                found.append((path, kind))
+    return found
+
+
+def paths(value: ast.Node) -> Iterator[ast.Expr]:
+    """The names in an expression, each with its members and indices."""
+    if isinstance(value, ast.NameExpr | ast.MemberExpr | ast.IndexExpr):
+        yield value
+        return
+    for name in value.__dataclass_fields__:
+        inner = getattr(value, name)
+        for node in inner if isinstance(inner, tuple) else (inner,):
+            if isinstance(node, ast.Node):
+                yield from paths(node)
 
 
 def _value_of(ck: Checker, path: ast.Expr, joint: JointType) -> Type:

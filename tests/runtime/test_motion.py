@@ -121,6 +121,7 @@ def test_a_chain_of_mimics_of_any_length():
         mimic=np.array([1, 2, 3, 4, 5, 6, 7, -1]),
         multiplier=np.full(count, 2.0),
         offset=np.full(count, 0.5),
+        curves=(),
     )
     expected = [1.0]
     for _ in range(count - 1):

@@ -211,6 +211,29 @@ STRUCTURE = (
         """,
     ),
     Code(
+        "bad-mimic",
+        "a joint that cannot follow another in this way",
+        """
+        A joint follows another by a factor and an offset (`mimic -2 * turn + 10deg`) or by any formula of its value that
+        rises or falls throughout its range (`mimic 2cm * sin(turn)`). Such a formula needs a leader that moves by itself, nothing can
+        follow the follower in turn, and the object must have no closed loop. Write the formula of the joint that leads the chain,
+        or, for a linkage, close a loop of joints with `close`.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        category Press {
+          root part body : Cuboid(size = [9cm, 9cm, 9cm])
+          part lever : Cuboid(size = [9cm, 1cm, 1cm])
+          joint turn : revolute body.top -> lever.bottom at center about y range 0deg .. 60deg
+          part ram : Cuboid(size = [1cm, 1cm, 9cm])
+          joint sink : prismatic body.left -> ram.right at center along -z range 0cm .. 3cm mimic 3cm * sin(turn)
+          part mark : Cuboid(size = [1cm, 1cm, 1cm])
+          joint point : prismatic body.right -> mark.left at center along z range 0cm .. 3cm mimic sink
+        }
+        """,
+    ),
+    Code(
         "needs-clearance",
         "a `clearance` that cannot be solved for",
         """

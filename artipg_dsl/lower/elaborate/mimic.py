@@ -1,14 +1,16 @@
-"""``mimic``: a joint that follows another, by a factor and an offset."""
+"""``mimic``: a joint that follows another, by a factor and an offset or by any formula of its value."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from ...graph import expr as E
-from ...graph.expr import Expr
-from ...graph.reference import Elsewhere, Reference
+from ...graph.derive import derive
+from ...graph.program import LEAD
+from ...graph.reference import Elsewhere, Reference, definitions_of
 from ...semantics.meanings import Previous
+from ...semantics.mimic import paths
 from ...semantics.types import JointType
 from ...syntax import ast
 from ..expressions.context import Abort
@@ -21,46 +23,58 @@ if TYPE_CHECKING:
 
 
 def resolve(links: Links) -> None:
-    """Fill in which joint each ``mimic`` follows: of the alternatives and branches of ``when`` that bring one of the name,
-    the one that is there."""
-    program = links.context.program
+    """Fill in which joint each ``mimic`` follows, of the alternatives and branches of ``when`` that bring one of the name
+    the one that is there, and how."""
+    program, lead = links.context.program, E.var(LEAD)
     for number, (env, node) in links.mimics.items():
+        led = [path for path in paths(node) if isinstance(links.context.typed.type_of(path), JointType)]
         try:
-            path, factor, offset = followed(Evaluator(env), node)
-            assert path is not None  # as semantics has seen
-            leader = leader_of(links, env, path)
+            formula = Evaluator(env, instead={id(path): lead for path in led}).scalar(node)
+            leader = leader_of(links, env, led[0])
         except Abort:
             continue
-        program.joints[number] = replace(program.joints[number], mimic=(leader, factor, offset))
+        joint = program.joints[number]
+        if _straight(formula, lead):
+            straight = (leader, derive(formula, LEAD), E.substitute(formula, {lead: E.ZERO}))
+            program.joints[number] = replace(joint, mimic=straight)
+        else:
+            program.joints[number] = replace(joint, mimic=(leader, E.ONE, E.ZERO), curve=formula)
 
 
-class Followed(NamedTuple):
-    """``factor`` times the joint that ``path`` names, plus ``offset``; a number alone has no path."""
+def _straight(formula: E.Expr, lead: E.Expr) -> bool:
+    """Whether a formula is a factor and an offset throughout: with branches it may only be that piece by piece."""
+    stack = [formula]
+    while stack:
+        node = stack.pop()
+        if node.reads & lead.reads and node is not lead:
+            if node.op not in ("add", "sub", "mul", "div", "neg"):
+                return False
+            stack.extend(node.args)
+    return not derive(formula, LEAD).reads & lead.reads
 
-    path: ast.Expr | None
-    factor: Expr
-    offset: Expr
 
-
-def followed(ev: Evaluator, node: ast.Expr) -> Followed:
-    """What ``mimic -fold``, ``mimic lead * fold / 3 + 10deg`` say of one joint, as semantics has seen."""
-    if isinstance(node, ast.UnaryExpr):
-        path, factor, offset = followed(ev, node.operand)
-        return Followed(path, E.neg(factor), E.neg(offset)) if node.op == "-" else Followed(path, factor, offset)
-    if isinstance(node, ast.BinaryExpr):
-        left, right = followed(ev, node.left), followed(ev, node.right)
-        path = left.path or right.path
-        if node.op in ("*", "/"):
-            led, number = (right, left) if left.path is None else (left, right)
-            scale = E.mul if node.op == "*" else E.div
-            if path is None:
-                return Followed(None, E.ZERO, scale(left.offset, right.offset))
-            return Followed(path, scale(led.factor, number.offset), scale(led.offset, number.offset))
-        join = E.add if node.op == "+" else E.sub
-        return Followed(path, join(left.factor, right.factor), join(left.offset, right.offset))
-    if isinstance(ev.env.context.typed.type_of(node), JointType):
-        return Followed(node, E.ONE, E.ZERO)
-    return Followed(None, E.ZERO, ev.scalar(node))
+def refuse_curves(links: Links) -> None:
+    """Refuse formulas that are more than a factor and an offset in chains of followers, and where loops are closed."""
+    program = links.context.program
+    for number, joint in enumerate(program.joints):
+        if joint.mimic is None:
+            continue
+        leaders = [program.joints[k] for k in definitions_of(joint.mimic[0])]
+        curved = next((leader for leader in leaders if leader.curve is not None), None)
+        led = next((leader for leader in leaders if leader.mimic is not None), None)
+        hint = "let it follow the joint that moves by itself"
+        if curved is not None:
+            message = f"nothing can follow `{curved.path}`, which follows another joint by a formula"
+        elif joint.curve is None:
+            continue
+        elif led is not None:
+            message = f"`{led.path}` follows another joint: what follows it has a factor and an offset alone"
+        elif program.closures:
+            message = "the object has a closed loop of joints: what follows one has a factor and an offset alone"
+            hint = "drop `close`, or let the loop move it"
+        else:
+            continue
+        links.context.error("bad-mimic", links.mimics[number][1].span, message, hint=hint)
 
 
 def leader_of(links: Links, env: Env, node: ast.Expr) -> Reference:

@@ -43,7 +43,7 @@ class Evaluator:
     ):
         self.env = env
         self.local = local or {}
-        self.instead = instead or {}  # by the identity of a name in the text, what is taken for it here
+        self.instead = instead or {}  # by the identity of a path in the text, what is taken for it here
         self.pose = pose  # carries values of the environment into the frame of a formula (labels, grasps)
 
     # ------------------------------------------------------------ entry points by expected kind
@@ -100,6 +100,8 @@ class Evaluator:
     # ------------------------------------------------------------ dispatch
 
     def value(self, node: ast.Expr) -> Value:
+        if id(node) in self.instead:
+            return self.instead[id(node)]
         try:
             match node:
                 case ast.NumberExpr():
@@ -171,8 +173,6 @@ class Evaluator:
     # ------------------------------------------------------------ names, members, calls
 
     def _name(self, node: ast.NameExpr) -> Value:
-        if id(node) in self.instead:
-            return self.instead[id(node)]
         meaning = self.env.context.meaning(node)
         if isinstance(meaning, Local):
             return self.local[meaning.name]
