@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import struct
 from pathlib import Path
@@ -176,3 +177,9 @@ def test_one_by_one() -> None:
     assert apg.sample(CHEST, values=batch.object(4).drawn)["width"] == batch["width"][1]
     with pytest.raises(KeyError, match="did you mean `width`"):
         batch["wdth"]
+
+
+def test_a_folder_counts_each_object_once(tmp_path: Path) -> None:
+    folder = apg.sample("Mug", n=3).to(tmp_path / "out", "tables")
+    counts = json.loads((folder / "manifest.json").read_text())["counts"]
+    assert counts["objects"] == 3 and counts["first_valid"] <= 3

@@ -88,7 +88,9 @@ class Files:
             tolerance=tolerance,
             triangles=triangles,
         )
-        write_dataset(self.job, folder, Output.of(choose_formats(names, views=views is not None), content), force=force)
+        write_dataset(
+            self.job.fresh(), folder, Output.of(choose_formats(names, views=views is not None), content), force=force
+        )
         return Path(folder)
 
     def export(
