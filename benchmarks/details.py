@@ -2,6 +2,7 @@
 
 python benchmarks/details.py figures FITTED...                  # folders that `apgc fit` has written: all assignments, fresh points
 python benchmarks/details.py sheet FITTED BOUND -o sheet.png    # a row per object: original, structure, bound, mutants
+python benchmarks/details.py borrowed NAME BOUND -o sheet.png   # fresh objects bare, and below in details that they borrow
 python benchmarks/details.py speed FITTED BOUND -n 500          # objects per second of the transfer alone
 """
 
@@ -21,10 +22,11 @@ from artipg_dsl.details.assign import ASSIGNMENTS
 from artipg_dsl.details.binding import Real, bind
 from artipg_dsl.details.record import to_arrays
 from artipg_dsl.details.report import report
-from artipg_dsl.details.store import dress, read_dressing
+from artipg_dsl.details.store import borrow, dress, read_dressing
 from artipg_dsl.fit.real import read_real
 from artipg_dsl.geometry import points as geometry
-from artipg_dsl.run.job import Job
+from artipg_dsl.run.job import Job, open_job
+from artipg_dsl.run.request import read_request
 from artipg_dsl.run.resume import reopen
 from artipg_dsl.sampling.mutate import Mutation, read_operations
 from artipg_dsl.view.png import png_bytes
@@ -111,6 +113,22 @@ def sheet(folder: Path, bound: Path, out: Path, operations: str, each: int, poin
     out.write_bytes(png_bytes(np.concatenate(rows, axis=0)))
 
 
+def borrowed(name: str, bound: Path, out: Path, count: int, points: int) -> None:
+    job = open_job(read_request(name, n=count))
+    dressing, batch = borrow(bound, 1.0, job.program), job.batch()
+    address = batch.numbers.astype(np.uint64)
+    made = geometry.sample(batch.sites(), len(batch), points, random.key(1, "sheet"), address, outside=True)
+    worn = dress(batch, made, np.arange(len(batch)), dressing)
+    rows = []
+    for cloud in (made, worn):
+        row = []
+        for place, normal in zip(cloud.position, cloud.normal, strict=True):
+            low, high = place.min(axis=0), place.max(axis=0)
+            row.append(picture(place, normal, ((low + high) / 2, float((high - low).max()) * 1.15)))
+        rows.append(np.concatenate(row, axis=1))
+    out.write_bytes(png_bytes(np.concatenate(rows, axis=0)))
+
+
 def speed(folder: Path, bound: Path, count: int, points: int) -> None:
     dressing = read_dressing(bound)
     job = reopen(folder)
@@ -126,7 +144,7 @@ def speed(folder: Path, bound: Path, count: int, points: int) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("figures", "sheet", "speed"))
+    parser.add_argument("what", choices=("figures", "sheet", "borrowed", "speed"))
     parser.add_argument("folders", nargs="+")
     parser.add_argument("-o", "--out", default="sheet.png")
     parser.add_argument("-n", type=int, default=4)
@@ -135,6 +153,9 @@ def main() -> None:
     asked = parser.parse_args()
     if asked.what == "figures":
         figures(asked.folders)
+        return
+    if asked.what == "borrowed":
+        borrowed(asked.folders[0], Path(asked.folders[1]), Path(asked.out), asked.n, asked.points)
         return
     fitted, bound = map(Path, asked.folders)
     if asked.what == "sheet":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from html import escape
 from pathlib import Path
@@ -63,6 +64,8 @@ class Files:
         weights: str | Mapping[str, float] | None = None,
         tolerance: float | None = None,
         triangles: int | None = None,
+        details: str | Path | None = None,
+        detail_strength: float = 1.0,
         force: bool = False,
     ) -> Path:
         """Write a folder like ``apgc sample``: shards, a folder per object for formats that need it, the manifest.
@@ -88,9 +91,15 @@ class Files:
             tolerance=tolerance,
             triangles=triangles,
         )
-        write_dataset(
-            self.job.fresh(), folder, Output.of(choose_formats(names, views=views is not None), content), force=force
-        )
+        output = Output.of(choose_formats(names, views=views is not None), content)
+        if details is not None:
+            from ..details.store import borrow
+
+            if "points" not in output.kinds:
+                raise UsageError("details are worn by points, which are not among the formats", "add points")
+            worn = borrow(details, detail_strength, self.batch.program)
+            output = replace(output, content=replace(content, details=worn))
+        write_dataset(self.job.fresh(), folder, output, force=force)
         return Path(folder)
 
     def export(

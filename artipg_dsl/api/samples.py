@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -184,6 +184,8 @@ class Samples(Files):
         per: str = "object",
         balance: str = "",
         weights: str | Mapping[str, float] | None = None,
+        details: str | Path | None = None,
+        detail_strength: float = 1.0,
     ) -> Points:
         """``n`` points per object on the visible surface with normals, labels and binding, arrays (B, n, ...).
 
@@ -193,13 +195,20 @@ class Samples(Files):
         ``per`` gives n points to each visible "object", "semantic" class, part "instance", "link" or "primitive"; arrays
         then have a row for each, and ``object`` says which object it belongs to. ``balance`` divides the n points of an
         object evenly over its "semantic" classes, "instance"s, "link"s or "primitive"s, or by ``weights``,
-        ``{"handle": 3}``; ``area`` is the surface area that a point represents. Raises UsageError, UserError.
+        ``{"handle": 3}``; ``area`` is the surface area that a point represents. ``details`` is a folder written by ``apgc bind``:
+        each object borrows the details of a donor, scaled by ``detail_strength``, and ``worn`` is the bound point that each point
+        wears, -1 for none. Raises UsageError, UserError.
         """
         from ..annotate.cloud import sample_points
         from ..annotate.sampling import Sampling, read_weights
 
         how = Sampling(n, surface, spread, per, balance, read_weights(weights))
-        return sample_points(self.batch, how, states, motion=motion)
+        if details is None:
+            return sample_points(self.batch, how, states, motion=motion)
+        from ..details.store import borrow, dress
+
+        worn = borrow(details, detail_strength, self.batch.program)
+        return sample_points(self.batch, how, states, motion=motion, dress=partial(dress, dressing=worn))
 
     def rebind(
         self, points: Points | Mapping[str, np.ndarray], states: np.ndarray | None = None, *, motion: bool = False

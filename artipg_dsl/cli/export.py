@@ -43,6 +43,8 @@ def run(options: argparse.Namespace) -> int:
     out = place_of(options.out or (options.program if folder.is_dir() else "out"))
     refuse_file(out)
     job = open_wanted(options, every=True)
+    if _wears_details(options.program):
+        say(f"the points in {folder} wear details; the files written here are those of the structure")
     with Progress(job.program.name) as progress:
         if folder.is_dir() and is_same(out, folder):
             add_formats(
@@ -92,6 +94,13 @@ def _layout(options: argparse.Namespace) -> Layout | None:
     return found[0]
 
 
+def _wears_details(program: str) -> bool:
+    """Whether this is a folder whose points wear details."""
+    from ..run.resume import read_folder_manifest
+
+    return place_of(program).is_dir() and "details" in read_folder_manifest(program)["identity"]
+
+
 def _lay_out(options: argparse.Namespace, layout: Layout, begun: float) -> int:
     from ..layouts.entry import USUAL, read_shares
     from ..layouts.words import read_map
@@ -101,6 +110,11 @@ def _lay_out(options: argparse.Namespace, layout: Layout, begun: float) -> int:
     own = None if options.map is None else read_map(options.map)
     if place_of(options.program).is_dir() and options.out is None:
         raise UsageError(f"{layout.name} is a folder of its own", "name one with -o")
+    if _wears_details(options.program):
+        raise UsageError(
+            f"the points in {options.program} wear details, which {layout.name} does not carry",
+            "make the folder again without --details",
+        )
     out = place_of(options.out or "out")
     if not isinstance(out, Path):
         raise UsageError(

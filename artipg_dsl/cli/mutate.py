@@ -14,7 +14,7 @@ from ..errors import UsageError, UserError
 from ..export.remote import is_same, place_of
 from ..run.settings import show_value
 from .messages import plural, say
-from .sample import refuse_file, show_statistics
+from .sample import read_strength, refuse_file, show_statistics
 from .sample import write as write_folder
 
 if TYPE_CHECKING:
@@ -62,9 +62,10 @@ def _write(options: argparse.Namespace) -> int:
     content = output.content
     if options.points is not None:
         content = replace(content, points=replace(content.points, count=options.points))
+    strength = read_strength(options)
     if options.details is not None:
-        dressing = read_dressing(options.details, options.detail_strength)
-        require_donors(dressing, job.program.hash, job.request.objects)
+        dressing = read_dressing(options.details, strength)
+        require_donors(dressing, job.program, job.request.objects)
         content = replace(content, details=dressing)
     job = _open_mutants(options, job)
     made, number = write_folder(job, out, Output.of(formats, content, options.memory), options)

@@ -11,6 +11,7 @@ from .shared import (
     add_backend,
     add_bounding,
     add_checking,
+    add_details,
     add_dividing,
     add_drawing,
     add_meshes,
@@ -146,6 +147,7 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--variant", type=whole, metavar="K", help="with --mutate: make another mutant of each object (default: 0)"
     )
+    add_details(to, "let the points wear the details of real objects that `apgc bind` has kept in a folder")
     add_meshes(to)
     to.add_argument(
         "--sampling",
@@ -231,12 +233,7 @@ def _add_mutate(to: argparse.ArgumentParser) -> None:
         help="write groups that differ in this value alone: each object, followed by its mutants",
     )
     to.add_argument("--variant", type=whole, default=0, metavar="K", help="make other mutants (default: 0)")
-    to.add_argument(
-        "--details", metavar="DIR", help="let the points wear the details that `apgc bind` has kept of the originals"
-    )
-    to.add_argument(
-        "--detail-strength", type=fraction, default=1.0, metavar="X", help="scale of the details, 0 to 1 (default: 1)"
-    )
+    add_details(to, "let the points wear the details that `apgc bind` has kept of the originals")
     to.add_argument("--only", type=numbers, metavar="NUMBERS", help="originals by number, such as 37 or 37,40..45")
     to.add_argument("--params", metavar="FILE", help="read the originals from a JSON file of values")
     to.add_argument(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..errors import UsageError, UserError
@@ -50,12 +51,20 @@ def run(options: argparse.Namespace) -> int:
         )
     if options.variant is not None and not options.mutate:
         raise UsageError("--variant applies to mutants, and none are asked for", "add --mutate apa,dpa,cpa")
+    strength = read_strength(options)
+    if options.details is not None and "points" not in output.kinds:
+        raise UsageError("--details are worn by points, which are not among the formats", "add points to --format")
     refuse_file(place_of(options.out))
     if options.views is not None:
         _warn_of_engine()
     with Progress(options.program) as progress:
         progress.stage("compiling")
         job = _open_job(options)
+    if options.details is not None:
+        from ..details.store import borrow  # start-up: most objects wear none, and k-d trees load slowly
+
+        dressing = borrow(options.details, strength, job.program)
+        output = replace(output, content=replace(output.content, details=dressing))
     manifest, number = write(job, place_of(options.out), output, options)
     if options.stats:
         print(show_statistics(job, manifest))
@@ -97,6 +106,15 @@ def _read_content(options: argparse.Namespace) -> Content:
     return output.read_content(
         **{name: getattr(options, name) for name in names}, tolerance=options.tolerance, triangles=options.triangles
     )
+
+
+def read_strength(options: argparse.Namespace) -> float:
+    """The strength of details. Raises UsageError where there are none."""
+    if options.detail_strength is None:
+        return 1.0
+    if options.details is None:
+        raise UsageError("--detail-strength scales details, and there are none", "add --details DIR")
+    return float(options.detail_strength)
 
 
 def read_resolution(options: argparse.Namespace) -> Resolution | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from .arguments import memory, numbers, part, positive, tolerance, whole, workers
+from .arguments import fraction, memory, numbers, part, positive, tolerance, whole, workers
 
 
 def add_program(to: argparse.ArgumentParser) -> None:
@@ -34,6 +34,11 @@ def add_sharing(to: argparse.ArgumentParser) -> None:
         metavar="N",
         help="number of processes, or auto for one per processor (default: 1)",
     )
+
+
+def add_details(to: argparse.ArgumentParser, words: str) -> None:
+    to.add_argument("--details", metavar="DIR", help=words)
+    to.add_argument("--detail-strength", type=fraction, metavar="X", help="scale of the details, 0 to 1 (default: 1)")
 
 
 def add_bounding(to: argparse.ArgumentParser) -> None:

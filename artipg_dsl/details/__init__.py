@@ -5,7 +5,8 @@ Begin with ``binding`` and ``wear``.
 
     assign, binding           which point of a cloud belongs to which of a structure; each with its place on the surface and its offset
     elements, record          the primitives that details are bound to; details as arrays of a file
-    wear, maps                points of mutants in the details of their donors; places on primitives of another kind
+    suits, trim               which element of which donor each element wears; what can be borrowed of details
+    wear, maps                points in the details of their donors; places on primitives of another kind
     measure, report           distances, coverage, torn and inverted neighbourhoods
     dressing, store           which details objects wear; a folder of them
 """

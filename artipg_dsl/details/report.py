@@ -13,6 +13,7 @@ from .binding import Real
 from .elements import Solids
 from .measure import distances, spoiled
 from .record import of_arrays
+from .suits import own_suits
 from .wear import Wardrobe, wear
 
 if TYPE_CHECKING:
@@ -30,7 +31,8 @@ def report(batch: Batch, real: Real, arrays: Mapping[str, np.ndarray], count: in
     address = np.asarray(batch.numbers).astype(np.uint64)
     fresh = geometry.sample(batch.sites(), 1, count, random.key(batch.seed, "worn"), address, outside=True)
     wardrobe = Wardrobe(details, Solids.of(batch.sites()))
-    made = wear(batch, fresh, np.zeros(1, dtype=np.int64), wardrobe, np.zeros(1, dtype=np.int64))
+    alone = np.zeros(1, dtype=np.int64)
+    made = wear(batch, fresh, alone, wardrobe, own_suits(batch, details.elements, alone))
     diagonal = real.diagonal
     group = fresh.site[0].astype(np.int64) * (int(fresh.row.max()) + 1) + fresh.row[0]
     own, others = real.points[-count:], real.points[:-count]

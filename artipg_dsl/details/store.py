@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from hashlib import blake2b
 from pathlib import Path
@@ -20,9 +21,12 @@ from ..geometry.pointset import PointSet
 from .dressing import Dressing
 from .elements import Solids
 from .record import Details, join, of_arrays
+from .suits import Suits, borrowed_suits, origin, own_suits
+from .trim import trim
 from .wear import Wardrobe, Worn, wear
 
 if TYPE_CHECKING:
+    from ..graph.program import Program
     from ..runtime.batch import Batch
 
 SUMMARY = "bind.json"
@@ -71,79 +75,138 @@ def _open(dressing: Dressing, program: str) -> tuple[Details, np.ndarray]:
     return join(donors), np.array(numbers, dtype=np.int64)
 
 
-def require_donors(dressing: Dressing, program: str, numbers: np.ndarray) -> None:
-    """Raises UserError where no object of the numbers, of the program of that hash, has details."""
-    if not np.isin(_open(dressing, program)[1], numbers).any():
+def require_donors(dressing: Dressing, program: Program, numbers: np.ndarray | None = None) -> None:
+    """Raises UserError where the details are not of objects of the program, or, but where they are borrowed, of none of the ``numbers``."""
+    about, _ = _summary(Path(dressing.folder))
+    if about.get("category") != program.name:
+        raise UserError(
+            f"the details in {dressing.folder} are of objects of {about.get('category')}, not of {program.name}",
+            f"apgc fit {program.name} FILES -o fitted, then apgc bind fitted -o bound",
+        )
+    known = _open(dressing, program.hash)[1]
+    if numbers is not None and not np.isin(known, numbers).any():
         raise UserError(f"none of the objects has details in {dressing.folder}", "bind the folder that is mutated")
 
 
-_wardrobes: dict[tuple[Dressing, str], Wardrobe] = {}  # of the last program: trees are built once
+def borrow(folder: str | Path, strength: float, program: Program) -> Dressing:
+    """The details in a folder for any objects of the program to borrow. Raises UserError, UsageError."""
+    dressing = replace(read_dressing(folder, strength), borrowed=True)
+    require_donors(dressing, program)
+    return dressing
 
 
-def _wardrobe(batch: Batch, dressing: Dressing) -> tuple[Wardrobe, np.ndarray]:
-    """What the objects of a batch wear, and the donor (B,) of each: that of the object which it was made from, -1 for none."""
-    details, numbers = _open(dressing, batch.program.hash)
-    key = dressing, batch.program.hash
-    if key not in _wardrobes:
-        _wardrobes.clear()
-        _wardrobes[key] = Wardrobe(details, Solids.of(batch.sites()))
-    before = batch.history[0].before if batch.history else batch
+@dataclass(frozen=True, slots=True, eq=False)
+class _Stock:
+    """What the objects of a program wear; ``surface`` (m, 3), points of the real surfaces, and ``whose`` (m,) each is, ascending."""
+
+    wardrobe: Wardrobe
+    surface: np.ndarray
+    whose: np.ndarray
+
+
+_stocks: dict[tuple[str, str, bool, str], _Stock] = {}  # of the last program: trees are built once
+
+
+def _stock(batch: Batch, dressing: Dressing) -> _Stock:
+    """What the objects of a batch wear."""
+    key = dressing.folder, dressing.mark, dressing.borrowed, batch.program.hash
+    if key not in _stocks:
+        _stocks.clear()
+        details, solids = _open(dressing, batch.program.hash)[0], Solids.of(batch.sites())
+        worn = trim(details, solids) if dressing.borrowed else details
+        _stocks[key] = _Stock(Wardrobe(worn, solids), *_surfaces(details, solids))
+    return _stocks[key]
+
+
+def _suits(batch: Batch, dressing: Dressing, details: Details) -> Suits:
+    """Which details each element of a batch wears."""
+    if dressing.borrowed:
+        return borrowed_suits(batch, details)
+    return own_suits(batch, details.elements, _own_donors(batch, dressing))
+
+
+def _own_donors(batch: Batch, dressing: Dressing) -> np.ndarray:
+    """The donor (B,) that is the object which each was made from, -1 for none."""
+    numbers = _open(dressing, batch.program.hash)[1]
+    before = origin(batch).numbers
     order = np.argsort(numbers, kind="stable")
-    place = np.minimum(np.searchsorted(numbers[order], before.numbers), len(numbers) - 1)
-    return _wardrobes[key], np.where(numbers[order][place] == before.numbers, order[place], -1)
+    place = np.minimum(np.searchsorted(numbers[order], before), len(numbers) - 1)
+    return np.where(numbers[order][place] == before, order[place], -1)
 
 
 def dress(batch: Batch, points: PointSet, owner: np.ndarray, dressing: Dressing) -> Worn:
-    """Points (P, n) of the objects ``owner`` (P,) in the details of their originals. Raises UserError."""
-    wardrobe, donor = _wardrobe(batch, dressing)
-    return wear(batch, points, owner, wardrobe, donor, dressing.strength)
+    """Points (P, n) of the objects ``owner`` (P,) in the details of their donors. Raises UserError."""
+    wardrobe = _stock(batch, dressing).wardrobe
+    return wear(batch, points, owner, wardrobe, _suits(batch, dressing, wardrobe.details), dressing.strength)
 
 
 def real_labels(batch: Batch, bound: np.ndarray, dressing: Dressing) -> np.ndarray:
     """(P, n) what the file of the donor calls each point, an index into the labels of all donors; -1 for none."""
-    details = _open(dressing, batch.program.hash)[0]
+    details = _stock(batch, dressing).wardrobe.details
     return np.where(bound >= 0, details.label[bound], -1)
 
 
 def tell(batch: Batch, dressing: Dressing) -> list[dict[str, Any] | None]:
     """For each object the ``donor``, the ``distance`` of the two surfaces, both ways, in percent of the donor's diagonal, the share of the
-    surface that is ``worn``, and the words of ``labels``; None where there is no donor."""
-    wardrobe, donor = _wardrobe(batch, dressing)
-    details, every = wardrobe.details, np.arange(len(batch))
+    surface that is ``worn``, and the words of ``labels``; None where there is no donor. Where details are borrowed, ``donors`` is the share
+    of the surface that wears each, and ``donor`` the one with the largest."""
+    stock, every = _stock(batch, dressing), np.arange(len(batch))
+    details = stock.wardrobe.details
     address = batch.numbers.astype(np.uint64)
     made = geometry.sample(
         batch.sites(), len(batch), _COMPARED, random.key(batch.seed, "compared"), address, outside=True
     )
-    worn = wear(batch, made, every, wardrobe, donor, dressing.strength)
-    real, whose = _surfaces(wardrobe)
+    worn = dress(batch, made, every, dressing)
+    shares = _shares(worn.bound, details)
+    if dressing.borrowed:
+        donor = np.where(shares.any(axis=1), np.argmax(shares, axis=1), -1)
+    else:
+        donor = _own_donors(batch, dressing)
+    apart = _distances(worn.position, donor, stock)
+    share = (worn.bound >= 0).mean(axis=1)
+    told: list[dict[str, Any] | None] = []
+    for one, x, y, each in zip(donor.tolist(), apart.tolist(), share.tolist(), shares, strict=True):
+        if one < 0:
+            told.append(None)
+            continue
+        entry: dict[str, Any] = {"donor": details.names[one], "distance": round(x, 4), "worn": round(y, 4)}
+        if dressing.borrowed:
+            entry["donors"] = {details.names[k]: round(float(each[k]), 4) for k in np.flatnonzero(each).tolist()}
+        told.append(entry | {"labels": list(details.labels)})
+    return told
+
+
+def _shares(bound: np.ndarray, details: Details) -> np.ndarray:
+    """(B, D) the share of the points (B, n) of each object that wear each donor."""
+    objects, several = len(bound), len(details.names)
+    cell = np.repeat(np.arange(objects), bound.shape[1])[bound.ravel() >= 0] * several
+    cell += details.owner[bound.ravel()[bound.ravel() >= 0]]
+    return np.bincount(cell, minlength=objects * several).reshape(objects, several) / bound.shape[1]
+
+
+def _distances(worn: np.ndarray, donor: np.ndarray, stock: _Stock) -> np.ndarray:
+    """(B,) how far points (B, n, 3) and the real surface of each one's donor lie apart, both ways, in percent of its diagonal."""
+    details, every, many = stock.wardrobe.details, np.arange(len(worn)), worn.shape[1]
+    real, whose = stock.surface, stock.whose
     scale = details.diagonal[donor]
-    own = np.repeat(every, _COMPARED)
-    mine = worn.position.reshape(-1, 3) / scale[own, None]
+    own = np.repeat(every, many)
+    mine = worn.reshape(-1, 3) / scale[own, None]
     theirs = Nearest(real / details.diagonal[whose, None], whose, _APART)
-    there = theirs.find(mine, donor[own])[0].reshape(len(batch), -1).mean(axis=1)
+    there = theirs.find(mine, donor[own])[0].reshape(len(worn), -1).mean(axis=1)
     first, count = np.searchsorted(whose, donor), np.bincount(whose, minlength=len(details.names))[donor]
     count = np.where(donor < 0, 0, count)
     asked = np.repeat(first, count) + np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
     of = np.repeat(every, count)
     back = Nearest(mine, own, _APART).find(real[asked] / scale[of, None], of)[0] if len(of) else None
-    total = np.bincount(of, back, minlength=len(batch))
-    apart = 100.0 * (there + total / np.maximum(count, 1)) / 2.0
-    share = (worn.bound >= 0).mean(axis=1)
-    return [
-        None
-        if one < 0
-        else {"donor": details.names[one], "distance": round(x, 4), "worn": round(y, 4), "labels": list(details.labels)}
-        for one, x, y in zip(donor.tolist(), apart.tolist(), share.tolist(), strict=True)
-    ]
+    total = np.bincount(of, back, minlength=len(worn))
+    return np.asarray(100.0 * (there + total / np.maximum(count, 1)) / 2.0)
 
 
-def _surfaces(wardrobe: Wardrobe) -> tuple[np.ndarray, np.ndarray]:
+def _surfaces(details: Details, solids: Solids) -> tuple[np.ndarray, np.ndarray]:
     """Points of the real surfaces of the donors in the frames of their objects, and whose each is, ascending."""
-    details, elements = wardrobe.details, wardrobe.details.elements
-    own = details.owner
+    elements, own = details.elements, details.owner
     rank = np.arange(len(own)) - np.searchsorted(own, own)
     many = np.bincount(own, minlength=len(details.names))[own]
-    at = np.flatnonzero(rank * _COMPARED // many != (rank - 1) * _COMPARED // many)  # spread evenly
-    element = details.element[at]
-    local = wardrobe.frames.place[at] + wardrobe.frames.out_of(details.offset)[at]
-    return elements.placed(element, local), own[at]
+    some = details.take(np.flatnonzero(rank * _COMPARED // many != (rank - 1) * _COMPARED // many))  # spread evenly
+    frames = solids.frames(elements, some.element, some.patch, some.u, some.v)
+    return elements.placed(some.element, frames.place + frames.out_of(some.offset)), some.owner

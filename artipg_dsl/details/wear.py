@@ -1,8 +1,7 @@
 """Objects that wear details: points of their surface, moved as the surface of a donor lies off its structure.
 
-A point asks for its element's match in the object it was made from (``sampling.correspondence``): the same primitive, the nearest row of
-a repeat, the counterpart by slot. There, at the same (patch, u, v), the nearest bound point gives its offset; on a primitive of
-another kind the place is found on a map of its box. All points of all objects are one query.
+A point asks which element of a donor its own wears (``suits``). There, at the same (patch, u, v), the nearest bound point gives its
+offset; on a primitive of another kind the place is found on a map of its box. All points of all objects are one query.
 """
 
 from __future__ import annotations
@@ -16,11 +15,11 @@ from ..geometry.frames import Frames
 from ..geometry.nearest import Nearest
 from ..geometry.pointset import PointSet
 from ..geometry.vectors import dot
-from ..sampling.correspondence import Correspondence, find_correspondence
 from .assign import TURN
-from .elements import Elements, Solids, elements_of
+from .elements import Elements, Solids
 from .maps import is_long, map_frames, on_map
 from .record import Details
+from .suits import Suits
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -89,19 +88,18 @@ def _features(place: np.ndarray, normal: np.ndarray, diagonal: np.ndarray) -> np
 
 
 def wear(
-    batch: Batch, points: PointSet, owner: np.ndarray, wardrobe: Wardrobe, donor: np.ndarray, strength: float = 1.0
+    batch: Batch, points: PointSet, owner: np.ndarray, wardrobe: Wardrobe, suits: Suits, strength: float = 1.0
 ) -> Worn:
-    """Points (P, n) of the objects ``owner`` (P,) of a batch, in the details of ``donor`` (B,), the number of the donor of each object's
-    original among the details, -1 for none. ``strength`` scales offsets, from 0, the structure, to 1."""
+    """Points (P, n) of the objects ``owner`` (P,) of a batch, in the details that ``suits`` of the same batch says. ``strength`` scales
+    offsets, from 0, the structure, to 1."""
     whose = np.repeat(owner, points.u.shape[1])
     tables = batch.sites()
     site = points.site.ravel().astype(np.int64)
     first = np.cumsum([0, *(len(table) for table in tables)])
     rank = np.concatenate([np.empty(0, np.int64), *(table.rank for table in tables)])[first[site] + points.row.ravel()]
-    elements = elements_of(batch)
-    element = elements.find(whose, site, rank)
-    match = matches(batch, elements, wardrobe.details.elements, donor)[element]
-    flat = _Flat(elements, element, points.patch.ravel().astype(np.int64), points.u.ravel(), points.v.ravel())
+    element = suits.elements.find(whose, site, rank)
+    match = suits.match[element]
+    flat = _Flat(suits.elements, element, points.patch.ravel().astype(np.int64), points.u.ravel(), points.v.ravel())
     position, normal = points.position.reshape(-1, 3).copy(), points.normal.reshape(-1, 3).copy()
     bound = np.full(len(whose), -1)
     at = np.flatnonzero(match >= 0)
@@ -112,13 +110,6 @@ def wear(
         position[good], normal[good] = moved[kept], turned[kept]
     shape = points.u.shape
     return Worn(position.reshape(*shape, 3), normal.reshape(*shape, 3), bound.reshape(shape))
-
-
-def matches(batch: Batch, elements: Elements, stock: Elements, donor: np.ndarray) -> np.ndarray:
-    """(K,) for each element of a batch the one of its donor that it wears the details of, -1 for none."""
-    before = batch.history[0].before if batch.history else batch
-    found: Correspondence = find_correspondence(before, batch)
-    return stock.find(donor[elements.owner], found.before_site.astype(np.int64), found.before_rank.astype(np.int64))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

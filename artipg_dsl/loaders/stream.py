@@ -7,12 +7,13 @@ take turns. A batch is a function of its number and the epoch alone: it is the s
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..annotate.cloud import Dress
 from ..errors import UsageError
 from ..run.job import Job, open_job
 from ..run.request import read_request
@@ -23,6 +24,7 @@ from .transforms import Transform
 
 if TYPE_CHECKING:
     from ..graph.program import Program
+    from ..runtime.batch import Batch
 
 
 class Stream:
@@ -31,8 +33,9 @@ class Stream:
     ``categories``: a name, a file, or several, in turn. ``task``: see ``TASKS``. ``size``: objects an epoch; ``batch``: objects a
     batch; ``points``: of each cloud. ``states``: "rest", "open", "random", or joints by name, ``lid=20%``. ``set`` and ``checked`` as
     in ``sample``. ``fresh``: other objects in each epoch; otherwise the same objects and points, while random states and
-    transforms are new. ``transforms`` are applied in their order. ``view``: the camera of ``partial``, as in camera files. Raises
-    CompileError, SettingError, UsageError.
+    transforms are new. ``transforms`` are applied in their order. ``view``: the camera of ``partial``, as in camera files. ``details``: a
+    folder that ``apgc bind`` has written, whose details the points borrow, scaled by ``detail_strength`` 0 .. 1; with several categories,
+    a folder each, by the name that the category was given by. Raises CompileError, SettingError, UsageError, UserError.
     """
 
     def __init__(
@@ -50,6 +53,8 @@ class Stream:
         fresh: bool = True,
         transforms: Iterable[Transform] = (),
         view: Mapping[str, Any] | None = None,
+        details: str | Path | Mapping[str, str | Path] | None = None,
+        detail_strength: float = 1.0,
     ):
         self.sources = [str(c) for c in ([categories] if isinstance(categories, str | Path) else categories)]
         self.task = find_task(task)
@@ -62,15 +67,17 @@ class Stream:
         self.states, self.fresh, self.view = states, fresh, dict(view or {})
         self.transforms = list(transforms)
         self._settings, self._checked = set, checked
+        self._details, self._strength = self._read_details(details), float(detail_strength)
         self.words  # noqa: B018  # what is wrong with the arguments is told here, not in a worker
         state_of(self._jobs[0].of([0]).batch(), states, 0)
+        self._dresses  # noqa: B018
 
     def __len__(self) -> int:
         return -(-self.size // self.each)
 
     def __getstate__(self) -> dict[str, Any]:
         """Another process opens the programs itself: they are kept compiled on disk."""
-        return {name: value for name, value in self.__dict__.items() if name != "_jobs"}
+        return {name: value for name, value in self.__dict__.items() if name not in ("_jobs", "_dresses")}
 
     @cached_property
     def _jobs(self) -> list[Job]:
@@ -78,6 +85,33 @@ class Stream:
 
     def _open(self, source: str) -> Job:
         return open_job(read_request(source, seed=self.seed, n=1, settings=self._settings, checked=self._checked))
+
+    def _read_details(self, details: str | Path | Mapping[str, str | Path] | None) -> dict[str, str]:
+        """The folder of details of each source that has one. Raises UsageError."""
+        if details is not None and self.task.partial:
+            raise UsageError(
+                f"{self.task.name} compares points with what a camera sees of the structure",
+                "leave out details, which cameras do not see",
+            )
+        if not isinstance(details, Mapping):
+            return {} if details is None else dict.fromkeys(self.sources, str(details))
+        for name in details:
+            if str(name) not in self.sources:
+                raise UsageError(f"there are details for {name}, which is not streamed", f"name {self.sources[0]}")
+        return {str(name): str(folder) for name, folder in details.items()}
+
+    @cached_property
+    def _dresses(self) -> list[Dress | None]:
+        if not self._details:
+            return [None] * len(self.sources)
+        from ..details.store import borrow, dress  # start-up: k-d trees load slowly
+
+        found: list[Dress | None] = []
+        for source, job in zip(self.sources, self._jobs, strict=True):
+            folder = self._details.get(source)
+            worn = None if folder is None else borrow(folder, self._strength, job.program)
+            found.append(None if worn is None else partial(dress, dressing=worn))
+        return found
 
     @property
     def categories(self) -> list[str]:
@@ -112,11 +146,14 @@ class Stream:
             mine = np.flatnonzero(category == c)
             made = self._jobs[c].of(number[mine]).batch()
             state = state_of(made, self.states, 0 if self.fresh else epoch)
-            for name, array in make_arrays(made, self.task, self.points, state, self.words, self.view).items():
+            for name, array in self._arrays(c, made, state).items():
                 found.setdefault(name, np.empty((len(item), *array.shape[1:]), array.dtype))[mine] = array
         for rank, transform in enumerate(self.transforms):
             found = transform(found, Draws(self.seed, str(rank), place, epoch))
         return {"object": number, "category": category} | found
+
+    def _arrays(self, category: int, made: Batch, state: np.ndarray) -> Arrays:
+        return make_arrays(made, self.task, self.points, state, self.words, self.view, self._dresses[category])
 
 
 def _classes(program: Program) -> list[str]:

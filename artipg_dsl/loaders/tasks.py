@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..annotate.camera_file import cameras_of
-from ..annotate.cloud import sample_points
+from ..annotate.cloud import Dress, sample_points
 from ..annotate.states import draw_values, joint_values, read_states
 from ..annotate.views import make_views
 from ..diagnostics.suggest import did_you_mean
@@ -73,14 +73,15 @@ def make_arrays(
     states: np.ndarray,
     words: Mapping[str, Sequence[str]],
     views: Mapping[str, object],
+    dress: Dress | None = None,
 ) -> Arrays:
     """The arrays of a task for B objects with their joints at ``states`` (J,), in the object's frame, metres.
 
     ``points``, ``normals``, ``npcs``, ``motion`` (B, n, 3) float32, ``motion`` the velocity by the own joint per radian or metre;
     ``semantic``, ``instance``, ``link`` (B, n) int64; ``affordance`` (B, n, W) float32 in the order of ``words["affordance"]``;
-    ``partial`` (B, n, 3): what one camera sees.
+    ``partial`` (B, n, 3): what one camera sees. ``dress`` moves points to where their details are.
     """
-    made = sample_points(batch, points, states, motion="motion" in task.points)
+    made = sample_points(batch, points, states, motion="motion" in task.points, dress=dress)
     found: Arrays = {"points": made.position.astype(np.float32)}
     sources = {"normals": made.normal, "npcs": made.npcs, "motion": made.motion}
     sources |= {"semantic": made.semantic, "instance": made.instance, "link": made.link}

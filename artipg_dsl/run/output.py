@@ -49,6 +49,7 @@ class Dressed(TypedDict):
     folder: str
     mark: str
     strength: Annotated[float, within(0.0, 1.0)]
+    borrowed: NotRequired[bool]
 
 
 class Written(TypedDict):
@@ -127,6 +128,8 @@ class Output:
         if content.details is not None:
             worn = content.details
             found["details"] = {"folder": worn.folder, "mark": worn.mark, "strength": worn.strength}
+            if worn.borrowed:
+                found["details"]["borrowed"] = True
         if meshes:
             found["meshes"] = cast(Meshes, meshes)
         return found

@@ -97,6 +97,25 @@ def _nearest(before: Batch, after: Batch, scope: Scope) -> tuple[np.ndarray, np.
     return row, same[new.parent] & (rank == new.rank) & (row >= 0)
 
 
+def counterparts(program: Program) -> dict[int, list[int]]:
+    """For each primitive that is bound to slots, those that stand for it in the other alternatives of its part, of the innermost slot
+    first: the k-th that another binds to the slot, or the last."""
+    found: dict[int, list[int]] = {}
+    for number, groups in _members(program).items():
+        for home, sites in sorted(groups, key=lambda group: -_depth(group[0])):
+            branches: dict[Scope | None, list[int]] = {}
+            for site in sites:
+                branches.setdefault(_alternative(program, site, home), []).append(site)
+            own = branches.pop(_alternative(program, number, home))
+            others = (other[min(own.index(number), len(other) - 1)] for other in branches.values())
+            found.setdefault(number, []).extend(others)
+    return found
+
+
+def _depth(scope: Scope) -> int:
+    return sum(1 for _ in scope.ancestors())
+
+
 class _Slots:
     """Primitives bound to the same slot of alternatives of one part."""
 

@@ -104,3 +104,100 @@ def test_mutants_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     assert code == 1 and "other options: the details" in err
     code, _, err = apgc("mutate", fitted, "--details", fitted, "-o", tmp_path / "others")
     assert code == 1 and "is not a folder of details" in err
+
+
+def test_samples_borrow_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
+    bound = tmp_path / "bound"
+    code, _, _ = apgc("bind", fitted, "-o", bound, "--points", 1500)
+    assert code == 0
+    asked = ("sample", CHEST, "-n", 5, "--points", 256, "--seed", 3, "-o")
+    code, _, err = apgc(*asked, tmp_path / "out", "--details", bound)
+    assert code == 0 and "5 objects" in err
+    code, _, _ = apgc(*asked, tmp_path / "bare")
+    assert code == 0
+    with (
+        np.load(tmp_path / "out" / "points-00000.npz") as held,
+        np.load(tmp_path / "bare" / "points-00000.npz") as bare,
+    ):
+        assert held["worn"].mean() > 0.6 and held["real_label"].shape == (5, 256)
+        moved = np.linalg.norm(held["points"] - bare["points"], axis=-1)
+        assert (moved[~held["worn"]] == 0).all() and moved.max() > 0
+        assert all(np.array_equal(held[name], bare[name]) for name in ("semantic", "instance", "patch", "u", "v"))
+    lines = (tmp_path / "out" / "annotation-00000.jsonl").read_text().splitlines()
+    told = [json.loads(line)["details"] for line in lines]
+    assert {one["donor"] for one in told} == {"chest0", "chest1"}
+    for one in told:
+        assert one["worn"] == pytest.approx(sum(one["donors"].values()), abs=1e-3)
+        assert one["donors"][one["donor"]] == max(one["donors"].values()) and 0 < one["distance"] < 50
+    manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
+    assert manifest["identity"]["details"]["borrowed"] is True and "real_label" in manifest["arrays"]
+
+    before = tree(
+        tmp_path / "out"
+    )  # a second run completes, and any other number of processes or objects at a time writes the same
+    (tmp_path / "out" / "points-00000.npz").unlink()
+    code, _, _ = apgc(*asked, tmp_path / "out", "--details", bound, "--workers", 2)
+    assert code == 0 and tree(tmp_path / "out") == before
+    code, _, err = apgc(*asked, tmp_path / "out", "--details", bound, "--detail-strength", 0.5)
+    assert code == 1 and "other options: the details" in err
+    code, _, _ = apgc(
+        "sample", CHEST, "--only", 4, "--points", 256, "--seed", 3, "--details", bound, "-o", tmp_path / "one"
+    )
+    with np.load(tmp_path / "out" / "points-00000.npz") as held, np.load(tmp_path / "one" / "points-00000.npz") as one:
+        assert code == 0 and all(np.array_equal(held[name][4:], one[name]) for name in held.files)
+
+    code, _, _ = apgc(
+        "mutate", tmp_path / "out", "--ops", "cpa", "-o", tmp_path / "mutants"
+    )  # they wear what their originals do
+    lines = (tmp_path / "mutants" / "annotation-00000.jsonl").read_text().splitlines()
+    assert code == 0 and [json.loads(line)["details"]["donor"] for line in lines] == [one["donor"] for one in told]
+    code, _, err = apgc("export", tmp_path / "out", "--format", "glb")
+    assert code == 0 and "the files written here are those of the structure" in err
+    code, _, err = apgc("export", tmp_path / "out", "--format", "shapenetpart", "-o", tmp_path / "parts")
+    assert code == 2 and "which shapenetpart does not carry" in err
+
+
+def test_python_borrows_the_same(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
+    from artipg_dsl.loaders import Stream
+
+    bound = tmp_path / "bound"
+    assert apgc("bind", fitted, "-o", bound, "--points", 500)[0] == 0
+    code, _, _ = apgc("sample", CHEST, "-n", 3, "--points", 64, "--details", bound, "-o", tmp_path / "out")
+    samples = apg.sample(CHEST, n=3)
+    samples.to(tmp_path / "same", points=64, details=bound)
+    assert code == 0 and tree(tmp_path / "same") == tree(tmp_path / "out")
+    points = samples.points(64, details=bound)
+    with np.load(tmp_path / "out" / "points-00000.npz") as held:
+        assert points.worn is not None and np.array_equal(points.worn >= 0, held["worn"])
+        stream = Stream(CHEST, size=3, batch=3, points=64, details=bound)
+        assert np.array_equal(stream.batch(0)["points"], held["points"])
+        bare = Stream(CHEST, size=3, batch=3, points=64, details={CHEST: bound}, detail_strength=0.0)
+        assert np.allclose(bare.batch(0)["points"], samples.points(64).position, atol=1e-6)
+    with pytest.raises(apg.errors.UsageError, match="which cameras do not see|what a camera sees"):
+        Stream(CHEST, "completion", size=3, details=bound)
+    with pytest.raises(apg.errors.UsageError, match="details for Mug, which is not streamed"):
+        Stream(CHEST, size=3, details={"Mug": bound})
+    with pytest.raises(apg.errors.UsageError, match="strength of details is 2"):
+        samples.points(64, details=bound, detail_strength=2)
+    with pytest.raises(apg.errors.UsageError, match="worn by points"):
+        samples.to(tmp_path / "other", "annotation", details=bound)
+
+
+def test_what_cannot_be_borrowed(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
+    bound, out = tmp_path / "bound", tmp_path / "out"
+    assert apgc("bind", fitted, "-o", bound, "--points", 500)[0] == 0
+    code, _, err = apgc("sample", CHEST, "--details", tmp_path / "none", "-o", out)
+    assert code == 1 and "none is not a folder of details" in err
+    code, _, err = apgc("sample", "Mug", "--details", bound, "-o", out)
+    assert code == 1 and "are of objects of Chest, not of Mug" in err and "apgc fit Mug" in err
+    code, _, err = apgc("sample", CHEST, "--details", bound, "--detail-strength", 2, "-o", out)
+    assert code == 2 and "2 is not between 0 and 1" in err
+    code, _, err = apgc("sample", CHEST, "--detail-strength", 0.5, "-o", out)
+    assert code == 2 and "add --details DIR" in err
+    code, _, err = apgc("mutate", fitted, "--detail-strength", 0.5, "-o", out)
+    assert code == 2 and "add --details DIR" in err
+    code, _, err = apgc("sample", CHEST, "--details", bound, "--format", "glb", "-o", out)
+    assert code == 2 and "add points to --format" in err
+    (bound / "chest0.npz").write_bytes(b"nothing")
+    code, _, err = apgc("sample", CHEST, "--details", bound, "-o", out)
+    assert code == 1 and "chest0.npz cannot be read" in err and not out.exists()

@@ -16,10 +16,12 @@ from artipg_dsl.details.binding import Real, bind
 from artipg_dsl.details.elements import Elements, Solids, elements_of
 from artipg_dsl.details.measure import distances, spoiled
 from artipg_dsl.details.record import Details, join, of_arrays, to_arrays
-from artipg_dsl.details.wear import Wardrobe, wear
+from artipg_dsl.details.suits import own_suits
+from artipg_dsl.details.wear import Wardrobe, Worn, wear
 from artipg_dsl.errors import UserError
 from artipg_dsl.geometry import points as geometry
 from artipg_dsl.geometry.pointset import PointSet
+from artipg_dsl.runtime.batch import Batch
 from tests.cli.helpers import CHEST
 
 ZERO = np.zeros(1, dtype=np.int64)
@@ -48,6 +50,13 @@ def wavy(samples: Samples, number: int, n: int = 3000) -> Real:
     return Real("wavy", place + depth[:, None] * normal, normal, label, names)
 
 
+def worn_by(
+    batch: Batch, points: PointSet, owner: np.ndarray, wardrobe: Wardrobe, donor: np.ndarray, strength: float = 1.0
+) -> Worn:
+    """Points in the details of the donors of their objects."""
+    return wear(batch, points, owner, wardrobe, own_suits(batch, wardrobe.details.elements, donor), strength)
+
+
 def test_what_is_bound_is_worn_again(samples: Samples) -> None:
     real = wavy(samples, 0)
     batch = samples.job.batch([0])
@@ -57,7 +66,7 @@ def test_what_is_bound_is_worn_again(samples: Samples) -> None:
     after = {}
     for name in ASSIGNMENTS:
         details = bind(batch, real, 1500, name)
-        worn = wear(batch, fresh, ZERO, Wardrobe(details, Solids.of(batch.sites())), ZERO)
+        worn = worn_by(batch, fresh, ZERO, Wardrobe(details, Solids.of(batch.sites())), ZERO)
         after[name] = distances(real.points, worn.position[0], real.diagonal)["to_real"]
         if name == "both":
             assert (worn.bound >= 0).mean() > 0.85
@@ -74,10 +83,10 @@ def test_what_is_bound_is_worn_again(samples: Samples) -> None:
 def test_no_strength_is_the_structure(samples: Samples) -> None:
     batch, fresh = samples.job.batch([0]), drawn(samples, 500, 9).take(ZERO)
     wardrobe = Wardrobe(bind(batch, wavy(samples, 0), 1000), Solids.of(batch.sites()))
-    bare = wear(batch, fresh, ZERO, wardrobe, ZERO, strength=0.0)
+    bare = worn_by(batch, fresh, ZERO, wardrobe, ZERO, strength=0.0)
     assert np.abs(bare.position - fresh.position).max() < 1e-9
     assert np.abs(bare.normal - fresh.normal).max() < 1e-6
-    none = wear(batch, fresh, ZERO, wardrobe, -np.ones(1, dtype=np.int64))
+    none = worn_by(batch, fresh, ZERO, wardrobe, -np.ones(1, dtype=np.int64))
     assert (none.bound == -1).all() and np.array_equal(none.position, fresh.position)
 
 
@@ -121,11 +130,11 @@ def test_several_donors_are_one_wardrobe(samples: Samples) -> None:
     words = [np.array([*one.labels, ""])[one.label] for one in several]
     assert np.array_equal(np.array([*both.labels, ""])[both.label], np.concatenate(words))
     batch, fresh = samples.batch, drawn(samples, 1000, 9)
-    worn = wear(batch, fresh, np.arange(2), Wardrobe(both, Solids.of(batch.sites())), np.arange(2))
+    worn = worn_by(batch, fresh, np.arange(2), Wardrobe(both, Solids.of(batch.sites())), np.arange(2))
     found = worn.bound[worn.bound >= 0]
     assert np.array_equal(owner[found], np.nonzero(worn.bound >= 0)[0])
     for k in range(2):  # as if each were alone
-        alone = wear(samples.job.batch([k]), of_one(fresh, k, samples), ZERO, wardrobe_of(several[k], samples), ZERO)
+        alone = worn_by(samples.job.batch([k]), of_one(fresh, k, samples), ZERO, wardrobe_of(several[k], samples), ZERO)
         assert np.allclose(alone.position[0], worn.position[k], atol=1e-12)
 
 
@@ -146,7 +155,7 @@ def test_uncovered_structure_stays_bare(samples: Samples) -> None:
     kept = real.points[:, 2] < high
     half = replace(real, points=real.points[kept], normals=real.normals[kept], label=real.label[kept])
     batch, fresh = samples.job.batch([0]), drawn(samples, 2000, 9).take(ZERO)
-    worn = wear(batch, fresh, ZERO, Wardrobe(bind(batch, half, 1500), Solids.of(batch.sites())), ZERO)
+    worn = worn_by(batch, fresh, ZERO, Wardrobe(bind(batch, half, 1500), Solids.of(batch.sites())), ZERO)
     above = fresh.position[0][:, 2] > high + 0.2 * real.diagonal
     assert above.any() and np.array_equal(worn.position[0][above], fresh.position[0][above])
     near = cKDTree(half.points).query(worn.position[0][worn.bound[0] >= 0])[0]

@@ -12,7 +12,8 @@ from artipg_dsl.details.binding import Real, bind
 from artipg_dsl.details.elements import Solids, elements_of
 from artipg_dsl.details.maps import is_long, map_frames, on_map
 from artipg_dsl.details.record import Details, join
-from artipg_dsl.details.wear import Wardrobe, matches, wear
+from artipg_dsl.details.suits import own_suits
+from artipg_dsl.details.wear import Wardrobe, wear
 from artipg_dsl.geometry import points as geometry
 from artipg_dsl.geometry.frames import Frames
 from artipg_dsl.geometry.vectors import dot
@@ -69,7 +70,13 @@ def details(samples: Samples) -> Details:
 def test_mutants_are_raised_as_their_originals(samples: Samples, details: Details, operations: str) -> None:
     batch = samples.mutate(operations, strength=2.0, share=1.0).batch
     points = surface(batch, 1500, 5)
-    worn = wear(batch, points, np.arange(2), Wardrobe(details, Solids.of(batch.sites())), np.arange(2))
+    worn = wear(
+        batch,
+        points,
+        np.arange(2),
+        Wardrobe(details, Solids.of(batch.sites())),
+        own_suits(batch, details.elements, np.arange(2)),
+    )
     found = worn.bound >= 0
     assert found.mean() > 0.9
     way = worn.position - points.position
@@ -84,7 +91,7 @@ def test_mutants_are_raised_as_their_originals(samples: Samples, details: Detail
 def test_new_rows_copy_the_nearest_and_lost_ones_go(samples: Samples, details: Details) -> None:
     batch = samples.mutate("dpa", share=1.0, only="pegs").batch
     elements, stock = elements_of(batch), details.elements
-    match = matches(batch, elements, stock, np.arange(2))
+    match = own_suits(batch, stock, np.arange(2)).match
     assert (match >= 0).all() and np.array_equal(stock.owner[match], elements.owner)
     assert np.array_equal(stock.site[match], elements.site)
     assert not np.array_equal(np.bincount(elements.owner), np.bincount(stock.owner))

@@ -60,7 +60,7 @@ CONTENT: dict[str, Any] = {
     "cameras": Cameras(count=2, width=40, height=30, points=50),
     "gripper": Gripper(stroke=0.1),
     "resolution": Resolution(tolerance=0.001, triangles=5000),
-    "details": Dressing("bound", "0123456789abcdef", 0.5),
+    "details": Dressing("bound", "0123456789abcdef", 0.5, True),
 }
 SAMPLING: dict[str, Any] = {
     "count": 65,
