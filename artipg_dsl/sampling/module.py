@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
-import re
 from collections.abc import Iterable
 from types import ModuleType
 from typing import Any
@@ -87,6 +87,6 @@ def _spoken(text: str) -> str:
 
 def _body(module: ModuleType) -> str:
     """The source of a module behind its docstring and imports."""
-    lines = inspect.getsource(module).split("\n")
-    last = max(k for k, line in enumerate(lines) if re.match(r"(from|import) ", line))
-    return "\n".join(lines[last + 1 :]).strip("\n") + "\n"
+    text = inspect.getsource(module)
+    imports = [node for node in ast.parse(text).body if isinstance(node, ast.Import | ast.ImportFrom)]
+    return "\n".join(text.split("\n")[imports[-1].end_lineno :]).strip("\n") + "\n"
