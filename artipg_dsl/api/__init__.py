@@ -35,6 +35,7 @@ def sample(
     sampling: str = "sequential",
     repair: bool = False,
     values: str | Path | Iterable[Mapping[str, Any]] | None = None,
+    prior: str | Path | Mapping[str, Any] | None = None,
 ) -> Samples:
     """Sample objects of a category, which is a shipped one (by name) or a file.
 
@@ -45,7 +46,9 @@ def sample(
     shifts (``"prior:128"``: from 128 attempts per object). With ``repair``, invalid objects are corrected by the
     smallest change instead of drawn again. ``values`` gives the objects by their values, as a file or a dictionary for
     each, ``[{"width": 0.52, "handle": "BowHandle"}]``; omitted values are drawn, and invalid objects are corrected.
-    ``repairs`` lists the changed values. Raises CompileError, SettingError, NoObject, UserError.
+    ``repairs`` lists the changed values. ``prior`` draws by other weights and narrower ranges: the name of a shipped one
+    ("partnet"), a file, or a dictionary, ``{"tray": 0.23, "handle": {"BarHandle": 3, "none": 1}}``. Raises CompileError,
+    SettingError, NoObject, UserError.
     """
     request = read_request(
         category,
@@ -57,18 +60,25 @@ def sample(
         sampling=sampling,
         repair=repair,
         values=values,
+        prior=prior,
     )
     return Samples(open_job(request, values=str(values) if isinstance(values, str | Path) else "values"))
 
 
 def load(
-    text: str, n: int = 1, seed: int = 0, *, set: Mapping[str, Value] | None = None, checked: bool = True
+    text: str,
+    n: int = 1,
+    seed: int = 0,
+    *,
+    set: Mapping[str, Value] | None = None,
+    checked: bool = True,
+    prior: str | Path | Mapping[str, Any] | None = None,
 ) -> Samples:
     """Sample objects of a category given as program text. Raises CompileError, SettingError, NoObject."""
     if text.strip().endswith((".apg", ".apgc")) and "\n" not in text.strip():
         raise UsageError(f"`load` takes the text of a program, not its name {text}", f'write sample("{text}")')
     sampler = Session.of_text(text).sampler
-    request = read_request(sampler.program.name, seed=seed, n=n, settings=set, checked=checked)
+    request = read_request(sampler.program.name, seed=seed, n=n, settings=set, checked=checked, prior=prior)
     return Samples(prepare(sampler, request))
 
 

@@ -170,6 +170,8 @@ def _compare_folders(first: str, second: str, everything: bool) -> list[str]:
     a, b = reopen(first), reopen(second)
     if a.program.hash != b.program.hash:
         raise UserError(f"{first} and {second} hold objects of different programs")
+    if a.request.prior != b.request.prior:
+        raise UserError(f"{first} and {second} hold objects drawn by other priors")
     a = replace(a, sampler=b.sampler)  # tables are told apart by the program object they belong to
     numbers, others, steps = a.request.objects, b.request.objects, b.request.mutations
     sources = steps[-1].origins(others)[0] if len(steps) == len(a.request.mutations) + 1 else others

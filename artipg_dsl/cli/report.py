@@ -75,6 +75,8 @@ def _read_names(options: argparse.Namespace) -> list[str]:
         raise UsageError("--all already names every shipped category", "leave out --all, or the names")
     if options.all and options.set:
         raise UsageError("--set applies to one category, not to all of them", "name the category")
+    if options.all and options.prior is not None:
+        raise UsageError("--all names categories that a prior says nothing of", "name those that it speaks of")
     if not options.all and not options.programs:
         raise UsageError("no category is named", "for example `apgc report Microwave`, or --all for all shipped ones")
     return list(categories()) if options.all else options.programs
@@ -110,7 +112,8 @@ def _examined(task: _Task) -> tuple[Card, bytes]:
             if progress:
                 progress.stage(f"{doing} (step {STEPS.index(doing) + 1} of {len(STEPS)})", done, total)
 
-        variants = _read_variants(job.program, task.known.get(category))  # wrong ones are told at once
+        # wrong ones are told at once; what a prior leaves out is no fault of theirs
+        variants = _read_variants(job.program, task.known.get(category), job.request.prior is not None)
         step(STEPS[0], 0, len(request.objects))
         batch = job.batch(progress=progress)
         valid = Valid(job.statistics.first_valid, job.statistics.attempts, job.failures())
@@ -124,13 +127,15 @@ def _examined(task: _Task) -> tuple[Card, bytes]:
             lines=_own_lines(path),
             meshes=meshes,
             variants=variants,
+            prior="" if job.request.prior is None else job.request.prior.show(),
             progress=step,
         )
     return found, _picture(job.of(job.request.objects[:PICTURED])) if options.html is not None else b""
 
 
-def _read_variants(program: Program, real: Real | None) -> dict[str, dict[int, float]]:
-    """The settings of each variant by draws. Raises UserError for one that names what the category does not have."""
+def _read_variants(program: Program, real: Real | None, weighted: bool) -> dict[str, dict[int, float]]:
+    """The settings of each variant by draws. Raises UserError for one that names what the category does not have; of a program that a
+    prior has ``weighted``, such a one is left out."""
     from ..run.settings import resolve_settings
 
     found = {}
@@ -138,6 +143,8 @@ def _read_variants(program: Program, real: Real | None) -> dict[str, dict[int, f
         try:
             found[name] = resolve_settings(program, settings)[0]
         except SettingError as error:
+            if weighted:
+                continue
             raise UserError(
                 f"the variant `{name}` of {program.name} cannot be set: {error.message}",
                 error.hint or "correct `variants` in the file of real sizes",

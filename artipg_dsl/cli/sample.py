@@ -176,6 +176,8 @@ def show_statistics(job: Job, manifest: Manifest) -> str:
         return "nothing was left to do"
     what = plural(made, "mutation" if job.request.mutations else "object")
     lines = [f"{what}, {100 * valid / made:.1f}% valid on the first attempt, {plural(counts['attempts'], 'attempt')}"]
+    if job.request.prior is not None:
+        lines.append(f"drawn by the prior {job.request.prior.show()}")
     if not counts.get("checked", False):
         lines.append("links were not checked for collisions")
     if "candidates" in counts:

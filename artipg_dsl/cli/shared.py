@@ -69,6 +69,11 @@ def add_drawing(to: argparse.ArgumentParser, n: int) -> None:
         metavar="NAME=VALUE",
         help="fix a parameter, such as width=45cm or handle=BarHandle",
     )
+    to.add_argument(
+        "--prior",
+        metavar="NAME|FILE",
+        help="draw by other weights and narrower ranges, such as presence of parts: a JSON file, or a shipped prior, such as partnet",
+    )
     to.set_defaults(default_number=n)
     add_backend(to)
 

@@ -25,6 +25,7 @@ def read_request(options: argparse.Namespace, program: str | None = None, **more
         n=number,
         numbers=only,
         settings=split_settings(options.set),
+        prior=options.prior,
         **more,
     )
 
@@ -42,6 +43,8 @@ def open_wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
             f"the samples in {options.program} already have their seed and settings",
             "leave out --seed and --set, or name a category",
         )
+    if options.prior is not None:
+        raise UsageError(f"the samples in {options.program} are there already", "leave out --prior, or name a category")
     job = reopen(options.program)
     numbers = job.request.objects
     if options.only is None:

@@ -10,5 +10,6 @@ evaluate. Begin with ``program`` (the records) and ``expr`` (the expressions in 
     interval, inequality, union          what always holds; what an inequality or a condition says of one value
     feasible, defined                    what can never hold; whether a value is a number whatever is drawn
     depend, unlabelled                   what a value depends on; surface without a label
+    reweigh                              the same program with other weights and narrower ranges of its draws
     text, nodes, verify                  the text form, read back with nothing taken on trust
 """

@@ -81,7 +81,7 @@ class Union:
 class Draw:
     """A variable that is drawn. ``address`` names it for the random function (the path, or the old name after ``was``).
 
-    ``kind`` "real" and "count": uniform, normal (mean, deviation), lognormal (median, sigma) or values (the values)
+    ``kind`` "real" and "count": uniform, normal (mean, deviation), lognormal (median, sigma), values (the values) or weighted
     between ``low`` and ``high``, narrowed by ``bounds`` and ``unions``. ``kind`` "choice": one of ``options`` with ``weights``.
     ``vary`` is the reach of a CPA step: (True, fraction of the value) or (False, metres or radians).
     """

@@ -6,13 +6,14 @@ told of without asking again; whether its objects are any good is for the requir
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 from .. import shapes
-from ..language import DISTRIBUTIONS, JOINTS
+from ..language import DISTRIBUTIONS, JOINTS, WEIGHTED
 from . import program as P
 from .expr import Column, Expr, Scope
 from .nodes import KINDS, NAME, NodeFault, Nodes, require
@@ -169,6 +170,9 @@ class Verifier:
         else:
             require(draw.kind in ("real", "count"), f"there is no kind of draw {shapes.show_value(draw.kind)}")
             require(draw.low is not None and draw.high is not None, "a number is drawn between low and high")
+            if draw.distribution == WEIGHTED:
+                self._weighted(draw)
+                return self._narrowed(draw)
             require(
                 draw.distribution in DISTRIBUTIONS, f"there is no distribution {shapes.show_value(draw.distribution)}"
             )
@@ -176,6 +180,17 @@ class Verifier:
                 len(draw.arguments) in DISTRIBUTIONS[draw.distribution].arguments,
                 f"{draw.distribution} is given the wrong number of arguments",
             )
+        self._narrowed(draw)
+
+    def _weighted(self, draw: P.Draw) -> None:
+        cells = [a.constant for a in draw.arguments]
+        require(cells and len(cells) % 2 == 0, "a weighted number has as many weights as values")
+        good = [cell is not None and not isinstance(cell, bool) and math.isfinite(cell) for cell in cells]
+        require(all(good), "the values and weights of a weighted number are numbers")
+        require(all(float(cell or 0.0) > 0.0 for cell in cells[len(cells) // 2 :]), "a weight is above 0")
+
+    def _narrowed(self, draw: P.Draw) -> None:
+        """What requirements leave of a draw."""
         for limit in draw.limits:
             self.index(limit.option, draw.options, "option")
             self.index(limit.requirement, self.program.requirements, "requirement")

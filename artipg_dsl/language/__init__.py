@@ -12,7 +12,7 @@ unknown to all of them. Begin with ``functions``.
 """
 
 from .functions import FORMS, FUNCTIONS, METHODS, Form, Parameter
-from .kinds import DISTRIBUTIONS, JOINTS, OPERATORS, REPEATS, Kind
+from .kinds import DISTRIBUTIONS, JOINTS, OPERATORS, REPEATS, WEIGHTED, Kind
 from .members import FACES, MEMBERS, OWN, Member
 from .words import DIRECTIONS, NUMBERS, SCALAR_TYPES, TYPES, WORDS, Word, reserved_name
 
@@ -31,6 +31,7 @@ __all__ = [
     "REPEATS",
     "SCALAR_TYPES",
     "TYPES",
+    "WEIGHTED",
     "WORDS",
     "Form",
     "Kind",

@@ -184,3 +184,6 @@ DISTRIBUTIONS = _by_name(
     ),
 )
 """By name: how a parameter is drawn."""
+
+WEIGHTED = "weighted"
+"""A distribution that no program states: some values, then as many weights. Priors make it."""

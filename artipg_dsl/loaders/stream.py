@@ -7,6 +7,7 @@ take turns. A batch is a function of its number and the epoch alone: it is the s
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +16,8 @@ import numpy as np
 
 from ..annotate.cloud import Dress
 from ..errors import UsageError
-from ..run.job import Job, open_job
+from ..run.job import Job, open_job, open_program, prepare
+from ..run.prior import PriorFile, read_prior
 from ..run.request import read_request
 from ..run.settings import Value
 from .draws import Draws
@@ -32,8 +34,9 @@ class Stream:
 
     ``categories``: a name, a file, or several, in turn. ``task``: see ``TASKS``. ``size``: objects an epoch; ``batch``: objects a
     batch; ``points``: of each cloud. ``states``: "rest", "open", "random", or joints by name, ``lid=20%``. ``set`` and ``checked`` as
-    in ``sample``. ``fresh``: other objects in each epoch; otherwise the same objects and points, while random states and
-    transforms are new. ``transforms`` are applied in their order. ``view``: the camera of ``partial``, as in camera files. ``details``: a
+    in ``sample``, and ``prior``; of several categories, those that a file of priors does not speak of are drawn as declared.
+    ``fresh``: other objects in each epoch; otherwise the same objects and points, while random states and transforms are new.
+    ``transforms`` are applied in their order. ``view``: the camera of ``partial``, as in camera files. ``details``: a
     folder that ``apgc bind`` has written, whose details the points borrow, scaled by ``detail_strength`` 0 .. 1; with several categories,
     a folder each, by the name that the category was given by. Raises CompileError, SettingError, UsageError, UserError.
     """
@@ -50,6 +53,7 @@ class Stream:
         states: str = "rest",
         set: Mapping[str, Value] | None = None,
         checked: bool = True,
+        prior: str | Path | Mapping[str, Any] | None = None,
         fresh: bool = True,
         transforms: Iterable[Transform] = (),
         view: Mapping[str, Any] | None = None,
@@ -68,7 +72,10 @@ class Stream:
         self.transforms = list(transforms)
         self._settings, self._checked = set, checked
         self._details, self._strength = self._read_details(details), float(detail_strength)
+        self._prior = None if prior is None else read_prior(prior)
         self.words  # noqa: B018  # what is wrong with the arguments is told here, not in a worker
+        if self._prior is not None and all(job.request.prior is None for job in self._jobs):
+            raise UsageError(f"{self._prior.name} says nothing of {', '.join(self.categories)}", "leave out `prior`")
         state_of(self._jobs[0].of([0]).batch(), states, 0)
         self._dresses  # noqa: B018
 
@@ -84,7 +91,12 @@ class Stream:
         return [self._open(source) for source in self.sources]
 
     def _open(self, source: str) -> Job:
-        return open_job(read_request(source, seed=self.seed, n=1, settings=self._settings, checked=self._checked))
+        request = read_request(source, seed=self.seed, n=1, settings=self._settings, checked=self._checked)
+        if not isinstance(self._prior, PriorFile) or len(self.sources) == 1:
+            return open_job(replace(request, prior=self._prior))
+        sampler, name = open_program(source)
+        known = sampler.program.name in self._prior.categories
+        return prepare(sampler, replace(request, source=name, prior=self._prior if known else None))
 
     def _read_details(self, details: str | Path | Mapping[str, str | Path] | None) -> dict[str, str]:
         """The folder of details of each source that has one. Raises UsageError."""

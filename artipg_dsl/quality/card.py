@@ -79,6 +79,7 @@ class Card:
     meshes: Strict | None = None  # of the first objects, where that was asked for
     ratios: tuple[Extent, ...] = ()
     variants: tuple[Variant, ...] = ()
+    prior: str = ""  # by which the objects are drawn, in words
 
     @property
     def lacking(self) -> tuple[Variant, ...]:
@@ -125,6 +126,7 @@ class Card:
             "seed": self.seed,
             "objects": self.objects,
             "checked": self.checked,
+            **({"prior": self.prior} if self.prior else {}),
             "valid": {**asdict(self.valid), "share": self.valid.first / self.objects},
             "graphs": {**variety, "kinds": kinds},
             "duplicates": {"objects": self.duplicates, "share": self.duplicates / self.objects, "within": CLOSE},
@@ -171,12 +173,14 @@ def make_card(
     lines: int | None = None,
     meshes: Strict | None = None,
     variants: Given | None = None,
+    prior: str = "",
     progress: Callable[[str, int, int], None] | None = None,
 ) -> Card:
     """The card of a program over the objects of a batch; ``valid``: how often the sampling of these succeeded at first.
 
     ``checked``: collisions were looked for; ``meshes``: what the meshes of some of them share; ``variants``: the settings of
     the variants that are known of real ones, by draws.
+    ``prior``: by which the objects were drawn, in words.
     ``progress(step, done, total)`` is called at the start of each step after the sampling, with 0 of 0, and within the long ones.
     """
 
@@ -231,6 +235,7 @@ def make_card(
         meshes,
         tuple(compare_ratios(size, real)),
         tuple(models),
+        prior,
     )
 
 

@@ -15,7 +15,10 @@ def card_text(card: Card) -> str:
     """A card in lines: each figure, its goal, whether it is met, and below it what explains it."""
     goals = {goal.figure: goal for goal in card.goals}
     counted = "1 object" if card.objects == 1 else f"{card.objects} objects"
-    lines = [f"{card.category}: {counted}, seed {card.seed}" + ("" if card.checked else ", collisions not checked")]
+    drawn = f", drawn by the prior {card.prior}" if card.prior else ""
+    lines = [
+        f"{card.category}: {counted}, seed {card.seed}{drawn}" + ("" if card.checked else ", collisions not checked")
+    ]
     for figure, value, remarks in list_figures(card):
         goal = goals.get(figure)
         verdict = "" if goal is None else f"  goal {goal.goal}: {'met' if goal.met else 'NOT MET'}"

@@ -4,6 +4,7 @@ In: the words of the command line or the arguments of Python. Out: a ``Job``, wh
 ``manifest.json``. Begin with ``request`` (what is drawn) and ``output`` (what is written), then read ``job``.
 
     request, settings, params, traces    what is drawn: seed and numbers, values that are fixed or given, mutants
+    prior, weights                       other weights and ranges for the draws of a program
     output, chunk                        what is written: formats and what they hold, shard by shard
     job, compiled, counts                a program at hand, compiled or not; outcomes of attempts
     dataset, workers, resume             the folder: one process or several, and resuming it

@@ -23,6 +23,7 @@ from ..validity.sound import prove
 from .compiled import make_sampler, read_compiled
 from .counts import Counts, count_in_words, explain_exhausted, summarize
 from .params import read_values
+from .prior import apply_prior
 from .request import Request, is_file
 from .schema import to_runs
 from .settings import resolve_settings
@@ -35,7 +36,9 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class Job:
-    """Made by ``prepare`` alone: ``given`` and ``values`` are those of the request by the index of their draw."""
+    """Made by ``prepare`` alone: ``given`` and ``values`` are those of the request by the index of their draw.
+
+    ``sampler`` is that of the program as a prior weighs it, where there is one."""
 
     sampler: Sampler
     request: Request
@@ -97,7 +100,7 @@ class Job:
 
     def but(self, **changes: Any) -> Job:
         """The job of the same request but for some fields, with nothing counted yet. Raises as ``prepare`` does."""
-        return prepare(self.sampler, replace(self.request, **changes))
+        return _prepared(self.sampler, replace(self.request, **changes), "values")
 
     def fresh(self) -> Job:
         """The same job with nothing counted yet."""
@@ -156,6 +159,16 @@ def prepare(sampler: Sampler, request: Request, *, values: str = "values") -> Jo
             f"the program {request.source} has changed since these samples were made",
             "sample it again, with --force into the same folder",
         )
+    known = replace(request, program=program.hash, prior=None)
+    prior = None if request.prior is None else request.prior.of(program.name)
+    if prior is None or not prior.draws:
+        return _prepared(sampler, known, values)
+    return _prepared(Sampler(apply_prior(program, prior)), replace(known, prior=prior), values)
+
+
+def _prepared(sampler: Sampler, request: Request, values: str) -> Job:
+    """The job of a request whose program is weighted already."""
+    program = sampler.program
     given, settings = resolve_settings(program, request.settings)
     held = None if request.values is None else read_values(request.values, program, values)
     for step in request.mutations:
@@ -165,5 +178,5 @@ def prepare(sampler: Sampler, request: Request, *, values: str = "values") -> Jo
                 f"{program.name} draws no `{name}`",
                 did_you_mean(name, names) or f"it draws {', '.join(list(names)[:8])}, ...",
             )
-    known = replace(request, program=program.hash, settings=settings, values=None if held is None else held.plain)
+    known = replace(request, settings=settings, values=None if held is None else held.plain)
     return Job(sampler, known, given, held)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import index
 from pathlib import Path
-from typing import Annotated, Any, TypedDict
+from typing import Annotated, Any, NotRequired, TypedDict
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from ..sampling.prior import CANDIDATES, MOST_CANDIDATES
 from ..sampling.trace import Replay
 from ..shapes import Rule
 from .params import read_params
+from .prior import Prior, PriorFile, read_prior
 from .schema import MOST, RUNS, FirstAndLast, Runs, Title, expand, one_of, to_runs, within
 from .settings import Value
 from .traces import gather_traces
@@ -59,6 +60,7 @@ class Made(TypedDict):
         Annotated[list[dict[str, Any]], Rule("a list of objects", lambda value: len(value) > 0)] | None,
         Title("the values given"),
     ]
+    prior: NotRequired[Annotated[dict[str, Any], Title("the prior")]]
 
 
 class Objects(TypedDict):
@@ -91,7 +93,7 @@ class Request:
     SI units. ``checked``: only objects without collisions. ``candidates`` above 0: each object is chosen among so many
     attempts, to follow the declared distributions. ``repair``: what fails at first is repaired rather than drawn again.
     ``values``: objects given by their values, numbered from 0, instead of drawn ones. ``program`` is the hash of the
-    compiled program, once it is known. Raises UsageError.
+    compiled program as it is declared, once it is known. ``prior``: other weights and narrower ranges of its draws. Raises UsageError.
     """
 
     source: str
@@ -104,6 +106,7 @@ class Request:
     values: tuple[Mapping[str, Any], ...] | None = None
     mutations: tuple[Mutation | Replay, ...] = ()
     program: str = ""
+    prior: Prior | PriorFile | None = None
 
     def __post_init__(self) -> None:
         if self.candidates and self.repair:
@@ -119,18 +122,21 @@ class Request:
 
     def to_manifest(self) -> Drawn:
         """As the manifest keeps it; the source stands beside it, as seen from the folder."""
+        made: Made = {
+            "checked": self.checked,
+            "sampling": f"{PRIOR}:{self.candidates}" if self.candidates else SEQUENTIAL,
+            "repair": self.repair,
+            "mutations": [step.plain() for step in self.mutations],  # type: ignore[misc]
+            "values": None if self.values is None else [dict(entry) for entry in self.values],
+        }
+        if isinstance(self.prior, Prior):
+            made["prior"] = dict(sorted(self.prior.draws.items()))
         return {
             "program": self.program,
             "seed": self.seed,
             "numbers": [list(run) for run in self.numbers],
             "settings": dict(sorted(self.settings.items())),
-            "made": {
-                "checked": self.checked,
-                "sampling": f"{PRIOR}:{self.candidates}" if self.candidates else SEQUENTIAL,
-                "repair": self.repair,
-                "mutations": [step.plain() for step in self.mutations],  # type: ignore[misc]
-                "values": None if self.values is None else [dict(entry) for entry in self.values],
-            },
+            "made": made,
         }
 
     @classmethod
@@ -150,6 +156,7 @@ class Request:
                 Replay(gather_traces(folder)) if "replay" in step else Mutation.of(step) for step in made["mutations"]
             ),
             program=drawn["program"],
+            prior=Prior(made["prior"]) if "prior" in made else None,
         )
 
 
@@ -164,19 +171,22 @@ def read_request(
     sampling: str = SEQUENTIAL,
     repair: bool = False,
     values: str | Path | Iterable[Mapping[str, Any]] | None = None,
+    prior: str | Path | Mapping[str, Any] | None = None,
 ) -> Request:
     """A request in the words of the command line, or as Python gives it: the objects 0 .. n - 1 or the given ``numbers``.
 
-    ``values``: a file of objects given by their values, or a dictionary for each. Raises UsageError, UserError.
+    ``values``: a file of objects given by their values, or a dictionary for each. ``prior``: the name of a shipped one, a file, or
+    what is said of each draw. Raises UsageError, UserError.
     """
     if not isinstance(settings, Mapping | None):
         raise UsageError(f"set is {settings!r}", 'it maps names to values: {"width": "45cm"}')
     if values is None:
         asked, given = read_numbers(n, numbers), None
     else:
-        if settings or sampling != SEQUENTIAL:
+        if settings or sampling != SEQUENTIAL or prior is not None:
             raise UsageError(
-                "objects given by their values are neither drawn nor set", "leave out the settings and the sampling"
+                "objects given by their values are neither drawn nor set",
+                "leave out the settings, the sampling and the prior",
             )
         given, name = read_params(values)
         asked = read_numbers(len(given) if n is None and numbers is None else n, numbers)
@@ -191,6 +201,7 @@ def read_request(
         read_sampling(sampling),
         repair and given is None,
         given,
+        prior=None if prior is None else read_prior(prior),
     )
 
 

@@ -46,11 +46,13 @@ def resolve_settings(program: Program, settings: Mapping[str, Value]) -> tuple[d
     for name, value in settings.items():
         draws = {k: d for k, d in enumerate(program.draws) if d.column.name == name}
         if not draws:
-            raise _unknown(program, name)
+            raise unknown_name(program, name)
         refused: SettingError | None = None
         for k, draw in draws.items():
             try:
-                given[k], plain[name] = read_setting(draw, value)
+                number, told = read_setting(draw, value)
+                _require_weight(draw, number)
+                given[k], plain[name] = number, told
             except SettingError as error:
                 refused = error
         if name not in plain:
@@ -94,6 +96,11 @@ def _option(draw: Draw, value: Value) -> tuple[float, Value]:
     return float(draw.options.index(name)), name
 
 
+def _require_weight(draw: Draw, number: float) -> None:
+    if draw.kind == "choice" and draw.weights[int(number)].constant == 0.0:
+        raise SettingError(f"`{draw.column.name}` cannot be `{draw.options[int(number)]}`: its weight is 0")
+
+
 def _number(draw: Draw, text: str) -> float:
     name, unit = draw.column.name, draw.unit
     match = _NUMBER.fullmatch(text)
@@ -120,7 +127,8 @@ def _number(draw: Draw, text: str) -> float:
     raise SettingError(f"{name}={text} has the wrong unit: `{name}` is {noun}", example)
 
 
-def _unknown(program: Program, name: str) -> SettingError:
+def unknown_name(program: Program, name: str) -> SettingError:
+    """What is wrong with a name that no draw has, and what to write instead."""
     names = list(dict.fromkeys(d.column.name for d in program.draws))
     inside = [n for n in names if n.startswith(name + ".")]
     if any(column.name == name or column.name.startswith(name + ".") for column in program.definitions) and not inside:

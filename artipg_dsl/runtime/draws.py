@@ -11,7 +11,18 @@ import numpy as np
 
 from ..random import key, uniform
 from .kernels import Kept, Rows, State, full
-from .laws import TOLERANCE, density, gaps_of, in_gap, measure, move_out_of_gaps, spread, spread_between, support_of
+from .laws import (
+    TOLERANCE,
+    density,
+    gaps_of,
+    in_gap,
+    is_empty,
+    measure,
+    move_out_of_gaps,
+    spread,
+    spread_between,
+    support_of,
+)
 
 Gaps = tuple[np.ndarray, np.ndarray]  # where gaps begin and end: (gaps, rows) each
 LEAST = 1e-300  # a range that holds less of its law than this counts as holding so much
@@ -37,6 +48,12 @@ def _no_room(state: State, rows: Rows, number: int, bad: np.ndarray) -> None:
         state.failed[owners] = True
         state.missed[number] = state.missed.get(number, 0) + len(np.unique(owners))
         state.faults.setdefault(("draw", number), []).append(np.flatnonzero(bad))
+
+
+def _require_value(state: State, rows: Rows, number: int, bad: np.ndarray, empty: np.ndarray) -> None:
+    """Rows that are left none of the values of their law fail, unless their value is kept."""
+    held = state.kept[number].find(rows)[0] if number in state.kept else np.zeros(rows.size, dtype=bool)
+    _no_room(state, rows, number, empty & ~bad & ~held)
 
 
 def _given(
@@ -81,6 +98,8 @@ def draw_real(
         else:
             unit = _lot(state, rows, address)
             found = _spread(unit, low, top, gaps, distribution, arguments)
+            if distribution == "weighted":
+                _require_value(state, rows, number, bad, is_empty(low, top, gaps, arguments))
             if number in state.kept:
                 found = _near(state.kept[number], rows, unit, low, top, found, gaps)
         if gaps is not None:
@@ -184,6 +203,8 @@ def draw_count(
             one, two = _whole(first, last, distribution, arguments)
             law = () if distribution == "uniform" else arguments
             wide = _spread(_lot(state, rows, address), one - 0.5, two + 0.5, gaps, distribution, law)
+            if distribution == "weighted":
+                _require_value(state, rows, number, bad, is_empty(first, last, gaps, arguments))
             found = np.minimum(np.maximum(np.floor(wide + 0.5), one), two)
         if number in state.kept:
             found = _other_count(state.kept[number], rows, _lot(state, rows, address), first, last, found)

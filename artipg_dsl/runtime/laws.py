@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 TOLERANCE = 1e-9  # bounds and requirements are decided to this
+_DISCRETE = ("values", "weighted")  # the values, equally likely; the values, then as many weights
 
 
 def spread(
@@ -23,8 +24,8 @@ def spread(
         small = np.maximum(low, 1e-12)
         inner = _truncated(unit, np.log(small), np.log(np.maximum(high, small)), np.log(arguments[0]), arguments[1])
         return np.minimum(np.maximum(np.exp(inner), low), high)
-    if distribution == "values":
-        return _nearest(unit, low, high, arguments)
+    if distribution in _DISCRETE:
+        return _pick(unit, low, high, distribution, arguments)
     if arguments:  # uniform(a, b): within the part of the domain that lies between the two
         low, high = (np.minimum(np.maximum(end, low), high) for end in arguments)
     return np.minimum(low + unit * (high - low), high)
@@ -67,20 +68,42 @@ def _among(
     return table, within
 
 
-def _nearest(
+def _pick(
     unit: np.ndarray,
     low: np.ndarray,
     high: np.ndarray,
-    values: tuple[Any, ...],
+    distribution: str,
+    arguments: tuple[Any, ...],
     gaps: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> np.ndarray:
-    """One of the values that lie within the bounds, equally likely; the nearest bound when none does."""
-    table, within = _among(low, high, values, gaps)
+    """One of the values that lie within the bounds, by their weights; the nearest bound when none does."""
+    if distribution == "weighted":
+        values, weights = _halves(arguments)
+        table, within = _among(low, high, values, gaps)
+        levels = np.cumsum(np.where(within, weights, 0.0), axis=0)
+        last = len(values) - 1 - np.argmax(within[::-1], axis=0)
+        at = np.minimum((levels <= unit * levels[-1]).sum(axis=0), last)
+        found = np.take_along_axis(table, at[None], axis=0)[0]
+        return np.where(within.any(axis=0), found, np.minimum(np.maximum(table[0], low), high))
+    table, within = _among(low, high, arguments, gaps)
     count = within.sum(axis=0)
     wanted = np.minimum((unit * np.maximum(count, 1)).astype(np.int64), np.maximum(count - 1, 0))
     seen = np.cumsum(within, axis=0) - 1
     chosen = np.where(within & (seen == wanted), table, -np.inf).max(axis=0)
     return np.where(count > 0, chosen, np.minimum(np.maximum(table[0], low), high))
+
+
+def _halves(arguments: tuple[Any, ...]) -> tuple[tuple[Any, ...], np.ndarray]:
+    """The values and the weights (values, 1) of a weighted law; all weights are above 0."""
+    half = len(arguments) // 2
+    return arguments[:half], np.array(arguments[half:], dtype=np.float64)[:, None]
+
+
+def is_empty(
+    low: np.ndarray, high: np.ndarray, gaps: tuple[np.ndarray, np.ndarray] | None, arguments: tuple[Any, ...]
+) -> np.ndarray:
+    """Whether a weighted law has none of its values there (rows,)."""
+    return np.logical_not(_among(low, high, _halves(arguments)[0], gaps)[1].any(axis=0))
 
 
 # ---------------------------------------------------------------- ranges with gaps
@@ -142,8 +165,8 @@ def spread_between(
     arguments: tuple[Any, ...],
 ) -> np.ndarray:
     """Uniform numbers to a distribution truncated to ``low .. high`` without the gaps."""
-    if distribution == "values":
-        return _nearest(unit, low, high, arguments, gaps)
+    if distribution in _DISCRETE:
+        return _pick(unit, low, high, distribution, arguments, gaps)
     low, high = support_of(low, high, distribution, arguments)
     first, last = _find_level(low, distribution, arguments), _find_level(high, distribution, arguments)
     begin, end = _apart(low, high, gaps, distribution, arguments)
@@ -163,6 +186,9 @@ def measure(
     """How much of a law lies between ``low`` and ``high`` outside the gaps, in a measure of the law's own (rows,)."""
     if distribution == "values":
         return _among(low, high, arguments, gaps)[1].sum(axis=0).astype(np.float64)
+    if distribution == "weighted":
+        values, weights = _halves(arguments)
+        return _total(np.where(_among(low, high, values, gaps)[1], weights, 0.0))
     low, high = support_of(low, high, distribution, arguments)
     total = np.maximum(_find_level(high, distribution, arguments) - _find_level(low, distribution, arguments), 0.0)
     if gaps is None:
@@ -178,6 +204,8 @@ def density(value: np.ndarray, distribution: str, arguments: tuple[Any, ...]) ->
     if distribution == "lognormal":
         small = np.maximum(value, 1e-12)
         return np.exp(-0.5 * (np.log(small / arguments[0]) / arguments[1]) ** 2) / (_ROOT * arguments[1] * small)
+    if distribution == "weighted":
+        return measure(value, value, None, distribution, arguments)
     return np.ones(len(value))
 
 

@@ -106,6 +106,20 @@ def test_mutants_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     assert code == 1 and "is not a folder of details" in err
 
 
+def test_objects_by_any_prior_borrow_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
+    bound = tmp_path / "bound"
+    assert apgc("bind", fitted, "-o", bound, "--points", 2048)[0] == 0
+    prior = tmp_path / "prior.json"
+    prior.write_text('{"draws": {"Chest": {"knobs": {"3": 1}}}}')
+    asked = ("sample", CHEST, "-n", 3, "--points", 64, "--prior", prior, "--details", bound, "-o", tmp_path / "out")
+    code, _, err = apgc(*asked)
+    assert code == 0, err
+    plain, worn = (apg.sample(CHEST, 3, prior=prior).points(64, **more) for more in ({}, {"details": bound}))
+    assert not np.array_equal(plain.position, worn.position)
+    with np.load(tmp_path / "out" / "points-00000.npz") as file:
+        assert np.array_equal(file["points"], worn.position.astype(np.float32))
+
+
 def test_samples_borrow_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     bound = tmp_path / "bound"
     code, _, _ = apgc("bind", fitted, "-o", bound, "--points", 1500)

@@ -108,6 +108,17 @@ def test_variants_are_counted_and_tried(apgc: Apgc, tmp_path: Path) -> None:
     assert [v["name"] for v in fixed["variants"]["list"]] == ["oak, three knobs", "tall"]
 
 
+def test_a_card_says_by_which_prior_it_is(apgc: Apgc, tmp_path: Path) -> None:
+    prior = tmp_path / "own.json"
+    prior.write_text('{"draws": {"Chest": {"wood": {"oak": 1}}}}')
+    models = {"of oak": {"wood": "oak"}, "of pine": {"wood": "pine"}}
+    asked = ("report", CHEST, "-n", 12, "--unchecked", "--reference", _known(tmp_path, variants=models))
+    assert "drawn by the prior own.json (wood)" in apgc(*asked, "--prior", prior)[1].split("\n")[0]
+    found, plain = (json.loads(apgc(*asked, *more, "--json")[1]) for more in (("--prior", prior), ()))
+    assert found["prior"] == "own.json (wood)" and "prior" not in plain
+    assert [v["name"] for v in found["variants"]["list"]] == ["of oak"]  # what it leaves out is no fault
+
+
 def test_a_variant_that_its_settings_do_not_reach_is_told(apgc: Apgc, tmp_path: Path) -> None:
     file = tmp_path / "box.apg"
     file.write_text("""apg 1
@@ -202,6 +213,8 @@ def test_the_page_holds_all_it_needs(apgc: Apgc, tmp_path: Path) -> None:
         ((), 2, "no category is named"),
         (("--all", "Microwave"), 2, "--all"),
         (("--all", "--set", "width=3cm"), 2, "name the category"),
+        (("--all", "--prior", "partnet"), 2, "name those that it speaks of"),
+        ((CHEST, "--prior", "partnet"), 1, "says nothing of Chest"),
         (("Chestt",), 1, "there is no category"),
         ((CHEST, "--set", "nothing=3"), 2, "nothing"),
         ((CHEST, "--reference", "absent.json"), 1, "absent.json"),

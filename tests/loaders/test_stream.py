@@ -92,6 +92,9 @@ def test_it_travels_to_another_process(stream: Stream) -> None:
         ({"states": "random:4"}, "4 states"),
         ({"states": "ajar"}, "not a joint state"),
         ({"set": {"widht": "50cm"}}, "width"),
+        ({"prior": {"knbos": {"1": 1}}}, "knobs"),
+        ({"prior": {"draws": {"Box": {"knobs": {"1": 1}}}}}, "says nothing of Chest"),
+        ({"prior": "partnot"}, "there is no prior partnot"),
     ],
 )
 def test_what_is_wrong_is_said_at_once(chest: Path, options: dict[str, object], message: str) -> None:
@@ -108,3 +111,19 @@ def test_classes_have_to_be_numbered_alike(chest: Path, tmp_path: Path) -> None:
     other.write_text("\n".join(kept).replace("Chest", "Other"))
     with pytest.raises(UserError, match="Chest and Other number"):
         Stream([chest, other])
+
+
+def test_a_prior_weighs_the_categories_that_it_speaks_of(chest: Path, box: Path) -> None:
+    options: dict[str, object] = {"size": 12, "batch": 12, "points": 64, "seed": 3}
+    alone = Stream(chest, prior={"knobs": {"3": 1}}, **options)  # type: ignore[arg-type]
+    handles = alone.batch(0)["instance"].reshape(12, -1)
+    expected = apg.sample(chest, 12, 3, prior={"knobs": {"3": 1}}).points(64).instance
+    np.testing.assert_array_equal(handles, expected)
+    there = pickle.loads(pickle.dumps(alone))
+    np.testing.assert_array_equal(there.batch(0)["points"], alone.batch(0)["points"])
+    given = {"draws": {"Chest": {"knobs": {"3": 1}}}}
+    both, plain = Stream([chest, box], prior=given, **options), Stream([chest, box], **options)  # type: ignore[arg-type]
+    same = (both.batch(0)["points"] == plain.batch(0)["points"]).all(axis=(1, 2))
+    assert same[1::2].all() and not same[0::2].all()
+    with pytest.raises(UserError, match="says nothing of Box, Chest"):
+        Stream([box, chest], prior={"draws": {"Door": {}}}, **options)  # type: ignore[arg-type]

@@ -24,6 +24,7 @@ from artipg_dsl.graph.program import Program
 from artipg_dsl.run import manifest as manifests
 from artipg_dsl.run.manifest import Identity, Manifest, build_manifest, describe_difference, read_manifest
 from artipg_dsl.run.output import Output, Written, read_content
+from artipg_dsl.run.prior import Prior
 from artipg_dsl.run.request import Drawn, Made, Request, read_numbers, read_request, read_sampling
 from artipg_dsl.run.schema import expand, read_titles, to_runs
 from artipg_dsl.sampling.mutate import Mutation
@@ -52,6 +53,7 @@ DRAWN: dict[str, Any] = {
     "values": ({"width": 0.5, "legs": [1, None]}, {}),
     "mutations": (MUTATION,),
     "program": "a" * 32,
+    "prior": Prior({"width": [0.1, 0.15], "tray": 0.23}),
 }
 CONTENT: dict[str, Any] = {
     "points": Sampling(64, "outside", "blue", "object", "link", (("base", 2.0), ("door", 0.5))),
