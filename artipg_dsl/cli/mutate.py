@@ -14,6 +14,7 @@ from ..errors import UsageError, UserError
 from ..export.remote import is_same, place_of
 from ..run.settings import show_value
 from .messages import plural, say
+from .progress import Progress
 from .sample import read_strength, refuse_file, show_statistics
 from .sample import write as write_folder
 
@@ -47,6 +48,9 @@ def _write(options: argparse.Namespace) -> int:
     from ..run.output import Output
 
     begun = time.monotonic()
+    for name, why in (("replay", "a trace already says which mutants there are"), ("one", "its groups are complete")):
+        if options.distinct and getattr(options, name) is not None:
+            raise UsageError(f"--distinct does not apply with --{name}: {why}", "leave out --distinct")
     job, output = _open_originals(options)
     out = place_of(options.out)
     refuse_file(out)
@@ -68,11 +72,24 @@ def _write(options: argparse.Namespace) -> int:
         require_donors(dressing, job.program, job.request.objects)
         content = replace(content, details=dressing)
     job = _open_mutants(options, job)
+    if options.distinct:
+        job = _leave_out(options, job)
     made, number = write_folder(job, out, Output.of(formats, content, options.memory), options)
     if options.stats:
         print(show_statistics(job, made))
     say(f"{plural(number, 'object')} in {out} ({time.monotonic() - begun:.1f} s)")
     return 0
+
+
+def _leave_out(options: argparse.Namespace, job: Job) -> Job:
+    """The job without the mutants that are nearly the same as another of their original."""
+    from ..run.distinct import leave_out_near_duplicates
+
+    with Progress(job.program.name) as progress:
+        progress.stage("comparing mutants")
+        job, left_out = leave_out_near_duplicates(job, options.workers, progress)
+    say(f"{plural(left_out, 'near-duplicate')} left out")
+    return job
 
 
 def _open_originals(options: argparse.Namespace) -> tuple[Job, Output]:

@@ -233,6 +233,9 @@ def _add_mutate(to: argparse.ArgumentParser) -> None:
         help="write groups that differ in this value alone: each object, followed by its mutants",
     )
     to.add_argument("--variant", type=whole, default=0, metavar="K", help="make other mutants (default: 0)")
+    to.add_argument(
+        "--distinct", action="store_true", help="leave out mutants nearly the same as another of their original"
+    )
     add_details(to, "let the points wear the details that `apgc bind` has kept of the originals")
     to.add_argument("--only", type=numbers, metavar="NUMBERS", help="originals by number, such as 37 or 37,40..45")
     to.add_argument("--params", metavar="FILE", help="read the originals from a JSON file of values")

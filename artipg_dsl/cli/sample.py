@@ -188,6 +188,8 @@ def show_statistics(job: Job, manifest: Manifest) -> str:
         )
     if "declined" in counts:
         lines.append(f"{plural(counts['declined'], 'valid object')} passed over by preference")
+    if "near_duplicates" in counts:
+        lines.append(f"{plural(counts['near_duplicates'], 'near-duplicate')} left out")
     if counts["failed"]:
         lines.append("  failed  repaired  rejected")
     repaired = counts.get("repaired", {})

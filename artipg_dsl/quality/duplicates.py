@@ -12,18 +12,23 @@ from ..random import mix
 from ..runtime.batch import Batch
 
 CLOSE = 0.02  # of the range of a value
+_LEAST = 1e-12  # the width of a range that is a point, or unknown: only equal values are close
+
+Ranges = tuple[tuple[float, float], ...]
 
 
-def find_near_duplicates(batch: Batch, kind: np.ndarray | None = None, close: float = CLOSE) -> np.ndarray:
+def find_near_duplicates(
+    batch: Batch, kind: np.ndarray | None = None, close: float = CLOSE, ranges: Ranges | None = None
+) -> np.ndarray:
     """(B,) whether an object is nearly the same as one before it in the batch.
 
-    ``kind`` (B,) sets objects apart beforehand (their kinematic graphs). The range of a value is that of its
-    declaration if constant, else of what was drawn.
+    ``kind`` (B,) sets objects apart beforehand (their kinematic graphs). ``ranges`` of the values are by default those
+    that ``find_ranges`` finds in the batch itself.
     """
     mark = hash_structure(batch)
     if kind is not None:
         mark = mix(mark, kind)
-    owner, value = _unit_values(batch)
+    owner, value = _unit_values(batch, find_ranges(batch) if ranges is None else ranges)
     start = np.searchsorted(owner, np.arange(len(batch)))
     count = np.diff(np.append(start, len(owner)))
     found = np.zeros(len(batch), dtype=bool)
@@ -52,19 +57,29 @@ def hash_structure(batch: Batch) -> np.ndarray:
     return found
 
 
-def _unit_values(batch: Batch) -> tuple[np.ndarray, np.ndarray]:
-    """The owner and the value, as a fraction of its range, of all real draws; by owner, then in the order of the text."""
-    owners, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+def find_ranges(batch: Batch) -> Ranges:
+    """The range of the values of each draw: that of its declaration if constant, else of what the objects of a batch have drawn;
+    (0, 0) where that is nothing."""
+    found = []
     for number, draw in enumerate(batch.program.draws):
         drawn = batch.state.values[number]
-        if draw.kind != "real" or not len(drawn):
-            continue
-        low, high = drawn.min(), drawn.max()
+        low, high = (float(drawn.min()), float(drawn.max())) if len(drawn) else (0.0, 0.0)
         if draw.low is not None and draw.high is not None:
             if draw.low.constant is not None and draw.high.constant is not None:
                 low, high = float(draw.low.constant), float(draw.high.constant)
+        found.append((low, high))
+    return tuple(found)
+
+
+def _unit_values(batch: Batch, ranges: Ranges) -> tuple[np.ndarray, np.ndarray]:
+    """The owner and the value, as a fraction of its range, of all real draws; by owner, then in the order of the text."""
+    owners, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+    for number, (draw, (low, high)) in enumerate(zip(batch.program.draws, ranges, strict=True)):
+        drawn = batch.state.values[number]
+        if draw.kind != "real" or not len(drawn):
+            continue
         owners.append(batch.owner(draw.column.scope))
-        values.append((drawn - low) / (high - low) if high > low else np.zeros(len(drawn)))
+        values.append((drawn - low) / max(high - low, _LEAST))
     owner = np.concatenate(owners)
     order = np.argsort(owner, kind="stable")
     return owner[order], np.concatenate(values)[order]

@@ -37,6 +37,7 @@ class Counts(TypedDict):
     declined: NotRequired[Count]
     not_preferred: NotRequired[dict[str, Count]]
     candidates: NotRequired[Candidates]
+    near_duplicates: NotRequired[Count]
 
 
 def summarize(program: Program, made: Statistics, checked: bool) -> Counts:
@@ -61,6 +62,8 @@ def summarize(program: Program, made: Statistics, checked: bool) -> Counts:
             "valid": made.candidates_valid / attempts,
             "effective": made.effective * made.candidates / attempts,
         }
+    if made.near_duplicates:
+        found["near_duplicates"] = made.near_duplicates
     return found
 
 

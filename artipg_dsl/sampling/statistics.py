@@ -24,7 +24,7 @@ class Statistics:
     ``examples`` tell of what ``collided`` counts the parts that meet, where and when, in the first object seen.
     ``declined`` are valid objects that preferences passed over, ``unkept`` objects per preference, over all attempts.
     ``candidates``: how many attempts each object considered, where they were resampled; ``candidates_valid`` of all of
-    them, ``effective`` the effective number of candidates, summed over the objects.
+    them, ``effective`` the effective number of candidates, summed over the objects. ``near_duplicates`` were made and left out.
     """
 
     objects: int = 0
@@ -42,6 +42,7 @@ class Statistics:
     outside: dict[int, int] = field(default_factory=dict)
     repaired: dict[Cause, int] = field(default_factory=dict)
     examples: dict[tuple[str, str, str], str] = field(default_factory=dict)
+    near_duplicates: int = 0
 
     def _tables(self) -> dict[str, dict[Any, int]]:
         return {
@@ -79,6 +80,7 @@ class Statistics:
         self.candidates = max(self.candidates, other.candidates)
         self.candidates_valid += other.candidates_valid
         self.effective += other.effective
+        self.near_duplicates += other.near_duplicates
         for total, new in zip(self._tables().values(), other._tables().values(), strict=True):
             _sum(total, new)
         _sum(self.unkept, other.unkept)

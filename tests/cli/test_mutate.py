@@ -168,3 +168,48 @@ def test_replay_in_python():
     assert again["width"] == mutants["width"][1] and again.numbers.tolist() == [1]
     table = mutants.correspondence()
     assert (table.how == 0).all() and len(table.site) == sum(len(s.owner) for s in mutants.batch.sites())
+
+
+def test_near_duplicates_are_left_out(apgc, chest, tmp_path):
+    from artipg_dsl.quality.duplicates import find_near_duplicates, find_ranges
+
+    asked = ("mutate", chest, "--ops", "cpa", "-n", 30, "--strength", 0.2, "--points", 16)
+    assert apgc(*asked, "-o", tmp_path / "every")[0] == 0
+    code, said, err = apgc(*asked, "--distinct", "--stats", "-o", tmp_path / "some")
+    assert code == 0, err
+    ranges = find_ranges(apg.sample(CHEST, n=256, checked=False).batch)
+    left_out = [
+        find_near_duplicates(
+            apg.open_samples(tmp_path / "every", numbers=range(k * 30, k * 30 + 30)).batch, ranges=ranges
+        )
+        for k in range(5)
+    ]
+    kept = np.flatnonzero(~np.concatenate(left_out))
+    assert 5 <= len(kept) < 150
+    manifest = json.loads((tmp_path / "some" / "manifest.json").read_text())
+    assert manifest["counts"]["near_duplicates"] == 150 - len(kept) and manifest["objects"] == len(kept)
+    assert (
+        f"{150 - len(kept)} near-duplicates left out" in said and f"{150 - len(kept)} near-duplicates left out" in err
+    )
+    with (
+        np.load(tmp_path / "some" / "points-00000.npz") as some,
+        np.load(tmp_path / "every" / "points-00000.npz") as every,
+    ):
+        assert np.array_equal(some["object"], kept)
+        assert np.array_equal(some["points"], every["points"][kept])
+
+    before = tree(tmp_path / "some")  # completed by any number of processes, and refused without the option
+    (tmp_path / "some" / "points-00000.npz").unlink()
+    assert apgc(*asked, "--distinct", "--workers", 2, "-o", tmp_path / "some")[0] == 0
+    assert tree(tmp_path / "some") == before
+    code, _, err = apgc(*asked, "-o", tmp_path / "some")
+    assert code == 1 and "other options: the objects asked for" in err
+    code, _, err = apgc(*asked, "--only", 3, "--distinct", "-o", tmp_path / "one")  # whatever else is mutated
+    assert code == 0 and apg.open_samples(tmp_path / "one").numbers.tolist() == np.flatnonzero(~left_out[3]).tolist()
+
+
+def test_what_is_not_compared(apgc, chest, tmp_path):
+    code, _, err = apgc("mutate", chest, "--one", "width", "--distinct", "-o", tmp_path / "x")
+    assert code == 2 and "--distinct does not apply with --one" in err
+    code, _, err = apgc("mutate", chest, "--replay", chest, "--distinct", "-o", tmp_path / "x")
+    assert code == 2 and "--distinct does not apply with --replay" in err

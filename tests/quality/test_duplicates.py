@@ -10,7 +10,7 @@ import pytest
 
 from artipg_dsl.errors import UserError
 from artipg_dsl.quality.card import program_lines
-from artipg_dsl.quality.duplicates import find_near_duplicates, hash_structure
+from artipg_dsl.quality.duplicates import find_near_duplicates, find_ranges, hash_structure
 from artipg_dsl.quality.sizes import Real, compare_sizes, measure_extents, read_reference
 from artipg_dsl.session import categories
 
@@ -107,3 +107,19 @@ def test_a_reference_of_ones_own(tmp_path: Path) -> None:
 
 def test_lines_that_count() -> None:
     assert program_lines("apg 1\n\n# a remark\n## a document\ncategory A {\n  param a # here\n}\n") == 4
+
+
+def test_ranges_may_be_those_of_other_objects() -> None:
+    text = """
+category Box {
+  param w : length in 10cm .. 20cm
+  param d : length in 0.5 * w .. w
+  root part body : Cuboid(size = [w, d, 5cm])
+}"""
+    _, batch = sampled(text, 200)
+    ranges = find_ranges(batch)
+    assert ranges[0] == (0.1, 0.2) and ranges[1] == (batch.state.values[1].min(), batch.state.values[1].max())
+    found = find_near_duplicates(batch)
+    assert np.array_equal(find_near_duplicates(batch, ranges=ranges), found) and 0 < found.sum()
+    narrow = find_near_duplicates(batch, ranges=(ranges[0], (0.1, 0.1)))  # a point: only equal values are close
+    assert narrow.sum() == 0
