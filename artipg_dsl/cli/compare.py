@@ -5,11 +5,13 @@ from __future__ import annotations
 import argparse
 import json
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import UserError
+from ..errors import UsageError, UserError
+from .arguments import STREAM
 from .fit import read_words
 from .messages import plural, say
 from .progress import Progress
@@ -17,6 +19,7 @@ from .wanted import open_wanted
 
 if TYPE_CHECKING:
     from ..fit.likeness import Likeness
+    from ..runtime.batch import Batch
 
 _FEW = 10  # lines of a list
 
@@ -27,6 +30,7 @@ def run(options: argparse.Namespace) -> int:
     from ..fit.reading import find_files, read_cloud
     from ..quality.sizes import measure_extents
 
+    out = _refuse_early(options)
     frame = Frame(options.up, options.front, options.unit, options.normalised)
     paths = find_files(options.files)
     with Progress(options.program) as progress:
@@ -37,11 +41,13 @@ def run(options: argparse.Namespace) -> int:
         batch = job.batch()
         usual = float(np.median(np.sqrt((measure_extents(batch) ** 2).sum(axis=1))))
         progress.stage("reading", 0, len(paths))
-        names, real, failed = [], [], []
+        names, real, seen, failed = [], [], [], []
         for number, path in enumerate(paths):
             try:
-                real.append(pose(read_cloud(path), frame, path.suffix.lower(), usual))
+                cloud = read_cloud(path)
+                real.append(pose(cloud, frame, path.suffix.lower(), usual))
                 names.append(str(path))
+                seen.append(frozenset(cloud.names[k] for k in np.unique(cloud.label).tolist() if k >= 0))
             except UserError as wrong:
                 failed.append({"name": str(path), "reason": wrong.message + (f" ({wrong.hint})" if wrong.hint else "")})
             progress(number + 1, len(paths))
@@ -50,8 +56,51 @@ def run(options: argparse.Namespace) -> int:
         progress.stage("comparing", 0, len(real))
         found = measure_likeness(batch, real, words, progress)
     print(json.dumps(_plain(found, names, failed), indent=1) if options.json else _text(found, names, failed))
+    if out is not None:
+        _write_prior(batch, seen, words, out, options)
     say(f"{batch.program.name}: {plural(len(batch), 'sample')} beside {plural(len(real), 'real object')}")
     return 0
+
+
+def _refuse_early(options: argparse.Namespace) -> Path | None:
+    """The file that a prior goes to, if any. Raises ExportError, UsageError."""
+    from ..export.write import refuse_existing
+
+    if options.prior_out is None:
+        if options.force:
+            raise UsageError("--force replaces the file of --prior-out, and there is none", "leave it out")
+        return None
+    if options.prior_out == STREAM:
+        raise UsageError("--prior-out writes a file beside the figures", "name it (./- for a file named -)")
+    if options.map is None:
+        raise UsageError("--prior-out reads labels, and nothing says what they mean", "add --map FILE")
+    out = Path(options.prior_out)
+    refuse_existing(out, options.force)
+    return out
+
+
+def _write_prior(
+    batch: Batch, seen: list[frozenset[str]], words: dict[str, str], out: Path, options: argparse.Namespace
+) -> None:
+    """A prior of what the labels of real objects say, and in words what no draw was found for. Raises ExportError, UserError."""
+    from ..export.write import write_bytes
+    from ..fit.presence import measure_presence
+    from ..run.prior import Prior, apply_prior
+
+    found = measure_presence(batch, seen, words)
+    name = batch.program.name
+    apply_prior(batch.program, Prior(found.draws, str(out)))  # what is written can be read
+    held = {
+        "about": f"Counted in {plural(found.objects, 'real object')} by apgc compare {name} --prior-out. "
+        "A share is (count + 1/2) / (objects + 1); to each count of a value 1/2 is added.",
+        "draws": {name: found.draws},
+        "evidence": {name: found.evidence},
+        "unmatched": {name: found.unmatched},
+    }
+    write_bytes(out, (json.dumps(held, indent=1, ensure_ascii=False) + "\n").encode("utf-8"), force=options.force)
+    for line in found.unmatched:
+        say(f"no draw: {line}")
+    say(f"{out}: {plural(len(found.draws), 'draw')} from {plural(found.objects, 'labelled object')}")
 
 
 def _plain(found: Likeness, names: list[str], failed: list[dict[str, str]]) -> dict[str, Any]:

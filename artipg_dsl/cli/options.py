@@ -378,6 +378,10 @@ def _add_compare(to: argparse.ArgumentParser) -> None:
     add_drawing(to, 200)
     _add_real(to)
     to.add_argument("--json", action="store_true", help="print the figures as JSON")
+    to.add_argument(
+        "--prior-out", type=place, metavar="FILE", help="with --map: write a prior of the presence of parts"
+    )
+    to.add_argument("--force", action="store_true", help="overwrite an existing prior")
 
 
 def _add_fit(to: argparse.ArgumentParser) -> None:

@@ -8,5 +8,5 @@ one another. Begin with ``fitting``.
     match, compare, refine    pairs of nearest points both ways; gaps; numbers moved by damped least squares
     search                    candidates drawn, chosen, refined, and tried with other structures
     fitting, measure          all of it for a few clouds; distances, labels and verdict
-    likeness                  samples of a category beside real objects
+    likeness, presence        samples of a category beside real objects; what labels of these say of its draws
 """

@@ -62,6 +62,7 @@ class PriorFile:
     categories: Mapping[str, Draws]
     text: str = field(default="", repr=False)
     path: str = ""
+    shipped: bool = False
 
     def show(self) -> str:
         return f"{self.name} ({', '.join(self.categories)})"
@@ -72,7 +73,8 @@ class PriorFile:
             known = ", ".join(self.categories) or "no category"
             raise UserError(
                 f"{self.path or self.name} says nothing of {category}: it speaks of {known}",
-                did_you_mean(category, self.categories) or f'write "{category}": {{}} to draw it as declared',
+                did_you_mean(category, self.categories)
+                or ("leave out the prior" if self.shipped else f'write "{category}": {{}} to draw it as declared'),
             )
         draws = self.categories[category]
         return Prior(dict(draws), self.name, {key: self._place(category, key) for key in draws})
@@ -115,7 +117,8 @@ def read_prior(given: str | Path | Mapping[str, Any]) -> Prior | PriorFile:
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"{given} cannot be read: {getattr(error, 'strerror', None) or 'it is not text'}") from None
     found = _checked(_parse(text, str(given)), str(given))
-    return PriorFile(path.name if path.parent != _SHIPPED else path.stem, found["draws"], text, str(given))
+    shipped = path.parent == _SHIPPED
+    return PriorFile(path.stem if shipped else path.name, found["draws"], text, str(given), shipped)
 
 
 def _parse(text: str, name: str) -> Any:
