@@ -16,6 +16,7 @@ from .shared import (
     add_drawing,
     add_meshes,
     add_program,
+    add_real,
     add_sharing,
     add_source,
 )
@@ -344,39 +345,10 @@ def _add_cache(to: argparse.ArgumentParser) -> None:
     to.add_argument("action", nargs="?", choices=("show", "clear"), default="show", help="show (default), or clear")
 
 
-def _add_real(to: argparse.ArgumentParser) -> None:
-    """Files of real objects, how they stand, and what their labels mean."""
-    to.add_argument(
-        "files", nargs="+", metavar="FILE|DIR", help="meshes, point clouds or URDF files, or folders of them"
-    )
-    axes = ("x", "-x", "y", "-y", "z", "-z")
-    to.add_argument(
-        "--up", choices=("auto", *axes), default="auto", help="upward axis of the files (default: y of glb, else z)"
-    )
-    to.add_argument(
-        "--front",
-        choices=("auto", *axes),
-        default="auto",
-        help="axis that the front faces, such as --front=-y (default: all are tried)",
-    )
-    to.add_argument(
-        "--unit",
-        choices=("auto", "m", "cm", "mm", "in"),
-        default="auto",
-        help="unit of the files (default: m, or what the category's sizes suggest)",
-    )
-    to.add_argument("--normalised", action="store_true", help="the files have no scale: find it")
-    to.add_argument(
-        "--map",
-        metavar="FILE",
-        help="a JSON file of names of labels and the words that they mean, to compare labels by",
-    )
-
-
 def _add_compare(to: argparse.ArgumentParser) -> None:
     add_program(to)
     add_drawing(to, 200)
-    _add_real(to)
+    add_real(to)
     to.add_argument("--json", action="store_true", help="print the figures as JSON")
     to.add_argument(
         "--prior-out", type=place, metavar="FILE", help="with --map: write a prior of the presence of parts"
@@ -387,7 +359,7 @@ def _add_compare(to: argparse.ArgumentParser) -> None:
 def _add_fit(to: argparse.ArgumentParser) -> None:
     add_program(to)
     to.add_argument("-o", "--out", type=folder, default="fitted", metavar="DIR", help="output folder (default: fitted)")
-    _add_real(to)
+    add_real(to)
     to.add_argument("--seed", type=whole, metavar="N", help="random seed (default: 0)")
     to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
     to.add_argument("--plain", action="store_true", help="draw no pictures")

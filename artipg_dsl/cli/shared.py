@@ -103,3 +103,32 @@ def add_checking(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--stats", action="store_true", help="print how many objects were valid on the first attempt, and what failed"
     )
+
+
+def add_real(to: argparse.ArgumentParser) -> None:
+    """Files of real objects, how they stand, and what their labels mean."""
+    to.add_argument(
+        "files", nargs="+", metavar="FILE|DIR", help="meshes, point clouds or URDF files, or folders of them"
+    )
+    axes = ("x", "-x", "y", "-y", "z", "-z")
+    to.add_argument(
+        "--up", choices=("auto", *axes), default="auto", help="upward axis of the files (default: y of glb, else z)"
+    )
+    to.add_argument(
+        "--front",
+        choices=("auto", *axes),
+        default="auto",
+        help="axis that the front faces, such as --front=-y (default: all are tried)",
+    )
+    to.add_argument(
+        "--unit",
+        choices=("auto", "m", "cm", "mm", "in"),
+        default="auto",
+        help="unit of the files (default: m, or what the category's sizes suggest)",
+    )
+    to.add_argument("--normalised", action="store_true", help="the files have no scale: find it")
+    to.add_argument(
+        "--map",
+        metavar="FILE",
+        help="a JSON file of names of labels and the words that they mean, to compare labels by",
+    )
