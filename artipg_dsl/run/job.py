@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..diagnostics.suggest import did_you_mean
-from ..errors import UsageError, UserError
+from ..errors import SettingError, UsageError, UserError
 from ..resources import COMPILED
 from ..runtime.kernels import TooMany
 from ..sampling.known import evaluate_again
@@ -163,7 +163,12 @@ def prepare(sampler: Sampler, request: Request, *, values: str = "values") -> Jo
     prior = None if request.prior is None else request.prior.of(program.name)
     if prior is None or not prior.draws:
         return _prepared(sampler, known, values)
-    return _prepared(Sampler(apply_prior(program, prior)), replace(known, prior=prior), values)
+    weighted = Sampler(apply_prior(program, prior))
+    resolve_settings(program, request.settings)  # what the program itself refuses is told as without a prior
+    try:
+        return _prepared(weighted, replace(known, prior=prior), values)
+    except SettingError as error:
+        raise SettingError(error.message, f"{prior.name} says so: set another value, or leave it out") from None
 
 
 def _prepared(sampler: Sampler, request: Request, values: str) -> Job:

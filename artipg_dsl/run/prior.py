@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NotRequired, TypedDict
 
 from ..diagnostics.suggest import did_you_mean
-from ..errors import SettingError, UserError
+from ..errors import SettingError, UsageError, UserError
 from ..graph.feasible import find_conflicts
 from ..graph.reweigh import NothingLeft, reweigh
 from ..shapes import Misfit, fit
@@ -99,12 +99,16 @@ def list_shipped() -> list[str]:
 def read_prior(given: str | Path | Mapping[str, Any]) -> Prior | PriorFile:
     """A prior by the name of a shipped one, from a file, or from Python: the draws of one category, or what a file holds.
 
-    Raises UserError.
+    Raises UsageError, UserError.
     """
     if isinstance(given, Mapping):
         if "draws" in given and isinstance(given["draws"], Mapping):
             return PriorFile(_GIVEN, _checked(_plain(given), _GIVEN)["draws"])
         return Prior(_plain(given))
+    if not str(given).strip():
+        raise UsageError(
+            "the name of the prior is empty", f"give a file, or a shipped one: {', '.join(list_shipped())}"
+        )
     path = Path(given)
     if isinstance(given, str) and given in list_shipped() and not path.exists():
         path = _SHIPPED / f"{given}.json"

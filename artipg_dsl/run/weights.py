@@ -99,10 +99,10 @@ def _read_share(draw: Draw, value: Any) -> float | None:
 
 
 def _read_weight(draw: Draw, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < 1e300:
+    if isinstance(value, bool) or not isinstance(value, int | float) or value != 0 and not 1e-9 <= value <= 1e9:
         raise SettingError(
             f"`{draw.column.name}`: {show_value(value)} is no weight",
-            'all are weights from 0 on, such as 3, or all are shares, such as "30%"',
+            'all are weights, 0 or from 1e-9 to 1e9, or all are shares, such as "30%"',
         )
     return float(value)
 

@@ -129,7 +129,16 @@ def test_other_ways_to_sample(apgc: Apgc, tmp_path: Path, how: list[str]) -> Non
 def test_what_is_refused(apgc: Apgc, tmp_path: Path, draws: Any, more: list[str], words: str) -> None:
     code, _, err = apgc("sample", CHEST, "--prior", prior(tmp_path, draws), *more, "-o", tmp_path / "o")
     assert code == 2 and words in err
+    assert not more or "own.json says so: set another value" in err
     assert not (tmp_path / "o").exists()
+
+
+def test_what_the_program_refuses_is_not_laid_to_the_prior(apgc: Apgc, tmp_path: Path) -> None:
+    for setting, words in (("width=90cm", "it lies in 30cm .. 60cm"), ("widht=40cm", "did you mean `width`?")):
+        code, _, err = apgc("sample", CHEST, "--prior", prior(tmp_path), "--set", setting, "-o", tmp_path / "o")
+        assert code == 2 and words in err and "says so" not in err
+    code, _, err = apgc("sample", CHEST, "--prior", "", "-o", tmp_path / "o")
+    assert code == 2 and "the name of the prior is empty" in err and "partnet" in err
 
 
 def test_where_nothing_is_drawn(apgc: Apgc, tmp_path: Path) -> None:
