@@ -3,6 +3,7 @@
 python benchmarks/details.py figures FITTED...                  # folders that `apgc fit` has written: all assignments, fresh points
 python benchmarks/details.py sheet FITTED BOUND -o sheet.png    # a row per object: original, structure, bound, mutants
 python benchmarks/details.py borrowed NAME BOUND -o sheet.png   # fresh objects bare, and below in details that they borrow
+python benchmarks/details.py held FITTED BOUND [FITTED BOUND ...]  # what symmetries foretell of details that are held out
 python benchmarks/details.py speed FITTED BOUND -n 500          # objects per second of the transfer alone
 """
 
@@ -20,7 +21,9 @@ import numpy as np
 from artipg_dsl import random
 from artipg_dsl.details.assign import ASSIGNMENTS
 from artipg_dsl.details.binding import Real, bind
-from artipg_dsl.details.record import to_arrays
+from artipg_dsl.details.completion import lend
+from artipg_dsl.details.elements import Solids
+from artipg_dsl.details.record import DIRECT, Details, of_arrays, to_arrays
 from artipg_dsl.details.report import report
 from artipg_dsl.details.store import borrow, dress, read_dressing
 from artipg_dsl.fit.real import read_real
@@ -129,6 +132,56 @@ def borrowed(name: str, bound: Path, out: Path, count: int, points: int) -> None
     out.write_bytes(png_bytes(np.concatenate(rows, axis=0)))
 
 
+def held_out(pairs: list[tuple[Path, Path]]) -> None:
+    """Bound points of a region are left out and lent again by the symmetries of their primitive: the error, as a share of that of the
+    bare structure (those that no symmetry tells of stay bare), over all and over those alone that were lent."""
+    chance, rows = np.random.default_rng(0), {}
+    for fitted, bound in pairs:
+        job = reopen(fitted)
+        for one in json.loads((bound / "bind.json").read_text())["objects"]:
+            solids = Solids.of(job.batch([one["object"]]).sites())
+            with np.load(bound / one["details"]) as held:
+                details = of_arrays(dict(held), one["name"])
+            details = details.take(np.flatnonzero(details.how == DIRECT))
+            for what, element, out in _regions(details, solids, chance):
+                left = details.take(np.setdiff1d(np.flatnonzero(details.element == element), out))
+                true = details.take(out)
+                at, lent = lend(left, solids, (true.element, true.patch, true.u, true.v))
+                made = np.zeros_like(true.offset)
+                made[at] = lent["offset"]
+                error, bare = (np.sqrt((way * way).sum(axis=1)) for way in (true.offset - made, true.offset))
+                told = np.array([len(out), len(at), bare.sum(), error.sum(), bare[at].sum(), error[at].sum()])
+                name = solids.primitives[details.elements.site[element]].name
+                for key in ((name, what), ("all", what), (fitted.name, "all")):
+                    rows.setdefault(key, []).append(told * ([1, 1] + [100 / details.diagonal[0]] * 4))
+    for (name, what), every in sorted(rows.items()):
+        count, lent, bare, error, bare_lent, error_lent = np.sum(every, axis=0)
+        print(
+            f"{name:20} {what:6} {len(every):4} regions, {bare / count:5.2f} % of the diagonal, {lent / count:4.0%} lent, "
+            f"error {error / bare:4.2f}, of those lent {error_lent / max(bare_lent, 1e-9):4.2f}"
+        )
+
+
+def _regions(details: Details, solids: Solids, chance: np.random.Generator) -> Iterator[tuple[str, int, np.ndarray]]:
+    """Of each of the larger elements a round region, an end and each patch."""
+    frames = solids.frames(details.elements, details.element, details.patch, details.u, details.v)
+    low, high = solids.boxes(details.elements)
+    many = np.bincount(details.element, minlength=len(details.elements))
+    for element in np.argsort(-many, kind="stable")[:8].tolist():
+        own = np.flatnonzero(details.element == element)
+        if len(own) < 150:
+            return
+        place = frames.place[own]
+        apart = ((place - place[chance.integers(len(own))]) ** 2).sum(axis=1)
+        yield "round", element, own[np.argsort(apart, kind="stable")[: len(own) // 4]]
+        along = place[:, int(np.argmax((high - low)[element]))]
+        yield "end", element, own[along > np.quantile(along, 0.7)]
+        for patch in np.unique(details.patch[own]).tolist():
+            mine = own[details.patch[own] == patch]
+            if 30 <= len(mine) <= 0.6 * len(own):
+                yield "patch", element, mine
+
+
 def speed(folder: Path, bound: Path, count: int, points: int) -> None:
     dressing = read_dressing(bound)
     job = reopen(folder)
@@ -144,7 +197,7 @@ def speed(folder: Path, bound: Path, count: int, points: int) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("figures", "sheet", "borrowed", "speed"))
+    parser.add_argument("what", choices=("figures", "sheet", "borrowed", "held", "speed"))
     parser.add_argument("folders", nargs="+")
     parser.add_argument("-o", "--out", default="sheet.png")
     parser.add_argument("-n", type=int, default=4)
@@ -153,6 +206,9 @@ def main() -> None:
     asked = parser.parse_args()
     if asked.what == "figures":
         figures(asked.folders)
+        return
+    if asked.what == "held":
+        held_out([(Path(a), Path(b)) for a, b in zip(asked.folders[::2], asked.folders[1::2], strict=True)])
         return
     if asked.what == "borrowed":
         borrowed(asked.folders[0], Path(asked.folders[1]), Path(asked.out), asked.n, asked.points)

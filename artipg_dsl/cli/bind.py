@@ -25,7 +25,7 @@ def run(options: argparse.Namespace) -> int:
     if is_same(out, place_of(options.fitted)):
         raise UsageError(f"details cannot go into {out}, where the fitted objects are", "name another folder with -o")
     real = find_files(options.files) if options.files else []
-    asked = Binding(Path(options.fitted), out, options.points, options.assignment)
+    asked = Binding(Path(options.fitted), out, options.points, options.assignment, not options.visible)
     with Progress(str(options.fitted)) as progress:
         progress.stage("binding")
         summary = write_bindings(asked, real, force=options.force, workers=options.workers, progress=progress)

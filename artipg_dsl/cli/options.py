@@ -7,6 +7,7 @@ import argparse
 from ..export.registry import FORMATS, OTHERS, object_formats
 from ..layouts.registry import LAYOUTS
 from .arguments import amount, folder, fraction, numbers, picture, place, positive, random_states, whole
+from .real import add_bind, add_fit
 from .shared import (
     add_backend,
     add_bounding,
@@ -356,45 +357,6 @@ def _add_compare(to: argparse.ArgumentParser) -> None:
     to.add_argument("--force", action="store_true", help="overwrite an existing prior")
 
 
-def _add_fit(to: argparse.ArgumentParser) -> None:
-    add_program(to)
-    to.add_argument("-o", "--out", type=folder, default="fitted", metavar="DIR", help="output folder (default: fitted)")
-    add_real(to)
-    to.add_argument("--seed", type=whole, metavar="N", help="random seed (default: 0)")
-    to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
-    to.add_argument("--plain", action="store_true", help="draw no pictures")
-    to.add_argument("--json", action="store_true", help="print the summary as JSON")
-    to.add_argument("--force", action="store_true", help="fit everything again")
-    add_sharing(to)
-
-
-def _add_bind(to: argparse.ArgumentParser) -> None:
-    to.add_argument("fitted", type=place, metavar="FITTED", help="a folder that `apgc fit` has written")
-    to.add_argument(
-        "files",
-        nargs="*",
-        metavar="REAL",
-        help="the files that were fitted, if they are elsewhere by now, or folders of them",
-    )
-    to.add_argument("-o", "--out", type=folder, default="bound", metavar="DIR", help="output folder (default: bound)")
-    to.add_argument(
-        "--points",
-        type=positive,
-        default=8192,
-        metavar="N",
-        help="points of each surface that are assigned (default: 8192)",
-    )
-    to.add_argument(
-        "--assignment",
-        choices=("both", "project", "aware", "transport", "nearest"),
-        default="both",
-        help="which points belong together; nearest is Eq. 2 of the paper (default: both)",
-    )
-    to.add_argument("--json", action="store_true", help="print the summary as JSON")
-    to.add_argument("--force", action="store_true", help="bind again what is there already")
-    add_sharing(to)
-
-
 def _add_layout(to: argparse.ArgumentParser) -> None:
     to.add_argument("folder", type=place, metavar="DIR", help="a folder that `apgc export` has written in a layout")
 
@@ -407,8 +369,8 @@ COMMANDS = {
     "sample": ("generate annotated objects", _add_sample),
     "export": ("write objects in other formats", _add_export),
     "compare": ("compare samples of a category with real objects", _add_compare),
-    "fit": ("find the objects that are closest to real ones", _add_fit),
-    "bind": ("store the surfaces of real objects as details of the objects fitted to them", _add_bind),
+    "fit": ("find the objects that are closest to real ones", add_fit),
+    "bind": ("store the surfaces of real objects as details of the objects fitted to them", add_bind),
     "layout": ("check a folder in a layout against the model", _add_layout),
     "mutate": ("make mutants of the objects in a folder", _add_mutate),
     "render": ("draw a contact sheet of samples", _add_render),

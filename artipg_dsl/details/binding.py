@@ -12,6 +12,7 @@ from .. import random
 from ..geometry import points as geometry
 from ..geometry.vectors import dot
 from .assign import ASSIGNMENTS, REFINED, features
+from .completion import complete
 from .elements import Elements, Solids, elements_of
 from .record import DIRECT, Details
 
@@ -40,9 +41,12 @@ class Real:
         return float(np.sqrt((size * size).sum()))
 
 
-def bind(batch: Batch, real: Real, count: int = POINTS, assignment: str = "transport") -> Details:
+def bind(
+    batch: Batch, real: Real, count: int = POINTS, assignment: str = "transport", completed: bool = False
+) -> Details:
     """The details of the one object of a batch: ``count`` points on what can be seen of its structure and as many of the real surface,
-    assigned by one of ``ASSIGNMENTS``. Where nothing of the cloud is near, no point is bound."""
+    assigned by one of ``ASSIGNMENTS``. Where nothing of the cloud is near, no point is bound. ``completed``: what cannot be seen is
+    bound as well, as far as symmetries tell of it."""
     address = np.asarray(batch.numbers).astype(np.uint64)
     made = geometry.sample(batch.sites(), 1, count, random.key(batch.seed, "details"), address, outside=True)
     place, outward = made.position[0], made.normal[0]
@@ -56,7 +60,8 @@ def bind(batch: Batch, real: Real, count: int = POINTS, assignment: str = "trans
     site = made.site[0].astype(np.int64)
     begin = np.cumsum([0, *(len(table) for table in tables)])
     rank = np.concatenate([table.rank for table in tables])[begin[site] + made.row[0]]
-    element = elements.find(np.zeros(count, dtype=np.int64), site, rank)[own]
+    every = elements.find(np.zeros(count, dtype=np.int64), site, rank)
+    element = every[own]
     patch, u, v = made.patch[0][own].astype(np.int64), made.u[0][own], made.v[0][own]
     if assignment in REFINED:
         u, v = _refined(elements, solids, (element, patch, u, v), cloud[there], _REACH * _spacing(place))
@@ -70,7 +75,7 @@ def bind(batch: Batch, real: Real, count: int = POINTS, assignment: str = "trans
     offset = frames.into(elements.local(element, partner - at))
     turned = frames.into(elements.local(element, facing[there]))
     length = np.sqrt(dot(turned, turned))
-    return Details(
+    details = Details(
         elements,
         element,
         patch,
@@ -84,6 +89,10 @@ def bind(batch: Batch, real: Real, count: int = POINTS, assignment: str = "trans
         real.labels,
         np.array([diagonal]),
     )
+    if not completed:
+        return details
+    seen = every, made.patch[0].astype(np.int64), made.u[0], made.v[0]
+    return complete(details, solids, seen, _spacing(place))
 
 
 def _refined(

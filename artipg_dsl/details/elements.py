@@ -100,7 +100,8 @@ class Solids:
         numbers = [first.setdefault(id(primitive), k) for k, primitive in enumerate(self.primitives)]
         return np.array([*numbers, -1])[site]
 
-    def _params(self, elements: Elements, number: int, at: np.ndarray) -> Mapping[str, np.ndarray]:
+    def params(self, elements: Elements, number: int, at: np.ndarray) -> Mapping[str, np.ndarray]:
+        """The parameters of the elements ``at``, which are of the primitive of that number, by name."""
         names = self.primitives[number].parameters
         return {name: elements.params[at, k] for k, name in enumerate(names)} or {"": np.zeros(len(at))}
 
@@ -114,7 +115,7 @@ class Solids:
         for number in np.unique(kind).tolist():
             at = np.flatnonzero(kind == number)
             place[at] = np.arange(len(at))
-            stock.append((self.primitives[number], dict(self._params(elements, number, at))))
+            stock.append((self.primitives[number], dict(self.params(elements, number, at))))
         which = np.searchsorted(np.unique(kind), kind)
         return frames_at(stock, which[element], place[element], patch, u, v)
 
@@ -124,7 +125,7 @@ class Solids:
         kind = self.kind(elements.site)
         for number in np.unique(kind).tolist():
             at = np.flatnonzero(kind == number)
-            low[at], high[at] = bounds(self.primitives[number], dict(self._params(elements, number, at)))
+            low[at], high[at] = bounds(self.primitives[number], dict(self.params(elements, number, at)))
         return low, high
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from ..errors import UserError
 from .elements import Elements
 
 VERSION = 1
-DIRECT = 0
+DIRECT, MIRRORED, TURNED, SHIFTED = range(4)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,7 +22,8 @@ class Details:
     ``element`` (E,) of the ``elements`` they are on, ``patch``, and fractions ``u``, ``v``. ``offset`` (E, 3) metres and ``facing`` (E, 3), the
     normal of the real surface, by their parts along the normal, the tangent and the second axis of the structure there (see
     ``geometry.frames``). ``label`` (E,) indexes ``labels``, the words of the file of each point, -1 for none. ``how`` (E,): 0 of a point
-    of the cloud, so far of all. ``names`` of the donors, ``diagonal`` (D,) of their clouds.
+    of the cloud; of surface that was hidden, lent by a mirror image (1), a turn (2) or a shift (3) of the primitive. ``names`` of the
+    donors, ``diagonal`` (D,) of their clouds.
     """
 
     elements: Elements
@@ -47,8 +49,13 @@ class Details:
 
     def take(self, at: np.ndarray) -> Details:
         """Some of the points."""
-        columns = ("element", "patch", "u", "v", "offset", "facing", "label", "how")
-        return replace(self, **{name: getattr(self, name)[at] for name in columns})
+        taken: dict[str, Any] = {name: getattr(self, name)[at] for name in _POINTS}
+        return replace(self, **taken)
+
+    def extended(self, columns: Mapping[str, np.ndarray]) -> Details:
+        """These and further points of the same elements."""
+        added: dict[str, Any] = {name: np.concatenate([getattr(self, name), columns[name]]) for name in _POINTS}
+        return replace(self, **added)
 
 
 _POINTS = {"element": np.int32, "patch": np.int16, "u": np.float32, "v": np.float32, "offset": np.float32}

@@ -12,7 +12,7 @@ from ..geometry import points as geometry
 from .binding import Real
 from .elements import Solids
 from .measure import distances, spoiled
-from .record import of_arrays
+from .record import DIRECT, of_arrays
 from .suits import own_suits
 from .wear import Wardrobe, wear
 
@@ -43,4 +43,4 @@ def report(batch: Batch, real: Real, arrays: Mapping[str, np.ndarray], count: in
         **spoiled(fresh.position[0], fresh.normal[0], group, made.position[0], made.normal[0], diagonal),
         "worn": round(float((made.bound >= 0).mean()), 4),
     }
-    return {"points": len(details), "figures": figures}
+    return {"points": len(details), "completed": int((details.how != DIRECT).sum()), "figures": figures}

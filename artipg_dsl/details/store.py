@@ -20,7 +20,7 @@ from ..geometry.nearest import Nearest
 from ..geometry.pointset import PointSet
 from .dressing import Dressing
 from .elements import Solids
-from .record import Details, join, of_arrays
+from .record import DIRECT, Details, join, of_arrays
 from .suits import Suits, borrowed_suits, origin, own_suits
 from .trim import trim
 from .wear import Wardrobe, Worn, wear
@@ -140,10 +140,11 @@ def dress(batch: Batch, points: PointSet, owner: np.ndarray, dressing: Dressing)
     return wear(batch, points, owner, wardrobe, _suits(batch, dressing, wardrobe.details), dressing.strength)
 
 
-def real_labels(batch: Batch, bound: np.ndarray, dressing: Dressing) -> np.ndarray:
-    """(P, n) what the file of the donor calls each point, an index into the labels of all donors; -1 for none."""
+def origins(batch: Batch, bound: np.ndarray, dressing: Dressing) -> tuple[np.ndarray, np.ndarray]:
+    """For points (P, n) what the file of the donor calls each, an index into the labels of all donors, -1 for none; and which wear what
+    was completed by symmetries."""
     details = _stock(batch, dressing).wardrobe.details
-    return np.where(bound >= 0, details.label[bound], -1)
+    return np.where(bound >= 0, details.label[bound], -1), (bound >= 0) & (details.how[bound] != DIRECT)
 
 
 def tell(batch: Batch, dressing: Dressing) -> list[dict[str, Any] | None]:
@@ -204,6 +205,7 @@ def _distances(worn: np.ndarray, donor: np.ndarray, stock: _Stock) -> np.ndarray
 
 def _surfaces(details: Details, solids: Solids) -> tuple[np.ndarray, np.ndarray]:
     """Points of the real surfaces of the donors in the frames of their objects, and whose each is, ascending."""
+    details = details.take(np.flatnonzero(details.how == DIRECT))
     elements, own = details.elements, details.owner
     rank = np.arange(len(own)) - np.searchsorted(own, own)
     many = np.bincount(own, minlength=len(details.names))[own]

@@ -77,6 +77,11 @@ _MOTIONS = {
 }
 _WORN = {
     "worn": _ArrayMeaning("whether the point wears a detail of the donor", "objects, points", dtype="bool"),
+    "completed": _ArrayMeaning(
+        "whether that detail was hidden in the original and follows from the symmetries of the primitive",
+        "objects, points",
+        dtype="bool",
+    ),
     "real_label": _ArrayMeaning(
         "what the file of the donor calls the point, an index into `details.labels` of the annotation; -1: nothing",
         "objects, points",

@@ -29,7 +29,7 @@ def point_arrays(
     values = None if states.only_rest else joint_values(batch, states)
     worn = None
     if details is not None:
-        from ..details.store import dress, real_labels  # start-up: most objects wear none, and k-d trees load slowly
+        from ..details.store import dress, origins  # start-up: most objects wear none, and k-d trees load slowly
 
         worn = partial(dress, dressing=details)
     points = sample_points(batch, how, values, motion=motion, dress=worn)
@@ -53,7 +53,8 @@ def point_arrays(
         arrays["area"] = points.area.astype(np.float32)
     if details is not None and points.worn is not None:
         arrays["worn"] = points.worn >= 0
-        arrays["real_label"] = real_labels(batch, points.worn, details).astype(np.int16)
+        label, arrays["completed"] = origins(batch, points.worn, details)
+        arrays["real_label"] = label.astype(np.int16)
     if values is not None:
         arrays["state"] = state_table(batch, values)[points.object]
     if points.motion is not None:

@@ -32,13 +32,14 @@ _HINT = "apgc fit CATEGORY FILES -o fitted writes such a folder"
 
 @dataclass(frozen=True, slots=True)
 class Binding:
-    """What is bound: the objects of the folder ``fitted`` into ``out``, with ``points`` each, by an ``assignment``."""
+    """What is bound: the objects of the folder ``fitted`` into ``out``, with ``points`` each, by an ``assignment``; ``completed``: what was
+    hidden, too."""
 
     fitted: Path
     out: Path
     points: int
     assignment: str
-    complete: bool = True
+    completed: bool = True
 
     def plain(self, program: str) -> dict[str, Any]:
         return {
@@ -46,7 +47,7 @@ class Binding:
             "program": program,
             "points": self.points,
             "assignment": self.assignment,
-            "complete": self.complete,
+            "completed": self.completed,
         }
 
 
@@ -122,7 +123,7 @@ def _bind_one(job: Job, asked: Binding, item: Item) -> str:
             raise UserError(f"{path} is not the file that was fitted, or has changed since", "fit it again")
         real = read_real(path, record)
         batch = job.batch(np.array([number]))
-        details = bind(batch, real, asked.points, asked.assignment)
+        details = bind(batch, real, asked.points, asked.assignment, asked.completed)
         arrays = to_arrays(details, job.program.hash)
         told |= report(batch, real, arrays, asked.points)
         write_bytes(asked.out / f"{name}.npz", npz_bytes(arrays), force=True)
@@ -147,7 +148,14 @@ def _summarize(
 ) -> dict[str, Any]:
     records = [found for name in names if (found := _read(asked.out / f"{name}.json")) is not None]
     objects = [
-        {"object": r["object"], "name": r["name"], "details": f"{r['name']}.npz", "points": r["points"]} | r["figures"]
+        {
+            "object": r["object"],
+            "name": r["name"],
+            "details": f"{r['name']}.npz",
+            "points": r["points"],
+            "completed": r["completed"],
+        }
+        | r["figures"]
         for r in records
         if "failed" not in r
     ]

@@ -47,17 +47,24 @@ def test_a_folder_of_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     assert said.count("covered") == 2 and "tower: does not fit" in said
     summary = json.loads((out / "bind.json").read_text())
     first = summary["objects"][0]
-    assert first["object"] == 0 and first["worn"] > 0.9
+    assert first["object"] == 0 and first["worn"] > 0.9 and first["completed"] < 0.5 * first["points"]
     assert (
         abs(first["after"]["to_real"] - first["before"]["to_real"]) < 0.05
     )  # this real surface is that of the structure
     with np.load(out / "chest0.npz") as held:
         assert held["offset"].shape == (first["points"], 3) and held["version"].tolist() == [1]
 
+    with np.load(out / "chest0.npz") as held:
+        assert (held["how"] > 0).sum() == first["completed"]
+
     before = tree(out)  # a second run leaves all as it is; others write the same
     (out / "chest1.npz").unlink()
     code, _, _ = apgc(*asked)
     assert code == 0 and tree(out) == before
+    code, _, _ = apgc(*asked, "--visible")  # other options: all is bound again
+    summary = json.loads((out / "bind.json").read_text())
+    assert code == 0 and [one["completed"] for one in summary["objects"]] == [0, 0]
+    assert summary["options"]["completed"] is False
 
 
 def test_one_file_stops_no_other(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
@@ -90,6 +97,7 @@ def test_mutants_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     with np.load(tmp_path / "mutants" / "points-00000.npz") as held:
         assert held["points"].shape == (4, 256, 3) and held["worn"].mean() > 0.6
         assert (held["real_label"][held["worn"]] == -1).all()  # the files have no labels
+        assert held["completed"].dtype == bool and not (held["completed"] & ~held["worn"]).any()
     lines = (tmp_path / "mutants" / "annotation-00000.jsonl").read_text().splitlines()
     told = [json.loads(line)["details"] for line in lines]
     assert [one["donor"] for one in told] == ["chest0", "chest0", "chest1", "chest1"]

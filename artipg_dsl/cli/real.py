@@ -1,0 +1,50 @@
+"""The options of the commands for real objects."""
+
+from __future__ import annotations
+
+import argparse
+
+from .arguments import folder, place, positive, whole
+from .shared import add_program, add_real, add_sharing
+
+
+def add_fit(to: argparse.ArgumentParser) -> None:
+    add_program(to)
+    to.add_argument("-o", "--out", type=folder, default="fitted", metavar="DIR", help="output folder (default: fitted)")
+    add_real(to)
+    to.add_argument("--seed", type=whole, metavar="N", help="random seed (default: 0)")
+    to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
+    to.add_argument("--plain", action="store_true", help="draw no pictures")
+    to.add_argument("--json", action="store_true", help="print the summary as JSON")
+    to.add_argument("--force", action="store_true", help="fit everything again")
+    add_sharing(to)
+
+
+def add_bind(to: argparse.ArgumentParser) -> None:
+    to.add_argument("fitted", type=place, metavar="FITTED", help="a folder that `apgc fit` has written")
+    to.add_argument(
+        "files",
+        nargs="*",
+        metavar="REAL",
+        help="the files that were fitted, if they are elsewhere by now, or folders of them",
+    )
+    to.add_argument("-o", "--out", type=folder, default="bound", metavar="DIR", help="output folder (default: bound)")
+    to.add_argument(
+        "--points",
+        type=positive,
+        default=8192,
+        metavar="N",
+        help="points of each surface that are assigned (default: 8192)",
+    )
+    to.add_argument(
+        "--assignment",
+        choices=("both", "project", "aware", "transport", "nearest"),
+        default="both",
+        help="which points belong together; nearest is Eq. 2 of the paper (default: both)",
+    )
+    to.add_argument(
+        "--visible", action="store_true", help="leave out what was hidden and follows from symmetries of its primitive"
+    )
+    to.add_argument("--json", action="store_true", help="print the summary as JSON")
+    to.add_argument("--force", action="store_true", help="bind again what is there already")
+    add_sharing(to)
