@@ -21,7 +21,7 @@ from .tables import JointTable
 if TYPE_CHECKING:
     from .batch import Batch
 
-SHARES = np.linspace(0.0, 1.0, 33)  # of the leader's range, at which a formula is looked at and written to files
+_SHARES = np.linspace(0.0, 1.0, 33)  # of the leader's range, at which a formula is looked at and written to files
 _BACK = 1e-9  # of what the follower covers: less is rounding
 
 
@@ -79,7 +79,7 @@ def _sampled(table: JointTable, curve: Curve) -> tuple[np.ndarray, np.ndarray]:
     """Values (k, n) over the range of each leader, a turn where it has no ends, and those of its follower."""
     low, high = table.low[curve.leader], table.high[curve.leader]
     low = np.where(np.isnan(low), -np.pi, low)
-    lead = low + SHARES[:, None] * (np.where(np.isnan(high), np.pi, high) - low)
+    lead = low + _SHARES[:, None] * (np.where(np.isnan(high), np.pi, high) - low)
     return lead, curve.value(lead)
 
 
