@@ -179,7 +179,8 @@ def _load(path: Path) -> list[tuple[str, Any]]:
 
     options: dict[str, Any] = {"process": False}
     if path.suffix.lower() == ".obj":
-        options |= {"split_object": True, "group_material": False, "skip_materials": True}
+        options |= {"group_material": False, "skip_materials": True}
+        options |= dict.fromkeys(("split_object", "split_objects", "split_groups"), True)  # by version of trimesh
     held: Any = trimesh.load(path, **options)
     if not hasattr(held, "geometry"):
         return [(path.stem, held)]
@@ -191,7 +192,7 @@ def _load(path: Path) -> list[tuple[str, Any]]:
         pieces.append((str(name), mesh))
     if not pieces:
         raise UserError(f"{path.name} has no surface")
-    return pieces
+    return sorted(pieces, key=lambda piece: piece[0])  # trimesh keeps no order of groups
 
 
 def _robot(path: Path) -> list[tuple[str, Any]]:

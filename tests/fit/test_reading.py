@@ -81,3 +81,12 @@ def test_what_is_wrong_with_a_file(tmp_path: Path, name: str, content: bytes, to
 def test_a_file_that_went_away(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="there is no file"):
         read_cloud(tmp_path / "gone.obj")
+
+
+@pytest.mark.parametrize("word", ["g", "o"])
+def test_groups_and_objects_of_obj_are_labels(tmp_path: Path, word: str) -> None:
+    corners = "\n".join(f"v {x} {y} {z}" for z in (0, 1) for x, y in ((0, 0), (2, 0), (0, 1)))
+    (tmp_path / "a.obj").write_text(f"{corners}\n{word} upper\nf 4 5 6\n{word} base\nf 1 3 2\n")
+    cloud = read_cloud(tmp_path / "a.obj")
+    assert cloud.names == ("base", "upper")
+    assert np.array_equal(cloud.points[:, 2] > 0.5, cloud.label == 1) and 0 < cloud.label.mean() < 1
