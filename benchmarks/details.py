@@ -3,6 +3,7 @@
 python benchmarks/details.py figures FITTED...                  # folders that `apgc fit` has written: all assignments, fresh points
 python benchmarks/details.py sheet FITTED BOUND -o sheet.png    # a row per object: original, structure, bound, mutants
 python benchmarks/details.py borrowed NAME BOUND -o sheet.png   # fresh objects bare, and below in details that they borrow
+python benchmarks/details.py labels FITTED BOUND [FITTED BOUND ...]  # carried labels against our links, for files that have links
 python benchmarks/details.py held FITTED BOUND [FITTED BOUND ...]  # what symmetries foretell of details that are held out
 python benchmarks/details.py speed FITTED BOUND -n 500          # objects per second of the transfer alone
 """
@@ -17,8 +18,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from artipg_dsl import random
+from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.details.assign import ASSIGNMENTS
 from artipg_dsl.details.binding import Real, bind
 from artipg_dsl.details.completion import lend
@@ -26,6 +29,7 @@ from artipg_dsl.details.elements import Solids
 from artipg_dsl.details.record import DIRECT, Details, of_arrays, to_arrays
 from artipg_dsl.details.report import report
 from artipg_dsl.details.store import borrow, dress, read_dressing
+from artipg_dsl.export.shards import point_arrays
 from artipg_dsl.fit.real import read_real
 from artipg_dsl.geometry import points as geometry
 from artipg_dsl.run.job import Job, open_job
@@ -132,6 +136,28 @@ def borrowed(name: str, bound: Path, out: Path, count: int, points: int) -> None
     out.write_bytes(png_bytes(np.concatenate(rows, axis=0)))
 
 
+def label_agreement(pairs: list[tuple[Path, Path]], points: int) -> None:
+    """Of the points that carry a label of the file, the share on the link of ours that the label stands for (one link for each label, so that
+    most points agree), and the share that the largest link would have by itself."""
+    for fitted, bound in pairs:
+        job, dressing = reopen(fitted), read_dressing(bound)
+        for one in json.loads((bound / "bind.json").read_text())["objects"]:
+            arrays = point_arrays(job.batch([one["object"]]), Sampling(points, "outside"), details=dressing)
+            label, link = arrays["real_label"][0].astype(int), arrays["link"][0].astype(int)
+            known = label >= 0
+            table = np.zeros((label.max() + 2, link.max() + 1), dtype=int)
+            np.add.at(table, (label[known], link[known]), 1)
+            table = table[table.any(axis=1)]
+            if len(table) < 2:
+                continue
+            rows, columns = linear_sum_assignment(-table)
+            agreed, largest = table[rows, columns].sum() / known.sum(), table.sum(axis=0).max() / known.sum()
+            print(
+                f"{one['name']:45} {len(table)} links in the file, {table.any(axis=0).sum()} of ours: {agreed:.1%} agree "
+                f"(largest link alone {largest:.1%}), {known.mean():.0%} of points carry a label"
+            )
+
+
 def held_out(pairs: list[tuple[Path, Path]]) -> None:
     """Bound points of a region are left out and lent again by the symmetries of their primitive: the error, as a share of that of the
     bare structure (those that no symmetry tells of stay bare), over all and over those alone that were lent."""
@@ -197,7 +223,7 @@ def speed(folder: Path, bound: Path, count: int, points: int) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("figures", "sheet", "borrowed", "held", "speed"))
+    parser.add_argument("what", choices=("figures", "sheet", "borrowed", "held", "labels", "speed"))
     parser.add_argument("folders", nargs="+")
     parser.add_argument("-o", "--out", default="sheet.png")
     parser.add_argument("-n", type=int, default=4)
@@ -207,8 +233,9 @@ def main() -> None:
     if asked.what == "figures":
         figures(asked.folders)
         return
-    if asked.what == "held":
-        held_out([(Path(a), Path(b)) for a, b in zip(asked.folders[::2], asked.folders[1::2], strict=True)])
+    if asked.what in ("held", "labels"):
+        pairs = [(Path(a), Path(b)) for a, b in zip(asked.folders[::2], asked.folders[1::2], strict=True)]
+        held_out(pairs) if asked.what == "held" else label_agreement(pairs, asked.points)
         return
     if asked.what == "borrowed":
         borrowed(asked.folders[0], Path(asked.folders[1]), Path(asked.out), asked.n, asked.points)
