@@ -61,30 +61,26 @@ class Split:
 
     def __init__(self, primitive: Primitive, exprs: Sequence[Expr], point: Sequence[str] = ("u", "v")):
         self._names = primitive.parameters
-        hoisted: dict[Expr, Expr] = {}
-        memo: dict[int, bool] = {}
-        seen: set[int] = set()
-
-        def moving(node: Expr) -> bool:
-            if id(node) not in memo:
-                memo[id(node)] = node.value in point if node.op == "var" else any([moving(a) for a in node.args])
-            return memo[id(node)]
+        along = 0
+        for name in point:
+            along |= var(name).reads
+        hoisted: dict[Expr, None] = {}
+        seen: set[Expr] = set()
 
         def collect(node: Expr) -> None:
-            if id(node) in seen:
+            if node in seen:
                 return
-            seen.add(id(node))
-            if moving(node):
+            seen.add(node)
+            if node.reads & along:
                 for arg in node.args:
                     collect(arg)
-            elif node.op != "const" and node not in hoisted:
-                hoisted[node] = var(f"#{len(hoisted)}")  # what no parameter can be called
+            elif node.op != "const":
+                hoisted[node] = None
 
         for expr in exprs:
             collect(expr)
         self._rows = compile_formula(tuple(hoisted), self._names)
-        names = (*(str(v.value) for v in hoisted.values()), *point)
-        self._points = compile_formula(tuple(substitute(e, hoisted) for e in exprs), names)
+        self._points = compile_formula(exprs, point, tuple(hoisted))
 
     def rows(self, params: Params) -> np.ndarray:
         """(h, k): the values per instance that the formulas need."""

@@ -8,7 +8,7 @@ same.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from functools import lru_cache
 from math import prod
 from typing import Any
@@ -66,19 +66,19 @@ def literal(value: object) -> str:
     return repr(number) if number >= 0 else f"({number!r})"
 
 
-def source(exprs: Sequence[Expr], names: Sequence[str], name: str = "formula") -> str:
+def source(exprs: Sequence[Expr], names: Sequence[str], name: str = "formula", given: Sequence[Expr] = ()) -> str:
     """Python source of a function, ``formula`` or of another name, that returns a tuple with one value per expression.
 
-    ``names`` are the free variables in the order of the parameters, which are called ``v0``, ``v1``, ...: no text of a
+    The parameters are the values of the expressions ``given``, then the free variables ``names``. They are called ``v0``, ``v1``, ...: no text of a
     program is ever part of the code. A name is used again once its value is: what a formula of thousands of steps keeps in
     memory is what it still needs.
     """
     lines: list[str] = []
-    done: dict[int, str] = {}
-    known = {variable: f"v{place}" for place, variable in enumerate(names)}
-    order, uses = _steps(exprs)
+    done = {id(node): f"v{place}" for place, node in enumerate(given)}
+    known = {variable: f"v{place}" for place, variable in enumerate(names, len(given))}
+    order, uses = _steps(exprs, done)
     free: list[str] = []
-    given = 0
+    made = 0
     for node in order:
         if node.op == "const":
             done[id(node)] = literal(node.value)
@@ -90,28 +90,30 @@ def source(exprs: Sequence[Expr], names: Sequence[str], name: str = "formula") -
             text = NUMPY[node.op].format(*(done[id(a)] for a in node.args))
             for arg in node.args:
                 uses[id(arg)] -= 1
-                if not uses[id(arg)] and arg.op in NUMPY:
+                if not uses[id(arg)] and done[id(arg)].startswith("t"):
                     free.append(done[id(arg)])
             if not free:
-                free.append(f"t{given}")
-                given += 1
+                free.append(f"t{made}")
+                made += 1
             done[id(node)] = free.pop()
             lines.append(f"    {done[id(node)]} = {text}")
         else:
             raise ValueError(f"{show(node)} is not a formula over variables")
     results = [done[id(e)] for e in exprs]
-    header = f"def {name}({', '.join(f'v{place}' for place in range(len(names)))}):"
+    header = f"def {name}({', '.join(f'v{place}' for place in range(len(given) + len(names)))}):"
     return "\n".join([header, *lines, f"    return ({''.join(r + ', ' for r in results)})"])
 
 
-def _steps(exprs: Sequence[Expr]) -> tuple[list[Expr], dict[int, int]]:
-    """All nodes, arguments before what is made of them, and how often each is used."""
+def _steps(exprs: Sequence[Expr], given: Container[int] = ()) -> tuple[list[Expr], dict[int, int]]:
+    """All nodes, arguments before what is made of them, and how often each is used; those ``given``, by identity, are left out."""
     order: list[Expr] = []
     uses: dict[int, int] = {}
 
     def visit(node: Expr) -> None:
         if id(node) not in uses:
             uses[id(node)] = 0
+            if id(node) in given:
+                return
             for arg in node.args:
                 visit(arg)
             order.append(node)
@@ -138,11 +140,11 @@ _WORTH = 10 * _CALL
 class Formula:
     """A function of arrays or numbers that returns a tuple of values, one per expression."""
 
-    __slots__ = ("_exprs", "_names", "_tape", "_code", "_calls", "_work")
+    __slots__ = ("_exprs", "_names", "_given", "_tape", "_code", "_calls", "_work")
 
-    def __init__(self, exprs: tuple[Expr, ...], names: tuple[str, ...]):
-        self._exprs, self._names = exprs, names
-        self._tape = tape(exprs, names)
+    def __init__(self, exprs: tuple[Expr, ...], names: tuple[str, ...], given: tuple[Expr, ...] = ()):
+        self._exprs, self._names, self._given = exprs, names, given
+        self._tape = tape(exprs, names, given)
         self._code: Callable[..., tuple[Any, ...]] | None = None
         self._calls = 0
         self._work = 0  # what NumPy has had to do for each step
@@ -163,7 +165,8 @@ class Formula:
         """The same by generated NumPy code."""
         if self._code is None:
             namespace: dict[str, Any] = {"np": np}
-            exec(compile(source(self._exprs, self._names), "<formula>", "exec"), namespace)  # noqa: S102 - no text of a program reaches it
+            text = source(self._exprs, self._names, given=self._given)
+            exec(compile(text, "<formula>", "exec"), namespace)  # noqa: S102 - no text of a program reaches it
             self._code = _quiet(namespace["formula"])
         return self._code
 
@@ -172,12 +175,14 @@ _compile = lru_cache(maxsize=4096)(Formula)
 _stepwise = _quiet(Tape.stepwise)
 
 
-def tape(exprs: Sequence[Expr], names: Sequence[str]) -> Tape:
-    """The expressions as operations on columns, which ``names`` are, in this order."""
-    known = {variable: place for place, variable in enumerate(names)}
-    order = _steps(exprs)[0]
+def tape(exprs: Sequence[Expr], names: Sequence[str], given: Sequence[Expr] = ()) -> Tape:
+    """The expressions as operations on columns: the values of those ``given``, then ``names``, in this order."""
+    number = {id(node): place for place, node in enumerate(given)}
+    known = {variable: place for place, variable in enumerate(names, len(given))}
+    order = _steps(exprs, number)[0]
     constants = [node for node in order if node.op == "const"]
-    number = {id(node): len(known) + place for place, node in enumerate(constants)}
+    columns = len(given) + len(names)
+    number |= {id(node): columns + place for place, node in enumerate(constants)}
     steps: list[tuple[str, tuple[int, ...]]] = []
     for node in order:
         if node.op == "var":
@@ -185,16 +190,17 @@ def tape(exprs: Sequence[Expr], names: Sequence[str]) -> Tape:
                 raise ValueError(f"a formula reads {node.value}, which is not among its variables {sorted(known)}")
             number[id(node)] = known[node.value]
         elif node.op in NUMPY:
-            number[id(node)] = len(known) + len(constants) + len(steps)
+            number[id(node)] = columns + len(constants) + len(steps)
             steps.append((node.op, tuple([number[id(a)] for a in node.args])))
         elif node.op != "const":
             raise ValueError(f"{show(node)} is not a formula over variables")
-    return Tape(len(known), tuple(node.value for node in constants), tuple(steps), tuple(number[id(e)] for e in exprs))
+    return Tape(columns, tuple(node.value for node in constants), tuple(steps), tuple(number[id(e)] for e in exprs))
 
 
-def compile_formula(exprs: Sequence[Expr], names: Sequence[str]) -> Formula:
-    """A function of the variables ``names`` (arrays or scalars) that returns a tuple of values, one per expression."""
-    return _compile(tuple(exprs), tuple(names))
+def compile_formula(exprs: Sequence[Expr], names: Sequence[str], given: Sequence[Expr] = ()) -> Formula:
+    """A function that returns a tuple of values, one per expression, of the values of the expressions ``given``, which it does not
+    compute, and then of the variables ``names``: arrays or scalars."""
+    return _compile(tuple(exprs), tuple(names), tuple(given))
 
 
 def evaluate(exprs: Sequence[Expr], values: dict[str, np.ndarray | float]) -> list[np.ndarray]:
