@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import re
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 from . import kept
 from .diagnostics import CompileError, Report, did_you_mean
 from .garbage import uncollected
 from .resources import categories_dir, library_dir
+from .shapes import Misfit, fit
 from .source import Source, Span
 from .syntax.load import load
 
@@ -24,6 +26,13 @@ if TYPE_CHECKING:  # start-up: what is kept of a compilation needs neither the p
     from .semantics.modules import Workspace
     from .semantics.symbols import ModuleScope
     from .syntax import ast
+
+
+class Kept(TypedDict):
+    """What is kept with a compiled program: its hash, and the digests of its primitives, which take long to find."""
+
+    hash: str
+    primitives: dict[str, str]
 
 
 _NAMED = 6  # parts that a warning names
@@ -139,20 +148,23 @@ class Session:
 
     def _recalled(self) -> Program | None:
         """The program as it was kept, verified as any that is read from a file; its findings go to the report."""
+        from .geometry import facts
         from .graph.text import TextError, from_text
 
-        found = self._recall("program")
-        if found is None:
+        head, _, body = (self._recall("program") or "").partition("\n")
+        try:
+            told = json.loads(head)
+            fit(told, Kept)
+            with uncollected():
+                program = from_text(body, told["hash"])
+        except (ValueError, KeyError, Misfit, TextError, RecursionError):
             return None
-        with uncollected():
-            try:
-                program = from_text(found)
-            except (TextError, RecursionError):
-                return None
+        facts.tell_digests(program, told["primitives"])
         program.foreign = False
         return program
 
     def _compiled(self) -> Sampler:
+        from .geometry import facts
         from .graph.text import digest, to_text
         from .runtime.plan import PlanError
         from .sampling.sample import Sampler
@@ -182,7 +194,10 @@ class Session:
                 hint="determine one of them from something else",
             )
             raise CompileError(self.report) from None
-        self._keep("program", to_text(lowering.program))
+        program, body = lowering.program, to_text(lowering.program)
+        digests = {name: facts.digest_of(primitive) for name, primitive in program.primitives.items()}
+        told: Kept = {"hash": program.hash, "primitives": digests}
+        self._keep("program", json.dumps(told) + "\n" + body)
         return sampler
 
     def examine(self) -> Report:

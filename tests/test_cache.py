@@ -14,7 +14,7 @@ from artipg_dsl.cli.main import main
 from artipg_dsl.geometry import density, facts, flat, pieces, topology
 from artipg_dsl.geometry.patches import surfaces
 from artipg_dsl.geometry.trial import variants
-from artipg_dsl.graph.text import to_text
+from artipg_dsl.graph.text import digest, to_text
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 from artipg_dsl.syntax import trees
@@ -145,6 +145,15 @@ def test_a_program_in_an_entry_is_verified(kept, stool):
         path.write_bytes(cache.MARK + cache._seal(data) + data)
     again = Session.of(stool)
     assert to_text(again.sampler.program) == text and computed(again)
+
+
+def test_what_is_kept_with_a_program_is_what_would_be_found(kept, stool):
+    made = Session.of(stool).sampler.program
+    read = Session.of(stool).sampler.program
+    assert read.hash == made.hash == digest(read)
+    told = [facts._told.get(primitive) for primitive in read.primitives.values()]
+    assert told == [facts.digest_of(primitive) for primitive in made.primitives.values()]
+    assert told == [facts.digest_of(primitive) for primitive in read.primitives.values()]
 
 
 def test_nothing_is_kept_when_off_or_where_nothing_can_be_written(tmp_path, stool, monkeypatch):

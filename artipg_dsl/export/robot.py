@@ -13,7 +13,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ..annotate.frames import quaternion
 from ..geometry.resolution import STANDARD, Resolution
@@ -155,6 +154,8 @@ class RobotJoint:
         assert self.mimic is not None
         if self.curve is None:
             return self.mimic[1] * lead + self.mimic[2]
+        from scipy.interpolate import CubicSpline  # start-up: few joints need it
+
         return CubicSpline(*self.curve)(lead)
 
     @property

@@ -9,7 +9,7 @@ from __future__ import annotations
 import atexit
 import json
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from threading import Lock
 from typing import Any, TypeVar
@@ -22,6 +22,7 @@ from ..graph.text import digest
 Fact = TypeVar("Fact")
 _LOCK = Lock()
 _changed: dict[str, _Facts] = {}
+_told: dict[Primitive, str] = {}  # digests of primitives that nobody has asked about yet
 
 
 class _Facts:
@@ -33,7 +34,7 @@ class _Facts:
         self.entry: str | None = None
         if cache.folder() is None:
             return
-        self.entry = cache.key("facts", digest(Program("", primitives={primitive.name: primitive})))
+        self.entry = cache.key("facts", _told.pop(primitive, "") or digest_of(primitive))
         found = cache.read(self.entry)
         if found is not None:
             try:
@@ -42,6 +43,17 @@ class _Facts:
                 held = None
             self.held = held if isinstance(held, dict) else {}
             self.count.update(map(_kind, self.held))
+
+
+@lru_cache(maxsize=512)
+def digest_of(primitive: Primitive) -> str:
+    """What tells a primitive from any other, by its formulas."""
+    return digest(Program("", primitives={primitive.name: primitive}))
+
+
+def tell_digests(program: Program, digests: Mapping[str, str]) -> None:
+    """Says what is known of the primitives of a program, by name: to find them takes as long as to write them."""
+    _told.update({program.primitives[name]: found for name, found in digests.items() if name in program.primitives})
 
 
 def _kind(name: str) -> str:

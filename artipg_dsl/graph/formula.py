@@ -69,8 +69,8 @@ def literal(value: object) -> str:
 def source(exprs: Sequence[Expr], names: Sequence[str], name: str = "formula", given: Sequence[Expr] = ()) -> str:
     """Python source of a function, ``formula`` or of another name, that returns a tuple with one value per expression.
 
-    The parameters are the values of the expressions ``given``, then the free variables ``names``. They are called ``v0``, ``v1``, ...: no text of a
-    program is ever part of the code. A name is used again once its value is: what a formula of thousands of steps keeps in
+    The parameters are the values of the expressions ``given``, then the free variables ``names``. They are called ``v0``,
+    ``v1``, ...: no text of a program is ever part of the code. A name is used again once its value is: what a formula of thousands of steps keeps in
     memory is what it still needs.
     """
     lines: list[str] = []

@@ -17,6 +17,10 @@ KINDS = ("real", "count", "choice", "bool")
 _REDUCTIONS = ("sum", "min", "max", "any", "all")
 _MOST_UNKNOWNS = 64  # of equations that are solved together
 _NONE: frozenset[str] = frozenset()
+_ARITY = {op: (row[0], op in PREDICATES) for op, row in FUNCTIONS.items()}
+Facts = tuple[frozenset[str], bool, bool]
+"""The free variables of an expression; whether it is true or false; whether it is made of constants, variables and operations on them
+alone."""
 
 
 class NodeFault(ValueError):
@@ -32,49 +36,69 @@ class Nodes:
     """The expressions read so far: the free variables of each, and whether it is true or false rather than a number."""
 
     def __init__(self) -> None:
-        self.free: dict[Expr, frozenset[str]] = {}
-        self.truth: dict[Expr, bool] = {}
-        self.formula: dict[Expr, bool] = {}  # made of constants, variables and operations on them alone
+        self.facts: dict[Expr, Facts] = {}
         self.make("const", True, ())  # what records have where nothing is written
+
+    def truth(self, expr: Expr) -> bool:
+        return self.facts[expr][1]
+
+    def plain(self, op: str, args: tuple[Expr, ...]) -> Expr:
+        """The node of an operation (one of FUNCTIONS) on expressions that were read. Raises NodeFault."""
+        facts = self.facts
+        given = [facts[a] for a in args]
+        arity, predicate = _ARITY[op]
+        if len(args) != arity:
+            raise NodeFault(f"{op} takes {arity} arguments, not {len(args)}")
+        free, truth, formula = given[0] if given else (_NONE, False, True)
+        for other in given[1:]:
+            if other[0] is not free:
+                free |= other[0]
+            truth, formula = truth or other[1], formula and other[2]
+        if truth and not predicate and op != "where":
+            raise NodeFault(f"{op} calculates with numbers, not with true and false")
+        if op == "where":
+            truth = given[1][1] and given[2][1]
+        try:
+            node = raw(op, args)
+        except ScopeError as error:
+            raise NodeFault(str(error)) from None
+        facts[node] = free, predicate or op == "where" and truth, formula
+        return node
 
     def make(self, op: str, value: Any, args: tuple[Any, ...]) -> Expr:
         """The node. Raises Fault."""
         # the words of faults are put together where there are some: a program has tens of thousands of nodes
-        if not all([isinstance(a, Expr) and a in self.free for a in args]):
+        if not all([isinstance(a, Expr) and a in self.facts for a in args]):
             raise NodeFault(f"the arguments of {op} are expressions (%n)")
-        build = getattr(self, f"_{op}", None) if op in _SPECIAL else None
-        if not build and op not in FUNCTIONS:
+        if op in FUNCTIONS:
+            return self.plain(op, args)
+        if op not in _SPECIAL:
             raise NodeFault(f"there is no operator {op[:40]!r}")
-        free = _NONE.union(*[self.free[a] for a in args]) if args else _NONE
-        if free and op not in FUNCTIONS and op != "solve":
+        if op != "solve" and any([self.facts[a][0] for a in args]):
             raise NodeFault(f"a variable of a formula is inside {op}")
         try:
-            node, truth = build(value, args) if build else self._plain(op, args)
+            node, truth = getattr(self, f"_{op}")(value, args)
         except ScopeError as error:
             raise NodeFault(str(error)) from None
-        if op == "var":
-            free = frozenset((value,))
-        self.free[node] = _NONE if op == "solve" else free
-        self.truth[node] = truth
-        self.formula[node] = op in ("const", "var") or op in FUNCTIONS and all([self.formula[a] for a in args])
+        self.facts[node] = frozenset((value,)) if op == "var" else _NONE, truth, op in ("const", "var")
         return node
 
     def stands(self, expr: Expr, scope: Scope | None) -> bool:
         """Whether an expression has a value in the rows of ``scope``."""
-        return not self.free[expr] and (expr.scope is None or scope is not None and scope.within(expr.scope))
+        return not self.facts[expr][0] and (expr.scope is None or scope is not None and scope.within(expr.scope))
 
     def computes(self, expr: Expr, known: frozenset[str], scope: Scope | None = None) -> str | None:
         """What keeps an expression from being a formula over the variables ``known`` and values in the rows of ``scope``."""
-        strange = self.free[expr] - known
+        strange = self.facts[expr][0] - known
         if strange:
             return f"a formula reads {sorted(strange)[0]}, which it does not know"
         stack, seen = [expr], set()
         while stack:
             node = stack.pop()
-            if node in seen or self.formula[node]:
+            if node in seen or self.facts[node][2]:
                 continue
             seen.add(node)
-            if not self.free[node] and node.scope is not None:
+            if not self.facts[node][0] and node.scope is not None:
                 if scope is None or not scope.within(node.scope):
                     return "a formula reads a table that it cannot see"
             elif node.op in FUNCTIONS:
@@ -84,14 +108,6 @@ class Nodes:
         return None
 
     # ------------------------------------------------------------ operators
-
-    def _plain(self, op: str, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
-        arity = FUNCTIONS[op][0]
-        if len(args) != arity:
-            raise NodeFault(f"{op} takes {arity} arguments, not {len(args)}")
-        if op not in PREDICATES and op != "where" and any([self.truth[a] for a in args]):
-            raise NodeFault(f"{op} calculates with numbers, not with true and false")
-        return raw(op, args), op in PREDICATES or op == "where" and all(self.truth[a] for a in args[1:])
 
     def _const(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
         require(not args and isinstance(value, bool | float), "a constant is a number such as 0.5, true or false")
@@ -125,7 +141,7 @@ class Nodes:
         )
         held = all(self.stands(a, s) for a, s in zip(args, (*value, parent), strict=True))
         require(held, "phi reads a table that it cannot see")
-        return raw("phi", args, value, parent), all(self.truth[a] for a in args)
+        return raw("phi", args, value, parent), all(self.truth(a) for a in args)
 
     def _reduce(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
         kind, child = value
@@ -141,7 +157,7 @@ class Nodes:
             self.stands(args[0], value) and self.stands(args[1], value.parent),
             "element reads a table that it cannot see",
         )
-        return raw("element", args, value, value.parent), self.truth[args[0]]
+        return raw("element", args, value, value.parent), self.truth(args[0])
 
     def _previous(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
         require(isinstance(value, Scope), "previous is of a table (@n)")
@@ -149,7 +165,7 @@ class Nodes:
             len(args) == 2 and all(self.stands(a, value) for a in args),
             "previous takes a value and a first one in its table",
         )
-        return raw("previous", args, value, value), all(self.truth[a] for a in args)
+        return raw("previous", args, value, value), all(self.truth(a) for a in args)
 
     def _scan(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:
         require(isinstance(value, Scope), "scan is of a table (@n)")
@@ -167,10 +183,10 @@ class Nodes:
         require(len(values) == known + size, f"solve of {size} unknowns and {known} values has other arguments")
         names = frozenset([f"solve.x{k}" for k in range(size)] + [f"solve.p{k}" for k in range(known)])
         require(
-            all(self.formula[a] and self.free[a] <= names for a in formulas),
+            all(self.facts[a][2] and self.facts[a][0] <= names for a in formulas),
             "solve solves formulas of its unknowns and values",
         )
-        require(not any(self.free[a] for a in values), "a variable of a formula is inside solve")
+        require(not any(self.facts[a][0] for a in values), "a variable of a formula is inside solve")
         return raw("solve", args, value), False
 
     def _root(self, value: Any, args: tuple[Expr, ...]) -> tuple[Expr, bool]:

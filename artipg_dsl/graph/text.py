@@ -16,6 +16,7 @@ from typing import Any
 from ..shapes import Misfit
 from . import program as P
 from .expr import CROSSING, Column, Expr, Scope, show
+from .functions import FUNCTIONS
 from .nodes import NodeFault, Nodes, require
 from .primitive import Patch, Piece, Primitive
 from .reference import Elsewhere, Onward, Under
@@ -225,6 +226,7 @@ _TOKEN = re.compile(r'\s*(?:(#[^\n]*)|("(?:[^"\\]|\\.)*")|([()\[\]])|([^\s()\[\]
 
 _JOINED = re.compile(r'["#()\[\]]')  # what ends a word without a blank
 _REFERENCE = re.compile(r"[%@$][0-9]{1,9}")
+_EXPRESSION = re.compile(r"%[0-9]{1,9}")
 _WHOLE = re.compile(r"-?[0-9]{1,18}")
 
 
@@ -340,6 +342,19 @@ class _Reader:
             args.append(self.value())
         return self.nodes.make(op, value, tuple(args))
 
+    def plain(self, line: str) -> bool:
+        """Reads a line that is an operation on expressions before, as nearly all lines of a program are; False for any other."""
+        words = line.split(" ")
+        if len(words) < 4 or words[2] not in FUNCTIONS or words[1] != "=" or words[0] != f"%{len(self.exprs)}":
+            return False
+        args = []
+        for word in words[3:]:
+            if _EXPRESSION.fullmatch(word) is None or (number := int(word[1:])) >= len(self.exprs):
+                return False
+            args.append(self.exprs[number])
+        self.exprs.append(self.nodes.plain(words[2], tuple(args)))
+        return True
+
     def item(self, line: int) -> None:
         """The item of a line."""
         word, program = self.next(), self.program
@@ -395,8 +410,8 @@ class _Reader:
         return scope
 
 
-def from_text(text: str) -> P.Program:
-    """The program of a text, verified. Raises TextError for anything that is none."""
+def from_text(text: str, known: str = "") -> P.Program:
+    """The program of a text, verified; its hash is what is ``known`` of it, or else found. Raises TextError for anything that is none."""
     lines = text.split("\n")
     if lines[0].split() != ["apgc", str(_VERSION)]:
         raise TextError(f"this is not a compiled program of version {_VERSION}")
@@ -405,6 +420,8 @@ def from_text(text: str) -> P.Program:
     number = 0
     try:
         for number, line in enumerate(lines[1:], 2):
+            if line[:1] == "%" and reader.plain(line):
+                continue
             reader.words, reader.at = list(_tokens(line)), 0
             if reader.words:
                 reader.item(number)
@@ -418,5 +435,5 @@ def from_text(text: str) -> P.Program:
         reader.verifier.whole()
     except NodeFault as error:
         raise TextError(f"the compiled program is incomplete or damaged: {error}") from None
-    program.hash, program.foreign = digest(program), True
+    program.hash, program.foreign = known or digest(program), True
     return program

@@ -69,7 +69,7 @@ class Verifier:
         for cell in _cells(item, type(item)):
             self.placed(cell, _scope_of(item))
         for name, cell in _conditions(item):
-            require(self.nodes.truth[cell], f"{name} is true or false, not a number")
+            require(self.nodes.truth(cell), f"{name} is true or false, not a number")
         getattr(self, f"_{type(item).__name__.lower()}", lambda *_: None)(item, number)
 
     def whole(self) -> None:
@@ -112,7 +112,7 @@ class Verifier:
         require(column not in self.program.definitions, f"the column {column.name} is defined twice")
         self.placed(value, column.scope)
         require(
-            self.nodes.truth[value] == (column.kind == "bool"),
+            self.nodes.truth(value) == (column.kind == "bool"),
             f"the column {column.name} is of another kind than its value",
         )
 

@@ -321,3 +321,18 @@ def test_an_exception_that_names_no_part_excuses_none(text: str) -> None:
         prepare(make_sampler(from_text(to_text(program)), "none.apgc"), Request("none.apgc", numbers=((0, 1),)))
     )
     assert len(made) == 2
+
+
+def test_formulas_with_given_values_have_the_same_bits() -> None:
+    """What is given is not computed, by calls, by generated code and in all outputs; a given value may be an output itself."""
+    x, y = var("x"), var("y")
+    row = x * x + const(0.1)
+    exprs = (row * y + call("sin", row), row, y * call("where", call("lt", y, row), y, row))
+    whole, split = compile_formula(exprs, ("x", "y")), compile_formula(exprs, ("y",), (row,))
+    draws = np.random.default_rng(0)
+    for a, b in ((draws.normal(size=7), draws.normal(size=7)), (2.0, draws.normal(size=3))):
+        given = np.asarray(a) * a + 0.1
+        for one, other, code in zip(whole(a, b), split(given, b), split.numpy(given, b), strict=True):
+            assert np.array_equal(one, other) and np.array_equal(one, code)
+    with pytest.raises(ValueError, match="reads x"):
+        compile_formula((x + row,), ("y",), (row,))
