@@ -70,8 +70,8 @@ def source(exprs: Sequence[Expr], names: Sequence[str], name: str = "formula", g
     """Python source of a function, ``formula`` or of another name, that returns a tuple with one value per expression.
 
     The parameters are the values of the expressions ``given``, then the free variables ``names``. They are called ``v0``,
-    ``v1``, ...: no text of a program is ever part of the code. A name is used again once its value is: what a formula of thousands of steps keeps in
-    memory is what it still needs.
+    ``v1``, ...: no text of a program is ever part of the code. A name is used again once its value is: what a formula of
+    thousands of steps keeps in memory is what it still needs.
     """
     lines: list[str] = []
     done = {id(node): f"v{place}" for place, node in enumerate(given)}
