@@ -19,7 +19,7 @@ from ..geometry import points as geometry
 from ..geometry.nearest import Nearest
 from ..geometry.pointset import PointSet
 from .dressing import Dressing
-from .elements import Solids
+from .elements import Elements, Solids, elements_of
 from .record import DIRECT, Details, join, of_arrays
 from .suits import Suits, borrowed_suits, origin, own_suits
 from .trim import trim
@@ -122,7 +122,24 @@ def _suits(batch: Batch, dressing: Dressing, details: Details) -> Suits:
     """Which details each element of a batch wears."""
     if dressing.borrowed:
         return borrowed_suits(batch, details)
-    return own_suits(batch, details.elements, _own_donors(batch, dressing))
+    donor = _own_donors(batch, dressing)
+    _require_bound_to(origin(batch), details.elements, donor, dressing)
+    return own_suits(batch, details.elements, donor)
+
+
+def _require_bound_to(originals: Batch, bound: Elements, donor: np.ndarray, dressing: Dressing) -> None:
+    """Raises UserError where the details of an object's number were bound to an object of other parts or sizes."""
+    own = elements_of(originals)
+    found = bound.find(donor[own.owner], own.site, own.rank)
+    width = min(own.params.shape[1], bound.params.shape[1])
+    same = np.isclose(own.params[:, :width], bound.params[found, :width], rtol=1e-9, atol=1e-12, equal_nan=True)
+    other = np.unique(own.owner[(donor[own.owner] >= 0) & ((found < 0) | ~same.all(axis=1))])
+    if len(other):
+        raise UserError(
+            f"the details in {dressing.folder} were bound to another {originals.program.name}"
+            f" {originals.numbers[other[0]]} than the one that is mutated",
+            "bind the folder that is mutated: apgc bind FITTED -o bound",
+        )
 
 
 def _own_donors(batch: Batch, dressing: Dressing) -> np.ndarray:

@@ -114,6 +114,15 @@ def test_mutants_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     assert code == 1 and "is not a folder of details" in err
 
 
+def test_details_of_other_originals_are_refused(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
+    """Objects of the same program and numbers, but with other sizes."""
+    bound, others = tmp_path / "bound", tmp_path / "others"
+    assert apgc("bind", fitted, "-o", bound, "--points", 500)[0] == 0
+    assert apgc("sample", CHEST, "-n", 2, "--seed", 5, "--points", 64, "-o", others)[0] == 0
+    code, _, err = apgc("mutate", others, "-n", 1, "--details", bound, "-o", tmp_path / "out")
+    assert code == 1 and "were bound to another Chest 0 than the one that is mutated" in err
+
+
 def test_objects_by_any_prior_borrow_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     bound = tmp_path / "bound"
     assert apgc("bind", fitted, "-o", bound, "--points", 2048)[0] == 0
