@@ -227,6 +227,20 @@ class Session:
         except (CompileError, Exhausted, TooMany):
             return None
 
+    def _follows(self, batch: Batch, lowering: Lowering) -> bool:
+        """Whether every joint that follows another by a formula can, in a few objects; the first that cannot is reported."""
+        from .runtime.curves import TurnsBack  # start-up
+
+        if all(joint.curve is None for joint in batch.program.joints):
+            return True
+        try:
+            batch.joints()
+        except TurnsBack as wrong:
+            words = wrong.message.split(": ", 1)[1]  # the report says where
+            self.report.error("bad-mimic", lowering.links.mimics[wrong.definition][1].span, words, hint=wrong.hint)
+            return False
+        return True
+
     def _warn_of_cost(self, batch: Batch, span: Span) -> None:
         """Name the parts that the check of an object takes long for."""
         from .geometry.errors import PrimitiveError  # start-up
@@ -287,7 +301,7 @@ class Session:
                 hint=f"place it {_how_to_place(part)}; if the centre is meant, write `align {part.name}.center = ...`",
             )
         batch = self._looked_at()
-        if batch is not None:
+        if batch is not None and self._follows(batch, lowering):
             self._warn_floating(batch, lowering)
             self._warn_of_cost(batch, typed.category.decl.name_span)
         program = lowering.program

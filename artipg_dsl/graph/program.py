@@ -1,8 +1,7 @@
 """The compiled program: tables, draws, definitions, requirements, and what stands on them.
 
-Everything here is data about scopes and expressions; nothing knows syntax, nothing holds numbers of a sample. Poses
-are in the frame of the object (x front, y left, z up, metres), at joint values 0 unless said otherwise. A reference to a
-link is a ``Reference``: alternatives of which exactly one exists there (see ``reference``).
+Everything here is data about scopes and expressions; nothing knows syntax, nothing holds numbers of a sample. Poses are in the
+frame of the object (x front, y left, z up, metres), at joint values 0 unless said otherwise. For links see ``reference``.
 """
 
 from __future__ import annotations
@@ -208,10 +207,9 @@ class Joint:
     """``kind``: revolute, prismatic, continuous, screw, ball or fixed; origin and axis in the object's frame at value 0.
 
     ``low``, ``high``, ``rest`` in radians or metres (None: no limit; of a ball, how far it tilts). ``mimic`` is (reference
-    to a joint, multiplier, offset); where ``curve`` is given it follows by that formula of the variable ``lead``, the other's
-    value, and columns instead. One instance per row of ``scope``. ``clearance``: from its rest value it goes on as far as
-    nothing is in the way, at most to ``high``; ``whatever``: with the other joints anywhere, else at rest. It stays at rest unless
-    all ``gates`` are open. It catches at ``positions`` values, evenly spaced from end to end or round the turn.
+    to a joint, multiplier, offset); with a ``curve`` it follows by that formula of ``lead``, the other's value. One instance per row
+    of ``scope``. ``clearance``: from its rest value it goes on as far as nothing is in the way, at most to ``high``; ``whatever``: with
+    the other joints anywhere, else at rest. It stays at rest unless all ``gates`` are open. It catches at ``positions`` values.
     """
 
     path: str

@@ -417,9 +417,8 @@ def to_plain(draw: Draw, value: float) -> Any:
     return draw.options[int(value)] if draw.kind == "choice" else int(value) if draw.kind == "count" else float(value)
 
 
-_JOINT_COLUMNS = tuple(f.name for f in fields(JointTable))[
-    5:-1
-]  # behind those that say which joint it is, before `curves`
+# behind those that say which joint it is, before `curves`
+_JOINT_COLUMNS = tuple(f.name for f in fields(JointTable))[5:-1]
 
 
 @lru_cache(maxsize=8)

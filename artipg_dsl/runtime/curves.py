@@ -25,6 +25,12 @@ _SHARES = np.linspace(0.0, 1.0, 33)  # of the leader's range, at which a formula
 _BACK = 1e-9  # of what the follower covers: less is rounding
 
 
+class TurnsBack(UserError):
+    """A follower, the joint number ``definition`` of its program, does not rise or fall throughout its leader's range."""
+
+    definition = -1
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
     """The rows of one definition of a joint in the table of joints, the rows of their leaders, and how they follow."""
@@ -107,10 +113,13 @@ def _refuse_turning(batch: Batch, table: JointTable, curve: Curve, values: np.nd
     if wrong.any():
         at = int(np.flatnonzero(wrong)[0])
         row, leader = int(curve.row[at]), int(curve.leader[at])
-        joint = batch.program.joints[int(table.definition[row])]
-        raise UserError(
+        definition = int(table.definition[row])
+        joint = batch.program.joints[definition]
+        error = TurnsBack(
             f"{joint.where}: object {batch.numbers[table.owner[row]]}: the joint `{table.name[row]}` does not rise or fall"
             f" throughout the range of `{table.name[leader]}`, which it follows",
             hint="narrow that range to where the formula of its `mimic` rises or falls and is defined, or close a loop of joints"
             " with `close`",
         )
+        error.definition = definition
+        raise error

@@ -97,6 +97,10 @@ def test_it_rests_where_its_formula_puts_it(formula: str, rest: float) -> None:
 
 @pytest.mark.parametrize("formula", ["2cm * sin(2 * turn)", "1cm / sin(turn)", "2cm * sqrt(sin(turn) - 0.5)"])
 def test_a_formula_that_turns_back_or_is_undefined_is_refused(formula: str) -> None:
-    sampler = Session.of_text(TEXT.format("prismatic", "0 .. 6cm", formula)).sampler
-    with pytest.raises(UserError, match="follow` does not rise or fall throughout the range of `turn`"):
-        sampler.batch(np.arange(2), 1).joints()
+    session = Session.of_text(TEXT.format("prismatic", "0 .. 6cm", formula))
+    words = "the joint `follow` does not rise or fall throughout the range of `turn`"
+    with pytest.raises(UserError, match=words):
+        session.sampler.batch(np.arange(2), 1).joints()
+    (told,) = [d for d in session.examine().diagnostics if d.severity == "error"]
+    assert told.code == "bad-mimic" and words in told.message and told.span is not None
+    assert told.span.text == formula
