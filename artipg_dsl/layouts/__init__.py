@@ -11,8 +11,10 @@ the whole folder, and what a folder read back does not hold as it should. Begin 
     gaviews, split_links, gaviews_check annotated folders and rendered views, for GAPartNet's tools
     ancsh, ancsh_check                  a layout for part poses part by part
     cage, ditto                         layouts for kinematics, by trees and by two states
+    opd, opd_lists, opd_check           a layout for parts that open, seen from one side
     completion                          layouts for completion
     pieces, pictures                    meshes and words of an object's links; what cameras see of it, pixel by pixel
+    outlines                            masks as polygons
     hdf5, pcd, ply, pth                 files
     findings                            faults that a reader finds
 """

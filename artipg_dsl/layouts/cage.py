@@ -21,7 +21,7 @@ from ..export.robot import RobotJoint, Robots
 from .clouds import partnet_axes
 from .entry import SPLITS, Entry
 from .findings import Findings
-from .pieces import Pieces
+from .pieces import Pieces, Shut
 from .ply import ply_bytes, read_ply
 from .words import Term
 
@@ -32,26 +32,10 @@ _PARTS = ("door", "drawer", "base", "handle", "wheel", "knob", "shelf", "tray")
 _STILL: dict[str, Any] = {"type": "fixed", "range": [0.0, 0.0], "axis": {"origin": [0.0] * 3, "direction": [0.0] * 3}}
 
 
-@dataclass(frozen=True, slots=True)
-class _Shut:
-    """A joint as it is where the object is shut: ``value`` there, and the ``sign`` of its axis by which it opens."""
-
-    value: float
-    sign: float
-    reach: float
-
-    @staticmethod
-    def of(joint: RobotJoint) -> _Shut:
-        if joint.low is None or joint.high is None:
-            return _Shut(0.0, 1.0, 0.0)
-        back = -joint.low > joint.high
-        return _Shut(joint.high if back else joint.low, -1.0 if back else 1.0, joint.high - joint.low)
-
-
 def _shut_values(robots: Robots) -> np.ndarray:
     """Values (J,) of all joints of a batch with which objects are shut."""
     rows = [joint for i in range(len(robots.batch)) for joint in robots.robot(i).joints]
-    return np.array([_Shut.of(joint).value for joint in rows])
+    return np.array([Shut.of(joint).value for joint in rows])
 
 
 @dataclass(slots=True)
@@ -110,7 +94,7 @@ class _Tree:
     def _joint(self, joint: RobotJoint | None) -> dict[str, Any]:
         if joint is None or not joint.traits.axis:
             return _STILL
-        shut, turn = _Shut.of(joint), self.turn[joint.parent]
+        shut, turn = Shut.of(joint), self.turn[joint.parent]
         kind, advance = joint.hinge, joint.advance
         reach = np.degrees(shut.reach) if advance is None else shut.reach * advance / self.frame.unit
         whole = joint.origin + self.pieces.robot.links[joint.parent].origin

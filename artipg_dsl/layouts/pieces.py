@@ -1,14 +1,31 @@
-"""What is seen of an object's links, and the words that these and their parts bear."""
+"""What is seen of an object's links, the words that these and their parts bear, and where their joints are shut."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..export.mesh_obj import Shape
-from ..export.robot import Robots
+from ..export.robot import RobotJoint, Robots
 from .words import Term
+
+
+@dataclass(frozen=True, slots=True)
+class Shut:
+    """A joint as it is where the object is shut: ``value`` there, the ``sign`` of its axis by which it opens, and how far that is."""
+
+    value: float
+    sign: float
+    reach: float
+
+    @staticmethod
+    def of(joint: RobotJoint) -> Shut:
+        if joint.low is None or joint.high is None:
+            return Shut(0.0, 1.0, 0.0)
+        back = -joint.low > joint.high
+        return Shut(joint.high if back else joint.low, -1.0 if back else 1.0, joint.high - joint.low)
 
 
 class Pieces:

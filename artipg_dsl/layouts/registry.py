@@ -5,12 +5,12 @@ The entries name functions as ``module:function``, so that a list of layouts cos
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from ..errors import UserError
 from .words import Term, vocabulary
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, slots=True)
 class Layout:
     """``files(batch, entry, shard)`` yields the files of objects that are made together; ``index(entries)`` gives those that
-    tell of all categories in the folder (a name that ends in ``/`` is a folder), ``index(entries, folder)`` where it ``gathers`` from what
-    has been written; ``check(folder, entry, batch, shard,
+    tell of all categories in the folder (a name that ends in ``/`` is a folder; what is large is a function that writes it to a
+    stream), ``index(entries, folder)`` where it ``gathers`` from what has been written; ``check(folder, entry, batch, shard,
     findings)`` reads the files of a chunk as the field's loaders do and compares them with the model.
 
     ``vocabulary``: a closed one, which has to have a class for the category; ``judge(term)`` says what is wrong with a map
@@ -73,7 +73,7 @@ class Layout:
     def files(self, batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
         return _function(self.files_by)(batch, entry, shard)
 
-    def index(self, entries: Sequence[Entry], folder: Path) -> dict[str, bytes]:
+    def index(self, entries: Sequence[Entry], folder: Path) -> Mapping[str, bytes | Callable[[BinaryIO], None]]:
         return _function(self.index_by)(entries, *([folder] if self.gathers else []))
 
     def check(self, folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings) -> None:
@@ -158,6 +158,18 @@ LAYOUTS: dict[str, Layout] = {
             "cage:check",
             "cage",
             "cage:check_term",
+        ),
+        Layout(
+            "opd",
+            "pictures with the parts that open and how they move, as OPD and OPDMulti have them, HDF5",
+            "opd:files",
+            "opd_lists:index",
+            "opd_check:check",
+            "opd",
+            "opd:check_term",
+            needs=_H5,
+            chunk=4,
+            gathers=True,
         ),
         Layout(
             "ditto",

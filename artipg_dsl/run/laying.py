@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import UserError
-from ..export.write import ExportError, ensure_folder, write_bytes
+from ..export.write import ExportError, ensure_folder, replacing_file, write_bytes
 from ..layouts.entry import USUAL, Entry, Shares
 from ..layouts.findings import Findings
 from ..layouts.registry import LAYOUTS, Layout, require
@@ -69,6 +69,9 @@ def write_layout(
     for name, data in layout.index([*others, entry], out).items():
         if name.endswith("/"):
             ensure_folder(out / name)
+        elif callable(data):
+            with replacing_file(out / name, force=True) as stream:
+                data(stream)
         else:
             write_bytes(out / name, data, force=True)
     write_bytes(place, (json.dumps(record, indent=1) + "\n").encode(), force=True)
