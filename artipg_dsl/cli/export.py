@@ -12,7 +12,7 @@ from ..errors import UsageError
 from ..export.remote import is_same, place_of
 from .messages import plural, say
 from .progress import Progress
-from .sample import read_resolution, refuse_file
+from .sample import bared, read_resolution, refuse_file
 from .wanted import open_wanted
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
     if layout is not None:
         return _lay_out(options, layout, begun)
     try:
-        formats = find_formats(options.format)
+        formats = bared(find_formats(options.format), options)
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
     for entry in formats:
@@ -89,6 +89,8 @@ def _layout(options: argparse.Namespace) -> Layout | None:
         return None
     if len(names) > 1:
         raise UsageError(f"{found[0].name} is a layout of its own folder", "export it without other formats")
+    if options.no_meshes:
+        raise UsageError(f"{found[0].name} always has its meshes", "leave out --no-meshes")
     if options.tolerance is not None or options.triangles is not None:
         raise UsageError(f"{found[0].name} has no meshes to choose for", "leave out --tolerance and --triangles")
     return found[0]

@@ -10,6 +10,7 @@ from .arguments import amount, folder, fraction, numbers, picture, place, positi
 from .real import add_bind, add_fit
 from .shared import (
     add_backend,
+    add_bareness,
     add_bounding,
     add_checking,
     add_details,
@@ -151,6 +152,7 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
     )
     add_details(to, "let the points wear the details of real objects that `apgc bind` has kept in a folder")
     add_meshes(to)
+    add_bareness(to)
     to.add_argument(
         "--sampling",
         default="sequential",
@@ -193,6 +195,7 @@ def _add_export(to: argparse.ArgumentParser) -> None:
         help="with a layout: a JSON file that translates a category and its words into the vocabulary of the layout",
     )
     add_meshes(to)
+    add_bareness(to)
     to.add_argument("--force", action="store_true", help="overwrite existing files")
     add_sharing(to)
     add_bounding(to)

@@ -15,6 +15,7 @@ from .wanted import is_folder, open_wanted, read_request
 
 if TYPE_CHECKING:
     from ..export.content import Content
+    from ..export.registry import Format
     from ..geometry.resolution import Resolution
     from ..run.job import Job
     from ..run.manifest import Manifest
@@ -38,7 +39,7 @@ def run(options: argparse.Namespace) -> int:
     begun = time.monotonic()
     try:
         named = options.format if not options.tables else ",".join(filter(None, [options.format, TABLES]))
-        formats = choose_formats(named, views=options.views is not None)
+        formats = bared(choose_formats(named, views=options.views is not None), options)
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
     output = Output.of(formats, _read_content(options), options.memory)
@@ -123,6 +124,18 @@ def read_resolution(options: argparse.Namespace) -> Resolution | None:
 
     asked = options.tolerance, options.triangles
     return None if asked == (None, None) else Resolution(tolerance=options.tolerance, triangles=options.triangles)
+
+
+def bared(formats: list[Format], options: argparse.Namespace) -> list[Format]:
+    """The formats, without their meshes if that is asked for. Raises ExportError."""
+    from ..export.registry import without_meshes
+    from ..export.write import ExportError
+
+    if not options.no_meshes:
+        return formats
+    if read_resolution(options):
+        raise ExportError("--tolerance and --triangles are for meshes, and --no-meshes leaves them out", "choose one")
+    return without_meshes(formats)
 
 
 def _open_job(options: argparse.Namespace) -> Job:

@@ -26,6 +26,14 @@ def add_meshes(to: argparse.ArgumentParser, steps: int = 24) -> None:
     )
 
 
+def add_bareness(to: argparse.ArgumentParser) -> None:
+    to.add_argument(
+        "--no-meshes",
+        action="store_true",
+        help="partnet-mobility without meshes, in a third of the time; meta.json says so",
+    )
+
+
 def add_sharing(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--workers",

@@ -1,8 +1,8 @@
 """Numbers as text: a few at a time, and rows of them all at once.
 
-``fixed`` makes the bytes of Python's ``%.6f`` of tables of digits. A number is rounded to a whole number of millionths, which is split into
-groups of three digits. Where rounding is not clear, as the millionths are half way between two within the error of the multiplication,
-Python tells.
+``told`` makes the bytes of Python's ``%.6f`` by compiled code, else ``fixed`` does, of tables of digits: a number is rounded to a whole
+number of millionths, which is split into groups of three digits. Where rounding is not clear, as the millionths are half way between
+two within the error of the multiplication, Python tells.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..native.digits import print_rows
+from ..native.digits import print_rows, print_told
 
 _PLACES, _MOST = 6, 1000.0
 _UNIT = 10**_PLACES
@@ -66,6 +66,18 @@ class Rows:
         texts = [array for part, mark in zip(parts, marks, strict=True) for array in (part.text, mark)]
         always = np.ones((count, 1), dtype=bool)
         return Rows(np.concatenate(texts, axis=1), np.concatenate([a for p in parts for a in (p.kept, always)], axis=1))
+
+
+def told(values: np.ndarray, words: Sequence[str] = (), which: np.ndarray | None = None) -> bytes:
+    """Rows of numbers (n, k) as ``%.6f`` has them, no nought with a sign, k possibly 0, each followed by its word, if there are any: that
+    of its number in ``which`` (n,)."""
+    values = values + 0.0
+    chosen = np.zeros(len(values), dtype=np.int64) if which is None else which
+    found = print_told(values, words, chosen)
+    if found is not None:
+        return found
+    parts = [fixed(values)] if values.shape[1] else []
+    return bytes(Rows.joined([*parts, Rows.of(words, chosen)] if words else parts))
 
 
 def fixed(values: np.ndarray) -> Rows:

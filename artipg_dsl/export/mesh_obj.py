@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from .robot import Robot, RobotLink, SeenMaterial, Visual
 
 _LIBRARY = "object.mtl"
+_FEW = 1024  # faces, up to which their text is kept
 _VERTEX, _NORMAL, _FACE = (("v ", " ", " ", "\n"), ("vn ", " ", " ", "\n"), ("f ", " ", " ", "\n"))
 _SHADED = ("f ", "//", " ", "//", " ", "//", "\n")
 
@@ -42,7 +44,6 @@ def obj_text(shapes: Sequence[Shape], looks: Sequence[str] = ()) -> str:
     first = first_normal = 1  # OBJ counts vertices of the whole file from 1
     for k, shape in enumerate(shapes):
         vertices = np.asarray(shape.vertices, dtype=np.float64) + 0.0  # + 0.0: no "-0"
-        indices = np.asarray(shape.faces, dtype=np.int64) + first
         parts.append(f"o {shape.name}\n")
         parts.append(print_rows(vertices, "%.9g", _VERTEX))
         if shape.normals is not None:
@@ -51,13 +52,28 @@ def obj_text(shapes: Sequence[Shape], looks: Sequence[str] = ()) -> str:
         if looks:
             parts.append(f"usemtl {looks[k]}\n")
         if shape.normals is None:
-            parts.append(print_rows(indices, "%d", _FACE))
+            parts.append(_faces_text(shape.faces, first))
         else:
-            both = np.stack([indices, corners.astype(np.int64) + first_normal], axis=-1)
-            parts.append(print_rows(both.reshape(-1, 6), "%d", _SHADED))
+            parts.append(_faces_text(shape.faces, first, corners, first_normal))
             first_normal += len(normals)
         first += len(vertices)
     return "".join(parts)
+
+
+def _faces_text(faces: np.ndarray, first: int, corners: np.ndarray | None = None, first_normal: int = 0) -> str:
+    """Triangles (F, 3) with the number of the ``first`` vertex, and which normals their ``corners`` (F, 3) have."""
+    given = [np.ascontiguousarray(array, dtype=np.int64).tobytes() for array in (faces, corners) if array is not None]
+    make = _numbered if len(faces) <= _FEW else _numbered.__wrapped__
+    return make(tuple(given), (first, first_normal))
+
+
+@lru_cache(maxsize=512)
+def _numbered(faces: tuple[bytes, ...], first: tuple[int, int]) -> str:
+    """Lines of faces; those of a primitive are alike in all objects that have as many before it."""
+    numbers = [np.frombuffer(data, dtype=np.int64) + start for data, start in zip(faces, first, strict=False)]
+    return print_rows(
+        np.stack(numbers, axis=-1).reshape(-1, 3 * len(faces)), "%d", _SHADED if len(faces) > 1 else _FACE
+    )
 
 
 def obj_bytes(shapes: Sequence[Shape]) -> bytes:

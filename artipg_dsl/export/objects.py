@@ -29,7 +29,7 @@ def object_folder(out: Place, number: int) -> Place:
 
 def find_lacking(folder: Place, formats: Sequence[Format]) -> list[Format]:
     """Those of the formats whose files an object's folder does not hold. Folders appear whole, so one file tells."""
-    return [entry for entry in formats if not (folder / entry.file).exists()]
+    return [entry for entry in formats if not (folder / entry.mark).exists()]
 
 
 def write_objects(
@@ -60,15 +60,17 @@ def write_objects(
 def _write_object(robots: Robots, i: int, folder: Place, formats: Sequence[Format], *, force: bool = False) -> None:
     """The files of all formats into the folder of object ``i``, all at once or not at all. Its other files stay."""
     for entry in formats:
-        refuse_existing(folder / entry.file, force)
+        refuse_existing(folder / entry.mark, force)
     files = {name: data for entry in formats for name, data in entry.files(robots, i).items()}
     if isinstance(folder, Remote):
-        _write_elsewhere(folder, files, [entry.file for entry in formats])
+        gone = [name for entry in formats for name in entry.clears]
+        _write_elsewhere(folder, files, [entry.mark for entry in formats], gone)
         return
     with replacing_folder(folder, force=True) as partial:
         known = folder.is_dir()
         if known:
-            shutil.copytree(folder, partial, copy_function=_link_or_copy, dirs_exist_ok=True)
+            left = shutil.ignore_patterns(*(name for entry in formats for name in entry.clears))
+            shutil.copytree(folder, partial, ignore=left, copy_function=_link_or_copy, dirs_exist_ok=True)
         for parent in dict.fromkeys(Path(name).parent for name in files):
             (partial / parent).mkdir(parents=True, exist_ok=True)
         for name, data in files.items():
@@ -77,10 +79,12 @@ def _write_object(robots: Robots, i: int, folder: Place, formats: Sequence[Forma
             (partial / name).write_bytes(data)
 
 
-def _write_elsewhere(folder: Remote, files: dict[str, bytes], tell: Sequence[str]) -> None:
-    """Files where no folder can be renamed: those that ``tell`` that a format is there come last, and go first."""
+def _write_elsewhere(folder: Remote, files: dict[str, bytes], tell: Sequence[str], gone: Sequence[str]) -> None:
+    """Files where no folder can be renamed: those that ``tell`` that a format is there come last, and go first, with what is ``gone``."""
     for name in tell:
         (folder / name).unlink(missing_ok=True)
+    for name in gone:
+        (folder / name).remove()
     for name in sorted(files, key=lambda name: name in tell):
         write_remote(folder / name, files[name], force=True)
 

@@ -15,9 +15,9 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ..annotate.cloud import Points, sample_points
+from ..annotate.cloud import Surface, sample_surface
 from ..annotate.sampling import Sampling
-from .decimals import Rows, fixed, numbers
+from .decimals import numbers, told
 from .mesh_obj import Shape, move_points, mtl_text, obj_text
 from .partnet_tree import CategoryWords, build_tree, to_entry, words_of
 from .partnet_words import JOINTS, LIFTED, link_label, root_label, spell_category, to_snake_case
@@ -106,33 +106,73 @@ class FolderLink:
 
 def partnet_files(robots: Robots, i: int) -> dict[str, bytes]:
     """The files of object ``i`` by path relative to its folder. Raises ExportError for joints without a word."""
-    robot = robots.robot(i)
-    everything = _everything(robot)
-    frame = DatasetFrame.around(everything.min(axis=0), everything.max(axis=0))
-    words = words_of(spell_category(robots.batch.program.name), _said(robots, i))
-    members = _members(robots, i, robot, frame, words)
+    folder = _Folder.of(robots, i)
     files: dict[str, bytes] = {}
-    drawn = _meshes(robots, i, robot, members, frame, files)
-    model = f"{robots.batch.program.name}-{robots.batch.seed}-{robot.number}"
-    urdf = (_template().render(model=model, links=[_urdf_link(m, members, drawn) for m in members]) + "\n").encode()
-    files |= dict.fromkeys(_URDFS, urdf)
-    files["mobility_v2.json"] = _json([_mobility(member, members) for member in members])
-    files["semantics.txt"] = "".join(f"link_{m.id} {m.word} {m.label}\n" for m in members).encode()
-    files["result.json"] = _json([_tree(robots.batch.program.name, members, words)])
-    raw = frame.points(everything)
-    files["bounding_box.json"] = _json({"min": _short(raw.min(axis=0)), "max": _short(raw.max(axis=0))})
-    files["meta.json"] = _json(
-        {
-            "model_id": model,
-            "anno_id": f"{robot.number:06d}",
+    drawn = _meshes(robots, i, folder.robot, folder.members, folder.frame, files)
+    urdf = folder.urdf(drawn)
+    return files | dict.fromkeys(_URDFS, urdf) | folder.described({}) | folder.points()
+
+
+def bare_files(robots: Robots, i: int) -> dict[str, bytes]:
+    """The same without meshes, in a fraction of the time: links show nothing and collide with nothing, leaves name no files, and
+    ``meta.json`` says so. There is one URDF: the others differ by what collides. Raises ExportError."""
+    folder = _Folder.of(robots, i)
+    urdf = folder.urdf({member.id: ([], []) for member in folder.members})
+    return {_URDFS[0]: urdf} | folder.described({"meshes": "none"}) | folder.points()
+
+
+@dataclass(frozen=True, slots=True)
+class _Folder:
+    """What the files of an object are made of."""
+
+    robots: Robots
+    i: int
+    robot: Robot
+    everything: np.ndarray
+    frame: DatasetFrame
+    words: CategoryWords | None
+    members: list[FolderLink]
+
+    @staticmethod
+    def of(robots: Robots, i: int) -> _Folder:
+        robot = robots.robot(i)
+        everything = _everything(robot)
+        frame = DatasetFrame.around(everything.min(axis=0), everything.max(axis=0))
+        words = words_of(spell_category(robots.batch.program.name), _said(robots, i))
+        return _Folder(robots, i, robot, everything, frame, words, _members(robots, i, robot, frame, words))
+
+    @property
+    def model(self) -> str:
+        """The name of the object."""
+        return f"{self.robots.batch.program.name}-{self.robots.batch.seed}-{self.robot.number}"
+
+    def urdf(self, drawn: dict[int, Any]) -> bytes:
+        links = [_urdf_link(member, self.members, drawn) for member in self.members]
+        return (_template().render(model=self.model, links=links) + "\n").encode()
+
+    def described(self, more: dict[str, str]) -> dict[str, bytes]:
+        """The files that tell of links, parts and the whole; ``more``: of the whole."""
+        name, members = self.robots.batch.program.name, self.members
+        raw = self.frame.points(self.everything)
+        meta = {
+            "model_id": self.model,
+            "anno_id": f"{self.robot.number:06d}",
             "user_id": "artipg_dsl",
             "time_in_sec": "0",
             "version": "1",
-            "model_cat": spell_category(robots.batch.program.name),
-            "metres_per_unit": repr(frame.unit),
+            "model_cat": spell_category(name),
+            "metres_per_unit": repr(self.frame.unit),
         }
-    )
-    return files | _samples(robots, i, members, frame)
+        return {
+            "mobility_v2.json": _json([_mobility(member, members) for member in members]),
+            "semantics.txt": "".join(f"link_{m.id} {m.word} {m.label}\n" for m in members).encode(),
+            "result.json": _json([_tree(name, members, self.words)]),
+            "bounding_box.json": _json({"min": _short(raw.min(axis=0)), "max": _short(raw.max(axis=0))}),
+            "meta.json": _json(meta | more),
+        }
+
+    def points(self) -> dict[str, bytes]:
+        return _samples(self.robots, self.i, self.members, self.frame)
 
 
 def folder_frame(robot: Robot) -> DatasetFrame:
@@ -170,7 +210,7 @@ def _members(
     order = folder_order(robot)
     ids = {k: n for n, k in enumerate(order)}
     program, first = robots.batch.program, int(robots.link_start[i])
-    heavy = sum(link.mass for link in robot.links) > LIFTED
+    heavy = sum(robots.weights[first : first + len(robot.links)].tolist()) > LIFTED
     members = []
     node = 1  # 0 is the object's own
     for k in order:
@@ -366,28 +406,26 @@ def _samples(robots: Robots, i: int, members: list[FolderLink], frame: DatasetFr
     names = [str(ids[divmod(k, _LEAVES)]) for k in known.tolist()]
     colours, material = np.array([look[i].colour for look in robots.looks]), points.material[i] + 1
     seen = [f"{r:.0f} {g:.0f} {b:.0f} 1" for r, g, b in np.round(255 * colours).tolist()]
-    positions = fixed(frame.points(points.position[i]) + 0.0)
-    normals = fixed(_to_dataset_axes(points.normal[i]) + 0.0)
-    label = bytes(Rows.joined([Rows.of(names, leaf.ravel())]))
+    positions = frame.points(points.position[i])
+    both = np.concatenate([positions, _to_dataset_axes(points.normal[i])], axis=1)
+    label = told(positions[:, :0], names, leaf.ravel())
     return {
-        "point_sample/pts-10000.txt": bytes(Rows.joined([positions])),
+        "point_sample/pts-10000.txt": told(positions),
         "point_sample/label-10000.txt": label,
-        "point_sample/sample-points-all-pts-nor-rgba-10000.txt": bytes(
-            Rows.joined([positions, normals, Rows.of(seen, material)])
-        ),
+        "point_sample/sample-points-all-pts-nor-rgba-10000.txt": told(both, seen, material),
         "point_sample/sample-points-all-label-10000.txt": label,
     }
 
 
-_drawn: WeakKeyDictionary[Robots, Points] = WeakKeyDictionary()
+_drawn: WeakKeyDictionary[Robots, Surface] = WeakKeyDictionary()
 
 
-def _points(robots: Robots) -> Points:
+def _points(robots: Robots) -> Surface:
     """The points of all objects of a batch, drawn together, with the joints at 0."""
     found = _drawn.get(robots)
     if found is None:
         still = np.zeros(len(robots.joints.owner))
-        found = _drawn[robots] = sample_points(robots.batch, Sampling(_POINTS), still)
+        found = _drawn[robots] = sample_surface(robots.batch, Sampling(_POINTS), still)
     return found
 
 

@@ -47,7 +47,8 @@ class Format:
     ``shard(batch, content)``: what one file for a run of objects holds of some of them, in rows that follow one another: arrays,
     which go into the ``container``, or lines of text. The file is named ``<kind>-<shard><suffix>``.
     ``robot(robot)``: the files of one object, bytes by path relative to its folder. ``member(robots, i)``: the same
-    where more than the model of links and joints is needed. ``file`` is one of these files that is always there.
+    where more than the model of links and joints is needed. ``file`` is one of these files that is always there; ``tells``
+    one that no other format has, where that is another. ``clears``: what another format has left and this one does not have.
     ``needs``: (module, package, extra) that the writer imports beyond what is always installed.
     """
 
@@ -58,6 +59,8 @@ class Format:
     robot: str = ""
     member: str = ""
     file: str = ""
+    tells: str = ""
+    clears: tuple[str, ...] = ()
     needs: tuple[str, str, str] | None = None
     seen: bool = False  # it has what is seen alone, nothing that collides
     container: Container | None = None
@@ -67,6 +70,11 @@ class Format:
     def kind(self) -> str:
         """What is written, whatever it is kept in: ``points`` of ``points.hdf5``."""
         return self.name.partition(".")[0]
+
+    @property
+    def mark(self) -> str:
+        """The file of an object's folder that tells whether the format is there."""
+        return self.tells or self.file
 
     @property
     def per_object(self) -> bool:
@@ -98,6 +106,7 @@ def _writer(place: str) -> Any:
 
 
 TABLES = "tables"
+_BARE = ".bare"  # ends the name of a format without meshes
 
 
 def _contained(entry: Format) -> list[Format]:
@@ -162,6 +171,15 @@ FORMATS: dict[str, Format] = {
             "the folder of PartNet-Mobility",
             member="partnet_mobility:partnet_files",
             file="mobility.urdf",
+            tells="mobility_cvx.urdf",
+        ),
+        Format(
+            f"partnet-mobility{_BARE}",
+            "the same without meshes",
+            member="partnet_mobility:bare_files",
+            file="mobility.urdf",
+            clears=("mobility_cvx.urdf", "mobility_vhacd.urdf", "textured_objs"),
+            seen=True,
         ),
     )
     for entry in _contained(plain)
@@ -195,7 +213,20 @@ def find_formats(names: str | Sequence[str]) -> list[Format]:
             meant = f"did you mean {close[0]}? " if close else ""
             raise ExportError(f"unknown format {name!r}", f"{meant}the formats are {', '.join(FORMATS)}")
         _require(FORMATS[name])
+        if name.removesuffix(_BARE) != name and name.removesuffix(_BARE) in wanted:
+            raise ExportError(f"{name} has the files of {name.removesuffix(_BARE)}", "choose one of the two")
     return [entry for name, entry in FORMATS.items() if name in wanted]
+
+
+def without_meshes(formats: Sequence[Format]) -> list[Format]:
+    """The same formats, those of objects without their meshes. Raises ExportError."""
+    known = [name.removesuffix(_BARE) for name in FORMATS if name.endswith(_BARE)]
+    for entry in formats:
+        if entry.per_object and entry.name.removesuffix(_BARE) not in known:
+            raise ExportError(f"{entry.name} always has meshes", f"--no-meshes is for {', '.join(known)}")
+    if not any(entry.per_object for entry in formats):
+        raise ExportError("none of the formats has meshes to leave out", f"--no-meshes is for {', '.join(known)}")
+    return [FORMATS[f"{entry.name.removesuffix(_BARE)}{_BARE}"] if entry.per_object else entry for entry in formats]
 
 
 def _require(entry: Format) -> None:

@@ -232,6 +232,11 @@ class Robots:
         return Mass(np.maximum(mass.mass, SMALLEST_MASS), center, inertia)
 
     @cached_property
+    def weights(self) -> np.ndarray:
+        """Masses (L,) of all links, as in ``mass``, also without physics."""
+        return self.mass.mass if self.physics else np.maximum(masses(self.batch).mass, SMALLEST_MASS)
+
+    @cached_property
     def curves(self) -> dict[int, tuple[np.ndarray, np.ndarray]]:
         """How joints follow by formulas: by the row, values of the leader and its own at these."""
         return tabulate(self.joints)

@@ -35,9 +35,18 @@ class Machine:
         try:
             for name in ("closest", "separate", "meet_in_states", "examine", "sweep", "row_sums", "add_moments"):
                 getattr(library, name).restype = None
-            for name in ("near_in_states", "way_size", "examine_cells", "reach_of_cells", "print_rows", "deepest"):
+            for name in (
+                "near_in_states",
+                "way_size",
+                "examine_cells",
+                "reach_of_cells",
+                "print_rows",
+                "print_told",
+                "deepest",
+            ):
                 getattr(library, name).restype = ctypes.c_int64
             self._run, look = library.run, library.look
+            self.print_rows = library.print_rows
             self._moves = {
                 kinds: ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0
                 for kinds, name in (("???->?", "choose1"), ("?dd->d", "choose8"), ("?->d", "number"))
@@ -46,6 +55,7 @@ class Machine:
             raise NoMachine(f"the compiled backend is not whole: {wrong}") from None
         long, address = ctypes.c_int64, ctypes.c_void_p
         self._run.argtypes = [address] * 5 + [long] * 4
+        self.print_rows.argtypes = [long] * 4 + [address, ctypes.c_char_p, address, address]  # called often for little
         look.argtypes, look.restype = [long, long, address], None
         found = np.zeros(5, dtype=np.int64)
         shown = np.zeros((7, 3))[::2, 1]

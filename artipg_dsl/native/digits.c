@@ -99,6 +99,9 @@ static char *put_general(char *out, double value, int digits) {
     return out;
 }
 
+static const char PAIRS[] = "00010203040506070809101112131415161718192021222324252627282930313233343536373839404142434445464748495051525354"
+                            "555657585960616263646566676869707172737475767778798081828384858687888990919293949596979899";
+
 static char *put_fixed(char *out, double value, int digits) {
     int64_t whole;
     int k;
@@ -107,6 +110,15 @@ static char *put_fixed(char *out, double value, int digits) {
     if (!(value < 1e9)) return 0;
     whole = scaled(value, digits);
     if (whole < 0) return 0;
+    if (digits == 6 && whole < 10000000) { /* most numbers: one digit before the point, and pairs of them behind it */
+        const uint32_t all = (uint32_t)whole, behind = all % 1000000;
+        out[0] = (char)('0' + all / 1000000);
+        out[1] = '.';
+        memcpy(out + 2, PAIRS + 2 * (behind / 10000), 2);
+        memcpy(out + 4, PAIRS + 2 * (behind / 100 % 100), 2);
+        memcpy(out + 6, PAIRS + 2 * (behind % 100), 2);
+        return out + 8;
+    }
     out = put_whole(out, whole / (int64_t)TENS[digits]);
     whole %= (int64_t)TENS[digits];
     *out++ = '.';
@@ -138,6 +150,28 @@ OUT int64_t print_rows(int64_t rows, int64_t columns, int64_t form, int64_t digi
                 at = put_fixed(at, *number++, (int)digits);
             if (!at) return -1;
         }
+    }
+    return at - out;
+}
+
+/* Rows of ``columns`` numbers with six digits behind the point, blanks between, and the word of each row, if there are ``words``: word k is from
+   ``ends[k]`` to ``ends[k + 1]``. Returns the length of ``out``, -1 where a number cannot be written here. */
+OUT int64_t print_told(int64_t rows, int64_t columns, const double *number, const int64_t *word, const char *words, const int64_t *ends,
+                       char *out) {
+    char *at = out;
+    for (int64_t row = 0; row < rows; row++) {
+        for (int64_t column = 0; column < columns; column++) {
+            if (column) *at++ = ' ';
+            at = put_fixed(at, *number++, 6);
+            if (!at) return -1;
+        }
+        if (words) {
+            const int64_t from = ends[word[row]], to = ends[word[row] + 1];
+            if (columns) *at++ = ' ';
+            memcpy(at, words + from, (size_t)(to - from));
+            at += to - from;
+        }
+        *at++ = '\n';
     }
     return at - out;
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,21 +26,50 @@ def print_rows(values: np.ndarray, form: str, marks: Sequence[str]) -> str:
     return (form.join(plain)) * len(values) % tuple(values.ravel().tolist())
 
 
+def print_told(values: np.ndarray, words: Sequence[str], which: np.ndarray) -> bytes | None:
+    """Rows of numbers (n, k) as ``%.6f`` has them, blanks between, then the word of each row by its number in ``which`` (n,), if there are
+    words, ASCII. None where there is no machine, or where it leaves a number to Python."""
+    machine = backend.machine()
+    if machine is None:
+        return None
+    values, which = np.ascontiguousarray(values, dtype=np.float64), np.ascontiguousarray(which, dtype=np.int64)
+    said = [word.encode("ascii") for word in words]
+    ends = np.cumsum([0, *map(len, said)], dtype=np.int64)
+    room = _WIDTH * values.shape[1] + max(map(len, said), default=0) + 1
+    out = np.empty(len(values) * room, dtype=np.uint8)
+    text = b"".join(said) if said else None
+    length = call(machine.library.print_told, *values.shape, values, which, text, ends, out)
+    return None if length < 0 else out[:length].tobytes()
+
+
 def _printed(values: np.ndarray, form: str, marks: tuple[str, ...]) -> bytes | None:
     """The same by the machine; None where there is none, or where it leaves a number to Python."""
     machine = backend.machine()
     if machine is None:
         return None
-    number, digits, text, ends = _row(form, marks)
-    values = np.ascontiguousarray(values, dtype=np.float64 if number else np.int64)
-    out = np.empty(len(values) * (len(text) + _WIDTH * values.shape[1]), dtype=np.uint8)
-    length = call(machine.library.print_rows, *values.shape, number, digits, values, text, ends, out)
+    row = _row(form, marks)
+    values = np.ascontiguousarray(values, dtype=row.kind)
+    rows, columns = values.shape
+    out = np.empty(rows * (len(row.text) + _WIDTH * columns), dtype=np.uint8)
+    length = machine.print_rows(
+        rows, columns, row.form, row.digits, values.ctypes.data, row.text, row.ends.ctypes.data, out.ctypes.data
+    )
     return None if length < 0 else out[:length].tobytes()
 
 
+class _Row(NamedTuple):
+    """How rows are printed: a form by its number and its digits, the marks as one text, and where each ends."""
+
+    kind: type
+    form: int
+    digits: int
+    text: bytes
+    ends: np.ndarray
+
+
 @lru_cache(maxsize=64)
-def _row(form: str, marks: tuple[str, ...]) -> tuple[int, int, bytes, np.ndarray]:
-    """A form by its number and digits, the marks as one text, and where each ends."""
+def _row(form: str, marks: tuple[str, ...]) -> _Row:
     text = [mark.encode("ascii") for mark in marks]
-    digits = int(form[2:-1]) if form[1] == "." else 0
-    return _FORMS[form[-1]], digits, b"".join(text), np.cumsum([len(part) for part in text], dtype=np.int64)
+    number, digits = _FORMS[form[-1]], int(form[2:-1]) if form[1] == "." else 0
+    ends = np.cumsum([len(part) for part in text], dtype=np.int64)
+    return _Row(np.float64 if number else np.int64, number, digits, b"".join(text), ends)

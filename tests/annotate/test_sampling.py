@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import artipg_dsl as apg
-from artipg_dsl.annotate.cloud import Points
+from artipg_dsl.annotate.cloud import Points, sample_surface
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.errors import UsageError, UserError
 from artipg_dsl.export.containers import npz_bytes
@@ -25,6 +25,12 @@ def same(one: Points, other: Points, rows: np.ndarray) -> None:
     for name in ("position", "normal", "semantic", "instance", "link", "primitive", "element", "patch", "u", "v"):
         assert getattr(one, name)[rows].tobytes() == getattr(other, name).tobytes(), name
     assert all(one.labels[name][rows].tobytes() == other.labels[name].tobytes() for name in one.labels)
+
+
+def test_points_without_labels_are_the_same(samples: apg.Samples) -> None:
+    whole, bare = samples.points(128), sample_surface(samples.batch, Sampling(128))
+    for name in ("position", "normal", "instance", "link", "material"):
+        assert getattr(whole, name).tobytes() == getattr(bare, name).tobytes(), name
 
 
 @pytest.mark.parametrize(

@@ -47,6 +47,25 @@ def test_a_folder_of_samples_gets_further_formats(apgc: Apgc, made: Path, tmp_pa
     assert all(after[name] == data for name, data in whole.items() if name.startswith("objects/"))
 
 
+def test_folders_without_meshes(apgc: Apgc, made: Path) -> None:
+    assert apgc("export", made, "--format", "partnet-mobility", "--no-meshes")[0] == 0
+    files = tree(made)
+    assert "objects/000000/mobility.urdf" in files and not any("textured_objs" in name for name in files)
+    assert json.loads(files["manifest.json"])["identity"]["formats"] == [
+        "points",
+        "annotation",
+        "partnet-mobility.bare",
+    ]
+    for more, words in (
+        (("urdf",), "urdf always has meshes"),
+        (("points",), "none of the formats has meshes to leave out"),
+        (("partnet-mobility", "--triangles", 30), "--no-meshes leaves them out"),
+        (("cage",), "cage always has its meshes"),
+    ):
+        code, _, err = apgc("export", made, "--no-meshes", "--format", *more)
+        assert code == 2 and words in err
+
+
 def test_another_folder_holds_the_same_objects(apgc: Apgc, made: Path, tmp_path: Path) -> None:
     before = tree(made)
     assert apgc("export", made, "--format", "urdf", "--only", "2", "-o", tmp_path / "robots")[0] == 0

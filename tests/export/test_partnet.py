@@ -363,6 +363,44 @@ def test_what_it_cannot_state_is_refused(monkeypatch: pytest.MonkeyPatch) -> Non
             partnet_files(robots, 0)
 
 
+def test_a_folder_without_meshes_says_so_and_is_the_same_else(tmp_path: Path) -> None:
+    """What it has is what the whole folder has; what it has not is named nowhere."""
+    batch = sample("Microwave", numbers=[2], seed=7, checked=False)
+    (whole,), (bare,) = (
+        batch.export(tmp_path / "a", "partnet-mobility"),
+        batch.export(tmp_path / "b", "partnet-mobility.bare"),
+    )
+    names = {path.relative_to(bare).as_posix() for path in bare.rglob("*") if path.is_file()}
+    points = {f"point_sample/{path.name}" for path in (whole / "point_sample").iterdir()}
+    told = {"mobility_v2.json", "semantics.txt", "bounding_box.json", *points}
+    assert names == told | {"mobility.urdf", "result.json", "meta.json"} and len(points) == 4
+    for name in told:
+        assert (bare / name).read_bytes() == (whole / name).read_bytes(), name
+    meta, full = (json.loads((path / "meta.json").read_text()) for path in (bare, whole))
+    assert meta == full | {"meshes": "none"}
+    text, parts = (bare / "mobility.urdf").read_text(), (bare / "result.json").read_text()
+    assert "mesh" not in text and "original-" not in parts and json.loads(parts)[0]["children"]
+    urdf, other = (ElementTree.parse(path / "mobility.urdf").getroot() for path in (bare, whole))
+    assert [ElementTree.tostring(j) for j in urdf.iter("joint")] == [
+        ElementTree.tostring(j) for j in other.iter("joint")
+    ]
+    assert [link.attrib for link in urdf.iter("link")] == [link.attrib for link in other.iter("link")]
+
+
+def test_one_kind_of_folder_takes_the_place_of_the_other(tmp_path: Path) -> None:
+    batch = sample("Microwave", numbers=[2], seed=7, checked=False)
+    (folder,) = batch.export(tmp_path, "partnet-mobility.bare")
+    batch.export(tmp_path, "partnet-mobility")  # which is not there yet
+    assert (folder / "mobility_cvx.urdf").exists() and '"meshes"' not in (folder / "meta.json").read_text()
+    with pytest.raises(ExportError, match="exists"):
+        batch.export(tmp_path, "partnet-mobility.bare")
+    batch.export(tmp_path, "partnet-mobility.bare", force=True)
+    left = {path.name for path in folder.iterdir()}
+    assert not left & {"textured_objs", "mobility_cvx.urdf", "mobility_vhacd.urdf"} and "mobility.urdf" in left
+    with pytest.raises(ExportError, match="has the files of partnet-mobility"):
+        batch.export(tmp_path, "partnet-mobility,partnet-mobility.bare")
+
+
 def test_words() -> None:
     assert spell_category("Trashcan") == "TrashCan" and spell_category("washing_machine") == "WashingMachine"
     assert spell_category("Foldingrack") == "Foldingrack" and len(CATEGORIES) == 46

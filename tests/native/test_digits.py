@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from artipg_dsl.export.decimals import numbers
+from artipg_dsl.export.decimals import numbers, told
 from artipg_dsl.native import backend
 from artipg_dsl.native.digits import _printed, print_rows
 
@@ -74,3 +74,19 @@ def test_a_few_numbers_and_many(request, monkeypatch, with_machine):
         expected = " ".join(f"{value:.9g}" for value in (np.round(values, 12) + 0.0).tolist())
         assert numbers(values) == numbers(values.tolist()) == expected
     assert numbers([np.inf, 1e-13, 0.5]) == "inf 0 0.5"
+
+
+@pytest.mark.parametrize("with_machine", [False, pytest.param(True, marks=needs_compiler)])
+def test_rows_with_words(request, monkeypatch, with_machine):
+    """Numbers, words or both, those that compiled code leaves to Python too."""
+    used = request.getfixturevalue("machine") if with_machine else None
+    monkeypatch.setattr(backend, "machine", lambda: used)
+    words, which = ["7 7 255 1", "", "40"], np.arange(2000) % 3
+    for kind in ("plain", "half way", "exactly half way", "nothing"):
+        values = some(kind)
+        rows = [f"{x:.6f} {y:.6f} {z:.6f}" for x, y, z in (values + 0.0).tolist()]
+        assert told(values) == "".join(f"{row}\n" for row in rows).encode()
+        both = "".join(f"{row} {words[k]}\n" for row, k in zip(rows, which.tolist(), strict=True))
+        assert told(values, words, which) == both.encode()
+        assert told(values[:, :0], words, which) == "".join(f"{words[k]}\n" for k in which.tolist()).encode()
+    assert told(np.array([[np.nan, 1e300]])) == f"nan {1e300:.6f}\n".encode()
