@@ -16,8 +16,9 @@ import numpy as np
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import pair
+from .cuts import FINE, TINY, clamp
 from .probe import Probe
-from .profiles import FINE, TINY, Loop, Point, Span, clamp, dot, minus, samples, scale, straight
+from .profiles import Loop, Point, Span, dot, minus, samples, scale, straight
 
 _THIN = E.const(1e-12)  # metres: the least half axis
 EXACT = 1e-11  # relative: how well the test values must fit an ellipse

@@ -1,7 +1,7 @@
 """Plane regions bounded by curves: how far a point is from the boundary, on which side, and how far the region reaches.
 
 A boundary is made of spans. The distance of a point to a straight span or a circular arc is exact; on others the foot of the
-perpendicular is found by Newton's method, written out, within brackets so short that the curve bends little in them.
+perpendicular is found by Newton's method, written out, from the nearest of cuts that bend little (see ``cuts``).
 On the boundary itself the distance is 0 to rounding.
 """
 
@@ -16,19 +16,18 @@ from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import pair
+from .cuts import FINE, TINY, WHOLE, Cut, Fold, clamp, fold, halved, rivals, starts, within
 from .probe import SMALL, Probe
 
 Point = tuple[Expr, Expr]
 V = E.var("v")
-TINY = E.const(1e-300)
 SLOPE = E.const(0.95)  # takes what Newton's method leaves open far from a curve out of the slope
-STEPS = 4
+STEPS = 3
 SLOW = 3
 LEAST = 0.5  # of the squared speed: the least denominator of a step, near the centre of curvature
-_BEND = np.radians(50.0)  # the most that a curve turns within a bracket
+_BEND = np.radians(40.0)  # the most that a curve turns within a cut
 TURN = 6.283185307179586
 FLAT = 1e-7  # metres for the whole of a curve: a slope that leads nowhere
-FINE = 64  # steps at which a curve's turning is looked at; a power of 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,10 +107,6 @@ def right_of(direction: Point, sign: Expr) -> Point:
     return scale((direction[1], E.neg(direction[0])), E.div(sign, length))
 
 
-def clamp(value: Expr, low: float, high: float) -> Expr:
-    return E.minimum(E.maximum(value, E.const(low)), E.const(high))
-
-
 def samples(probe: Probe, span: Span, count: int) -> np.ndarray:
     """(rows, count + 1, 2): places at equal steps."""
     values = probe.along(span.by_fraction, [k / count for k in range(count + 1)], V)
@@ -132,26 +127,11 @@ def straight(probe: Probe, span: Span) -> bool:
     return bool((np.abs(np.nan_to_num(turning(samples(probe, span, 12)), nan=1.0)) < 1e-9).all())
 
 
-def _brackets(probe: Probe, span: Span) -> list[tuple[float, float]]:
-    """A span halved and halved again until it turns by little in each bracket."""
+def _cuts(probe: Probe, span: Span, symmetry: Fold) -> list[Cut]:
+    """A span, or the part of it that its symmetry leaves, cut so that it turns by little in each cut."""
     turns = np.abs(np.nan_to_num(turning(samples(probe, span, FINE))))
-    return halved(np.concatenate([turns, turns[:, -1:]], axis=1))
-
-
-def halved(turns: np.ndarray, bend: float = _BEND) -> list[tuple[float, float]]:
-    """Brackets of 0 .. 1 from the angles (rows, steps) that a curve turns through in equal steps, a power of 2."""
-    found: list[tuple[float, float]] = []
-    fine = turns.shape[1]
-
-    def halve(low: int, high: int) -> None:
-        if high - low <= 2 or turns[:, low:high].sum(axis=1).max() <= bend:
-            found.append((low / fine, high / fine))
-        else:
-            halve(low, (low + high) // 2)
-            halve((low + high) // 2, high)
-
-    halve(0, fine)
-    return found
+    found = halved(np.concatenate([turns, turns[:, -1:]], axis=1), _BEND)
+    return [(low, min(high, symmetry.high)) for low, high in found if low < symmetry.high]
 
 
 def equal_steps(probe: Probe, span: Span, bend: float, most: int) -> int:
@@ -230,7 +210,7 @@ def corner(probe: Probe, before: Side, after: Side, own: Side, sign: Expr) -> Po
 def reaches(
     probe: Probe, span: Span, outward: Expr, ends: tuple[Point, Point], point: Point
 ) -> list[tuple[Expr, Expr]]:
-    """Squared distance of the point to each bracket of a span, and a number with the sign of its side."""
+    """Squared distance of the point to a span, and a number with the sign of its side; where two places of it may be nearest, of both."""
     if straight(probe, span):
         a, b = span.start, span.end
         along = minus(b, a)
@@ -241,22 +221,33 @@ def reaches(
     arc = circular(probe, span)
     if arc is not None:
         return [arc.reach(outward, ends, point)]
-    cuts = _brackets(probe, span)
     curve = span.by_fraction
+    symmetry = _fold(probe, span, ends)
+    cuts = _cuts(probe, span, symmetry)
+    point = symmetry(point)
     speed: Point = pair(derive(c, "v") for c in curve)
     bend: Point = pair(derive(c, "v") for c in speed)
+    closed = symmetry.high < 1.0 and probe.same(span.start, span.end)
     found = []
-    for k, (low, high) in enumerate(cuts):
-        t = E.const((low + high) / 2)
-        for number in range(STEPS):
-            t = clamp(E.add(t, step(point, curve, speed, bend, t, number)), low, high)
-        last = clamp(E.add(t, step(point, curve, speed, bend, t, STEPS)), low, high)
+    for begin in starts(point, curve, cuts, rivals(samples(probe, span, FINE), symmetry)):
+        t = last = begin.v
+        for number in range(STEPS + 1):
+            t, last = last, within(E.add(last, step(point, curve, speed, bend, last, number)), begin.low, begin.high)
         here, tangent = substituted(curve, t), substituted(speed, t)
         away = minus(minus(point, here), scale(tangent, E.sub(last, t)))
         normal = right_of(tangent, outward)
-        own = (ends[0] if k == 0 else normal, ends[1] if k == len(cuts) - 1 else normal)
-        found.append((dot(away, away), _side_of(away, normal, last, own, E.const(low), E.const(high))))
+        own = (normal if closed else ends[0], normal if symmetry.high < 1.0 else ends[1])
+        found.append((dot(away, away), _side_of(away, normal, last, own, ZERO, ONE)))
     return found
+
+
+def _fold(probe: Probe, span: Span, ends: tuple[Point, Point]) -> Fold:
+    """The symmetry of a span; an open one has its corners mirrored with it, or none."""
+    found = fold(samples(probe, span, FINE))
+    if found.high == 1.0 or probe.same(span.start, span.end):
+        return found
+    image = pair(c if sign is None else E.neg(c) for c, sign in zip(ends[1], found.signs, strict=True))
+    return found if probe.same(ends[0], image) else WHOLE
 
 
 @dataclass(frozen=True, slots=True, eq=False)

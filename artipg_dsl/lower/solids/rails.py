@@ -19,11 +19,13 @@ from ..values.handed import Handed
 from ..values.kinds import Frame, Value
 from ..values.vectors import cross, dot, minus, plus, times
 from .curves import TURN, Curve, named_curve
+from .cuts import FINE, Cut, clamp, halved, starts, within
 from .paths import MOST_STEPS, Stretch, angles, windows
 from .probe import Probe
-from .profiles import FINE, SLOW, STEPS, V, clamp, halved, onwards, tops
+from .profiles import SLOW, V, onwards, tops
 
-_BRACKET = np.radians(25.0)  # how far a path turns within one
+_BEND = np.radians(25.0)  # how far a path turns within a cut
+_STEPS = 4  # of Newton's method, after a slow one
 NEAR = E.const(0.1)  # of the width of a section: further off, the distance to the path tells how far it is
 
 P: Triple = triple(E.var(f"p.{a}") for a in "xyz")
@@ -155,10 +157,7 @@ def ports_of(rails: list[Stretch], first: Across, last: Across) -> dict[str, Val
 
 
 def nearest(probe: Probe, rail: Stretch) -> tuple[Expr, Expr]:
-    """Squared distance of p to the path of a formula, and its parameter there, by Newton's method in brackets.
-
-    A few steps in each bracket tell which is nearest; the others are made there and in the halves of its neighbours.
-    """
+    """Squared distance of p to the path of a formula, and its parameter there, by Newton's method from the nearest cut."""
     speed: Triple = triple(derive(c, "v") for c in rail.place)
     bend: Triple = triple(derive(c, "v") for c in speed)
 
@@ -170,41 +169,30 @@ def nearest(probe: Probe, rail: Stretch) -> tuple[Expr, Expr]:
         move = onwards(dot(away, tangent), dot(tangent, tangent), dot(away, curved), turn)
         return away, tangent, move
 
-    best: tuple[Expr, ...] | None = None
-    cuts = _brackets(probe, rail)
-    for ends in ((0.0, 0.0), *cuts, (1.0, 1.0)):  # also the ends themselves, which in a hollow have a rise beside them
-        t: Expr = E.const(sum(ends) / 2)
-        for turn in range(SLOW if ends[0] < ends[1] else 0):
-            t = clamp(E.add(t, moved(t, turn)[2]), *ends)
-        away = minus(P, triple(E.substitute(c, {V: t}) for c in rail.place))
-        more = (ends[1] - ends[0]) / 2 or cuts[0][1] / 2
-        found = dot(away, away), t, E.const(max(ends[0] - more, 0.0)), E.const(min(ends[1] + more, 1.0))
-        if best is None:
-            best = found
-        else:
-            nearer = E.call("lt", found[0], best[0])
-            best = (
-                E.minimum(found[0], best[0]),
-                *(E.where(nearer, a, b) for a, b in zip(found[1:], best[1:], strict=True)),
-            )
-    assert best is not None
-    _, t, low, high = best
-    for turn in range(SLOW, SLOW + STEPS):
-        away, tangent, move = moved(t, turn)
-        after = E.minimum(E.maximum(E.add(t, move), low), high)
-        if turn == SLOW + STEPS - 1:
-            away = minus(away, times(tangent, E.sub(after, t)))
-        t = after
-    return dot(away, away), t
+    found = []
+    for begin in starts(P, rail.place, _cuts(probe, rail), 2):
+        t = begin.v
+        for turn in range(SLOW - 1, SLOW + _STEPS):
+            away, tangent, move = moved(t, turn)
+            after = within(E.add(t, move), begin.low, begin.high)
+            if turn == SLOW + _STEPS - 1:
+                away = minus(away, times(tangent, E.sub(after, t)))
+            t = after
+        found.append((dot(away, away), t))
+    square, v = found[0]
+    for other, there in found[1:]:
+        v = E.where(E.call("lt", other, square), there, v)
+        square = E.minimum(square, other)
+    return square, v
 
 
-def _brackets(probe: Probe, rail: Stretch) -> list[tuple[float, float]]:
-    """A formula's path cut so that it turns by little in each bracket."""
+def _cuts(probe: Probe, rail: Stretch) -> list[Cut]:
+    """A formula's path cut so that it turns by little in each cut."""
     fine = FINE
     while True:
         turns = angles(probe, rail, fine).T
-        if fine >= MOST_STEPS or turns.max() <= _BRACKET / 2 and 4 * windows(probe, rail) <= fine:
-            return halved(turns, _BRACKET)
+        if fine >= MOST_STEPS or turns.max() <= _BEND / 2 and 4 * windows(probe, rail) <= fine:
+            return halved(turns, _BEND)
         fine *= 2
 
 

@@ -9,8 +9,9 @@ import numpy as np
 from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
+from .cuts import clamp
 from .probe import Probe
-from .profiles import FLAT, Span, V, clamp, straight, tops
+from .profiles import FLAT, Span, V, straight, tops
 
 W = E.var("section.w")  # along a curve of the section, as V is along the path
 _GRID = 8
