@@ -22,11 +22,12 @@ from .probe import SMALL, Probe
 Point = tuple[Expr, Expr]
 V = E.var("v")
 SLOPE = E.const(0.95)  # takes what Newton's method leaves open far from a curve out of the slope
-STEPS = 3
+STEPS = 4
 SLOW = 3
 LEAST = 0.5  # of the squared speed: the least denominator of a step, near the centre of curvature
 _BEND = np.radians(40.0)  # the most that a curve turns within a cut
 TURN = 6.283185307179586
+_STEPS, _COARSE = 48, 12  # at which a function is looked at for its summit; and written out
 FLAT = 1e-7  # metres for the whole of a curve: a slope that leads nowhere
 
 
@@ -345,45 +346,59 @@ def extreme(probe: Probe, spans: Sequence[Span], axis: int, sign: int) -> Expr:
 
 def tops(probe: Probe, height: Expr, windows: int = 1) -> list[Expr]:
     """Places of which the highest is the highest of a function of v: the ends of equal windows, and summits within."""
-    ends = [E.substitute(height, {V: E.const(k / windows)}) for k in range(windows + 1)]
-    return ends + crests(probe, height, windows)
+    return [E.substitute(height, {V: v}) for v in (*steps(windows), *summits(probe, height, windows))]
 
 
 def crests(probe: Probe, height: Expr, windows: int = 1) -> list[Expr]:
     """The summit of a function of v in each of equal windows where it has one for some test value."""
+    return [E.substitute(height, {V: v}) for v in summits(probe, height, windows)]
+
+
+def steps(windows: int) -> list[Expr]:
+    """The ends of equal windows of 0 .. 1."""
+    return [E.const(k / windows) for k in range(windows + 1)]
+
+
+def summits(probe: Probe, height: Expr, windows: int = 1) -> list[Expr]:
+    """Where in each of equal windows a function of v has its summit, if it has one there for some test value."""
     found = []
     for k in range(windows):
         share = E.mul(E.add(V, E.const(float(k))), E.const(1 / windows))
         part = height if windows == 1 else E.substitute(height, {V: share})
-        if _rises(probe, part):
-            found.append(E.substitute(part, {V: _summit(part)}))
+        values = probe.along([part], [k / _STEPS for k in range(_STEPS + 1)], V)[:, 0]
+        slope = derive(part, "v")
+        if _rises(probe, slope, values):
+            found.append(E.substitute(share, {V: _summit(probe, part, slope, values)}))
     return found
 
 
-def _rises(probe: Probe, height: Expr) -> bool:
-    """Whether a function of v is greater somewhere between its ends than at both: at some step, or by its slopes there."""
-    values = probe.along([height], [k / 32 for k in range(33)], V)[:, 0]
+def _rises(probe: Probe, slope: Expr, values: np.ndarray) -> bool:
+    """Whether a function of v is greater somewhere between its ends than at both: at some step (``values``), or by its slopes there."""
     ends = np.maximum(values[0], values[-1])
     if (values.max(axis=0) > ends + 1e-12).any():
         return True
-    slope = derive(height, "v")
     begin, end = probe(*(E.substitute(slope, {V: v}) for v in (ZERO, ONE)))
     return bool(((values[0] >= ends) & (begin > FLAT) | (values[-1] >= ends) & (end < -FLAT)).any())
 
 
-def _summit(height: Expr, count: int = 12) -> Expr:
-    """Where a function of v is greatest over 0 .. 1: the best of equal steps, then Newton's method on the slope."""
-    first = derive(height, "v")
-    second = derive(first, "v")
+def _summit(probe: Probe, height: Expr, slope: Expr, values: np.ndarray) -> Expr:
+    """Where a function of v is greatest over 0 .. 1: a step at which it is for all test values; or the best of steps, then Newton's method
+    on the slope.
+    """
+    near = np.flatnonzero((values >= values.max(axis=0) - SMALL).all(axis=1))
+    for k in map(int, near):
+        if (np.abs(probe(E.substitute(slope, {V: E.const(k / _STEPS)}))) < SMALL).all():
+            return E.const(k / _STEPS)
     best: Expr = ZERO
     top = E.substitute(height, {V: ZERO})
-    for k in range(1, count + 1):
-        value = E.substitute(height, {V: E.const(k / count)})
-        best = E.where(E.call("lt", top, value), E.const(k / count), best)
+    for k in range(1, _COARSE + 1):
+        value = E.substitute(height, {V: E.const(k / _COARSE)})
+        best = E.where(E.call("lt", top, value), E.const(k / _COARSE), best)
         top = E.maximum(top, value)
-    low, high = (E.add(best, E.const(d / count)) for d in (-1.0, 1.0))
-    for _ in range(5):
-        slope, bend = (E.substitute(f, {V: best}) for f in (first, second))
-        moved = E.sub(best, E.div(slope, E.minimum(bend, E.const(-1e-12))))
+    low, high = (E.add(best, E.const(d / _COARSE)) for d in (-1.0, 1.0))
+    second = derive(slope, "v")
+    for _ in range(6):
+        rise, bend = (E.substitute(f, {V: best}) for f in (slope, second))
+        moved = E.sub(best, E.div(rise, E.minimum(bend, E.const(-1e-12))))
         best = clamp(E.minimum(E.maximum(moved, low), high), 0.0, 1.0)
     return best

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...graph import expr as E
 from ...graph.derive import derive
-from ...graph.expr import ONE, ZERO, Expr
+from ...graph.expr import ZERO, Expr
 from ...graph.primitive import Triple, triple
 from ...syntax import ast
 from ..expressions.env import Env
@@ -22,7 +22,7 @@ from .curves import TURN, Curve, named_curve
 from .cuts import FINE, Cut, clamp, halved, starts, within
 from .paths import MOST_STEPS, Stretch, angles, windows
 from .probe import Probe
-from .profiles import SLOW, V, onwards, tops
+from .profiles import SLOW, V, onwards, steps, summits
 
 _BEND = np.radians(25.0)  # how far a path turns within a cut
 _STEPS = 4  # of Newton's method, after a slow one
@@ -206,9 +206,13 @@ def reach(
     found: list[Expr] = []
     for (rail, side), (low, high) in zip(rails, wide, strict=True):
         beside = E.add(low, E.mul(V, E.sub(high, low)))
-        height = E.mul(factor, E.add(rail.place[axis], E.mul(side(V)[axis], beside)))
-        line = rail.center is None and rail.length is not ZERO
-        ends = [E.substitute(height, {V: end}) for end in (ZERO, ONE)]
-        found += ends if line else tops(probe, height, windows(probe, rail))
+        place = E.mul(factor, rail.place[axis])
+        height = E.add(place, E.mul(E.mul(factor, side(V)[axis]), beside))
+        if rail.center is None and rail.length is not ZERO:
+            spots = steps(1)
+        else:  # a line at one distance from the path is highest where the path is: both run in the same direction there
+            turns = windows(probe, rail)
+            spots = [*steps(turns), *summits(probe, place if low is high else height, turns)]
+        found += [E.substitute(height, {V: v}) for v in spots]
     greatest = probe.greatest(found)
     return greatest if sign > 0 else E.neg(greatest)
