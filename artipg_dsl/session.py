@@ -261,6 +261,26 @@ class Session:
                 hint="use fewer or simpler primitives, or `--unchecked`; `apgc profile` shows all parts",
             )
 
+    def _warn_untested(self, batch: Batch, lowering: Lowering, span: Span) -> None:
+        """Name the primitives whose box is wrong at values that their `test` ranges leave out."""
+        from .geometry.errors import PrimitiveError  # start-up
+        from .quality.untested import find_untested  # start-up
+
+        try:
+            found = find_untested(batch)
+        except PrimitiveError:
+            return  # told elsewhere, or when objects are drawn
+        own = {part.path: part.span for part in lowering.context.parts if part.span.source is span.source}
+        for wrong in found:
+            low, high = wrong.test
+            self.report.warning(
+                "untested-values",
+                own.get(wrong.part, span),
+                f"`{wrong.part}` reaches {1000 * wrong.reach:.3g} mm out of its box: here `{wrong.parameter}` of `{wrong.primitive}` "
+                f"is {wrong.value:.4g}, and its `test` range is {low:.4g} .. {high:.4g} (metres, radians)",
+                hint=f"widen the `test` range of `{wrong.parameter}` in `{wrong.primitive}`: its box is made for the values tested",
+            )
+
     @cached_property
     def _text(self) -> Source | None:
         """The text itself; None where it cannot be read."""
@@ -304,6 +324,7 @@ class Session:
         if batch is not None and self._follows(batch, lowering):
             self._warn_floating(batch, lowering)
             self._warn_of_cost(batch, typed.category.decl.name_span)
+            self._warn_untested(batch, lowering, typed.category.decl.name_span)
         program = lowering.program
         warn_unlabelled(lowering, typed.category.decl.name_span)
         bare = list(dict.fromkeys(program.parts[site.part].path for site in program.sites if not site.materials))

@@ -277,6 +277,32 @@ RESOLVING = (
         """,
     ),
     Code(
+        "untested-values",
+        "a primitive has values outside of its test ranges, and its box is wrong there",
+        """
+        The formulas of a solid are made for the values after `test`: which place of a curve is highest, for example, is found out
+        with them. Elsewhere another place may be, and then the box of the primitive does not hold its surface: what is placed by
+        its faces goes astray. `apgc check` compares both for a few objects. Widen the test range.
+        """,
+        """
+        apg 1
+        use vocabularies { semantic }
+        use materials { steel }
+        primitive Bow {
+          param radius : length > 0  test 5cm .. 10cm
+          param begin  : angle  test 0deg .. 20deg
+          curve way (t in 0 .. 1) = [radius * cos(begin + 60deg * t), radius * sin(begin + 60deg * t), 0mm]
+          curve section (u in 0turn .. 1turn) = [4mm * cos(u), 2mm * sin(u)]
+          solid = sweep(section) along way up z
+        }
+        category Handle {
+          root part bow : Bow(radius = 7cm, begin = -30deg)
+          label semantic.handle on bow
+          material steel on bow
+        }
+        """,
+    ),
+    Code(
         "missing-material",
         "parts have no material",
         """

@@ -1,0 +1,65 @@
+"""Primitives at values that their `test` ranges leave out, where the stated box does not hold their surface.
+
+What a solid is made of is asked of its test values while it is lowered: which of several places is highest, say. At other values the
+answer may be another one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..geometry import mesh
+from ..geometry.box import bounds
+from ..graph.primitive import Primitive
+from ..runtime.batch import Batch
+
+_STEPS = 24  # steps per turn of the mesh whose vertices are looked at
+_BEYOND = 1e-6  # of the size
+
+
+@dataclass(frozen=True, slots=True)
+class Untested:
+    """A part whose surface lies ``reach`` metres outside of its box; a parameter at a ``value`` outside of its test range."""
+
+    part: str
+    primitive: str
+    parameter: str
+    value: float
+    test: tuple[float, float]
+    reach: float
+
+
+def find_untested(batch: Batch) -> list[Untested]:
+    """One for each primitive that is wrong somewhere in the batch, at its worst."""
+    worst: dict[str, Untested] = {}
+    for table in batch.sites():
+        found = _look_at(table.path, table.primitive, table.params) if len(table) else None
+        if found is not None and (found.primitive not in worst or found.reach > worst[found.primitive].reach):
+            worst[found.primitive] = found
+    return list(worst.values())
+
+
+def _look_at(part: str, primitive: Primitive, params: dict[str, np.ndarray]) -> Untested | None:
+    if not primitive.parameters:
+        return None
+    values = np.unique(np.stack([params[name] for name in primitive.parameters], axis=1), axis=0)
+    low, high = np.array(primitive.test).T
+    share = np.maximum(low - values, values - high) / np.maximum(high - low, 1e-12)  # how far out of its range
+    values, share = values[share.max(axis=1) > 1e-9], share[share.max(axis=1) > 1e-9]
+    if not len(values):
+        return None
+    asked = {name: values[:, k] for k, name in enumerate(primitive.parameters)}
+    least, most = bounds(primitive, asked)
+    reach, size = np.zeros(len(values)), np.zeros(len(values))
+    for group in mesh.build(primitive, asked, _STEPS):
+        ends = group.vertices.min(axis=1), group.vertices.max(axis=1)
+        out = np.maximum(least[group.rows] - ends[0], ends[1] - most[group.rows])
+        reach[group.rows], size[group.rows] = out.max(axis=1), (ends[1] - ends[0]).max(axis=1)
+    row = int(np.argmax(reach))
+    if reach[row] <= _BEYOND * size[row]:
+        return None
+    own = int(np.argmax(share[row]))
+    name = primitive.parameters[own]
+    return Untested(part, primitive.name, name, float(values[row, own]), primitive.test[own], float(reach[row]))
