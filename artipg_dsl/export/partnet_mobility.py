@@ -104,13 +104,14 @@ class FolderLink:
     leaves: dict[int, Leaf]
 
 
-def partnet_files(robots: Robots, i: int) -> dict[str, bytes]:
-    """The files of object ``i`` by path relative to its folder. Raises ExportError for joints without a word."""
+def partnet_files(robots: Robots, i: int, points: bool = True) -> dict[str, bytes]:
+    """The files of object ``i`` by path relative to its folder, with or without ``points``. Raises ExportError for joints without a
+    word."""
     folder = _Folder.of(robots, i)
     files: dict[str, bytes] = {}
     drawn = _meshes(robots, i, folder.robot, folder.members, folder.frame, files)
     urdf = folder.urdf(drawn)
-    return files | dict.fromkeys(_URDFS, urdf) | folder.described({}) | folder.points()
+    return files | dict.fromkeys(_URDFS, urdf) | folder.described({}) | (folder.points() if points else {})
 
 
 def bare_files(robots: Robots, i: int) -> dict[str, bytes]:

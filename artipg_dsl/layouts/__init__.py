@@ -14,6 +14,7 @@ the whole folder, and what a folder read back does not hold as it should. Begin 
     opd, opd_lists, opd_check           a layout for parts that open, seen from one side
     completion                          layouts for completion
     pieces, pictures                    meshes and words of an object's links; what cameras see of it, pixel by pixel
+    maniskill, maniskill_check          a layout for robots that open and turn things
     outlines                            masks as polygons
     hdf5, pcd, ply, pth                 files
     findings                            faults that a reader finds

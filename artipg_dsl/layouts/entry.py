@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -42,6 +43,10 @@ class Entry:
     def token(self, number: int) -> str:
         """The name of an object, letters and digits alone, unlike that of any other category's or seed's."""
         return f"{self.category}{self.seed}n{number:06d}".replace("-", "m").replace("_", "")
+
+    def id(self, number: int) -> int:
+        """The name of an object where that has to be a number: five digits of the category's name, six of its own."""
+        return (10000 + zlib.crc32(self.category.encode()) % 90000) * 1000000 + number
 
     def split(self, number: int) -> str:
         """By the number alone, so that an object stays where it is when others are added."""

@@ -8,7 +8,6 @@ diagonal 1, in which depths are, too; the camera's axes are x right, y down, z f
 from __future__ import annotations
 
 import json
-import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -83,12 +82,6 @@ class Subject:
     parts: list[Placed]
 
 
-def _number_of(entry: Entry, number: int) -> int:
-    """The id of an object, which has to be a number unlike that of any other category's: five digits of the category's name, six of
-    its own."""
-    return (10000 + zlib.crc32(entry.category.encode()) % 90000) * 1000000 + number
-
-
 def subjects(batch: Batch, entry: Entry) -> Iterator[tuple[Subject, Robots]]:
     """The objects of a batch, with the robots that they were made of."""
     assert entry.term is not None
@@ -117,7 +110,7 @@ def subjects(batch: Batch, entry: Entry) -> Iterator[tuple[Subject, Robots]]:
         files["mobility_texture_gapartnet.urdf"] = files["mobility.urdf"]
         files["semantics_gapartnet.txt"] = said.encode()
         files["link_annotation_gapartnet.json"] = _annotation(placed, len(order) + len(split))
-        yield Subject(_number_of(entry, int(batch.numbers[i])), world, files, placed), robots
+        yield Subject(entry.id(int(batch.numbers[i])), world, files, placed), robots
 
 
 def _instances(link: Any) -> list[int]:
@@ -262,7 +255,7 @@ def index(entries: Sequence[Entry]) -> dict[str, bytes]:
     for entry in entries:
         assert entry.term is not None
         for number in entry.numbers.tolist():
-            id = _number_of(entry, number)
+            id = entry.id(number)
             if id in lines:
                 raise UserError(f"{entry.category} has an id, {id}, of another category", "choose a folder of its own")
             lines[id] = f"{entry.term.name} {id}\n"

@@ -172,6 +172,17 @@ LAYOUTS: dict[str, Layout] = {
             gathers=True,
         ),
         Layout(
+            "maniskill",
+            "folders and lists that ManiSkill's tasks on PartNet-Mobility read",
+            "maniskill:files",
+            "maniskill:index",
+            "maniskill_check:check",
+            "maniskill",
+            "maniskill:check_term",
+            chunk=16,
+            gathers=True,
+        ),
+        Layout(
             "ditto",
             "an object before and after one of its joints has moved, as Ditto has it",
             "ditto:files",
