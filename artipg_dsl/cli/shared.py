@@ -30,7 +30,7 @@ def add_bareness(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--no-meshes",
         action="store_true",
-        help="partnet-mobility without meshes, in a third of the time; meta.json says so",
+        help="partnet-mobility without meshes, in less time; meta.json says so",
     )
 
 

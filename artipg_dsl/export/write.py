@@ -86,7 +86,7 @@ def replacing_file(path: Path | str, *, force: bool = False) -> Iterator[BinaryI
     path = Path(os.path.realpath(path))  # a link stays one: what it points to is replaced
     partial = _beside(path)
     try:
-        with open(partial, "wb") as stream:
+        with open(partial, "w+b") as stream:  # HDF5 reads what it has written
             yield stream
         if path.exists():
             shutil.copymode(path, partial)

@@ -85,3 +85,12 @@ def test_what_a_killed_process_left_is_swept(tmp_path: Path) -> None:
     (tmp_path / ".hidden").write_bytes(b"")
     sweep_unfinished(tmp_path)
     assert names(tmp_path) == [f".b.bin.partial-{os.getpid()}", ".hidden"]
+
+
+def test_what_is_written_can_be_read_meanwhile(tmp_path: Path) -> None:
+    """As HDF5 does with large files."""
+    with replacing_file(tmp_path / "file") as stream:
+        stream.write(b"first")
+        stream.seek(1)
+        assert stream.read(3) == b"irs"
+    assert (tmp_path / "file").read_bytes() == b"first"

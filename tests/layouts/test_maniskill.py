@@ -65,7 +65,7 @@ def test_sapien_loads_a_cabinet_in_metres(cabinets: Path, tmp_path: Path) -> Non
 
     ours = sample("StorageFurniture", n=4, seed=7, checked=False)
     joints = ours.joints()
-    for id, told in list(listed(cabinets, "cabinet_drawer").items())[:2]:
+    for id, told in list(listed(cabinets, "cabinet_drawer").items())[:1]:
         own = tmp_path / id
         shutil.copytree(cabinets / DATASET / id, own)
         text = ET.parse(own / "mobility_cvx.urdf")
