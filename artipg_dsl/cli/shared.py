@@ -28,9 +28,7 @@ def add_meshes(to: argparse.ArgumentParser, steps: int = 24) -> None:
 
 def add_bareness(to: argparse.ArgumentParser) -> None:
     to.add_argument(
-        "--no-meshes",
-        action="store_true",
-        help="partnet-mobility without meshes, in less time; meta.json says so",
+        "--no-meshes", action="store_true", help="partnet-mobility without meshes, in less time; meta.json says so"
     )
 
 
