@@ -6,6 +6,8 @@ python benchmarks/details.py borrowed NAME BOUND -o sheet.png   # fresh objects 
 python benchmarks/details.py labels FITTED BOUND [FITTED BOUND ...]  # carried labels against our links, for files that have links
 python benchmarks/details.py held FITTED BOUND [FITTED BOUND ...]  # what symmetries foretell of details that are held out
 python benchmarks/details.py speed FITTED BOUND -n 500          # objects per second of the transfer alone
+python benchmarks/details.py meshes FITTED BOUND [FITTED BOUND ...]  # displaced meshes: distances, folds, crossings, closedness, time
+python benchmarks/details.py surfaces FITTED BOUND [FITTED BOUND ...] -o sheet.png  # original, structure, displaced mesh, its mutants
 """
 
 from __future__ import annotations
@@ -22,21 +24,31 @@ from scipy.optimize import linear_sum_assignment
 
 from artipg_dsl import random
 from artipg_dsl.annotate.sampling import Sampling
+from artipg_dsl.details import displace
 from artipg_dsl.details.assign import ASSIGNMENTS
 from artipg_dsl.details.binding import Real, bind
 from artipg_dsl.details.completion import lend
 from artipg_dsl.details.elements import Solids
+from artipg_dsl.details.measure import distances
 from artipg_dsl.details.record import DIRECT, Details, of_arrays, to_arrays
 from artipg_dsl.details.report import report
 from artipg_dsl.details.store import borrow, dress, read_dressing
+from artipg_dsl.details.unfold import find_folded, find_sheets, keep_apart, normals, unfold
+from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.shards import point_arrays
+from artipg_dsl.export.solids import build_meshes
+from artipg_dsl.fit.outer import outer
 from artipg_dsl.fit.real import read_real
 from artipg_dsl.geometry import points as geometry
+from artipg_dsl.geometry.resolution import SMOOTH
 from artipg_dsl.run.job import Job, open_job
 from artipg_dsl.run.request import read_request
 from artipg_dsl.run.resume import reopen
 from artipg_dsl.sampling.mutate import Mutation, read_operations
-from artipg_dsl.view.png import png_bytes
+from artipg_dsl.view.camera import look_at, place_lights
+from artipg_dsl.view.png import png_bytes, srgb
+from artipg_dsl.view.scene import make_scene
+from artipg_dsl.view.sheet import make_renderer
 
 TILE = 260
 
@@ -208,6 +220,113 @@ def _regions(details: Details, solids: Solids, chance: np.random.Generator) -> I
                 yield "patch", element, mine
 
 
+class Measured:
+    """What the steps of ``displace`` leave, caught as they are taken."""
+
+    def __init__(self) -> None:
+        self.folded, self.crossed, self.faces, self.places, self.turned, self.still = 0, 0, 0, 0, 0, 0.0
+
+    def unfold(self, place: np.ndarray, way: np.ndarray, faces: np.ndarray, mesh: np.ndarray) -> np.ndarray:
+        self.folded = int(find_folded(normals(place, faces), place + way, faces).sum())
+        self.faces, kept = len(faces), unfold(place, way, faces, mesh)
+        each, outward = normals(place, faces), np.zeros_like(place)
+        for k in range(3):
+            np.add.at(outward, faces[:, k], each)
+        outward /= np.maximum(np.sqrt((outward**2).sum(axis=1)), 1e-12)[:, None]
+        here, there, thick = find_sheets(place, outward, mesh, self.scale[mesh])
+        self.still = int((thick + ((kept[here] - kept[there]) * outward[here]).sum(axis=1) < 0.0).sum()) / len(place)
+        self.turned = int(find_folded(each, place + kept, faces).sum())
+        return kept
+
+    def keep_apart(self, place: np.ndarray, normal: np.ndarray, way: np.ndarray, *more: np.ndarray) -> np.ndarray:
+        here, there, thick = find_sheets(place, normal, *more[1:])
+        self.crossed = int((thick + ((way[here] - way[there]) * normal[here]).sum(axis=1) < 0.0).sum())
+        self.places, mesh, scale = len(place), more[1], more[2]
+        self.scale = np.ones(int(mesh.max()) + 1)
+        self.scale[mesh] = scale
+        return keep_apart(place, normal, way, *more)
+
+
+def triangles(robots: Robots) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices (V, 3), faces (F, 3) of all meshes of a batch, and which mesh each face is of."""
+    places, faces, mesh, first = [], [], [], 0
+    for group in robots.meshes:
+        for vertices in group.vertices:
+            places.append(vertices)
+            faces.append(group.faces.astype(np.int64) + first)
+            mesh.append(np.full(len(group.faces), len(mesh)))
+            first += len(vertices)
+    return np.concatenate(places), np.concatenate(faces), np.concatenate(mesh)
+
+
+def outside(robots: Robots, count: int = 8192) -> np.ndarray:
+    """Points all over what can be seen of the meshes of one object, by the measure that real objects are read by."""
+    places, faces, _ = triangles(robots)
+    chance, area = np.random.default_rng(0), np.sqrt((normals(places, faces) ** 2).sum(axis=1))
+    chosen = faces[chance.choice(len(faces), 60_000, p=area / area.sum())]
+    u, v = chance.random((2, len(chosen)))
+    u, v = np.where(u + v > 1.0, 1.0 - u, u), np.where(u + v > 1.0, 1.0 - v, v)
+    a, b, c = (places[chosen[:, k]] for k in range(3))
+    points = a + u[:, None] * (b - a) + v[:, None] * (c - a)
+    return points[outer(points[None])[0]][:count]
+
+
+def meshes(pairs: list[tuple[Path, Path]], operations: str) -> None:
+    for fitted, bound in pairs:
+        dressing, caught = read_dressing(bound), Measured()
+        displace.unfold, displace.keep_apart = caught.unfold, caught.keep_apart
+        for job, number, real, _ in objects(fitted):
+            batch = job.batch([number])
+            found = [outside(Robots(batch, physics=False, details=worn)) for worn in (None, dressing)]
+            told = [distances(real.points, points, real.diagonal) for points in found]
+            row = [round(one[key], 2) for key in ("to_real", "to_worn") for one in told]
+            print(f"{real.name:42} {row}", *(f"{told[1][key]:.0%}" for key in ("covered_real", "covered_worn")))
+        own = reopen(fitted)
+        for name, batch in (("fitted", own.batch()), ("mutants", mutants(own, operations, 8).batch())):
+            begun = time.process_time()
+            robots = Robots(batch, physics=False, details=dressing)
+            spent = 1000.0 * (time.process_time() - begun) / len(batch)
+            places, faces, mesh = triangles(robots)
+            still = build_meshes(robots.tables)
+            start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+            edges = np.sort(start * len(places) + end), np.sort(end * len(places) + start)
+            closed = np.array_equal(*edges) and not (np.diff(edges[0]) == 0).any()
+            a, b, c = (places[faces[:, k]] for k in range(3))
+            volume = np.bincount(mesh, (a * np.cross(b, c)).sum(axis=1))
+            few = sum(group.faces.shape[0] * len(group.rows) for group in still) // len(batch)
+            print(
+                f"{fitted.name} {name}: {len(batch)} objects, {len(faces) // len(batch)} triangles ({few} of the structure), "
+                f"{spent:.0f} ms an object; closed {closed}; {(volume <= 0).sum()} of {len(volume)} of volume below 0; "
+                f"folded {caught.folded / caught.faces:.1%}, crossed {caught.crossed / caught.places:.1%} before both were undone, "
+                f"{caught.turned} folded and {caught.still:.2%} crossed after"
+            )
+
+
+def surfaces(pairs: list[tuple[Path, Path]], out: Path, operations: str, each: int) -> None:
+    global TILE
+    TILE, rows, draw = 300, [], make_renderer("auto", 300)
+
+    def drawn(batch: Any, dressing: Any) -> list[np.ndarray]:
+        robots, found = Robots(batch, resolution=SMOOTH, physics=False, details=dressing), []
+        for i in range(len(batch)):
+            shown = make_scene(robots, i, batch.pose(), "part")
+            camera = look_at(shown.vertices, -35.0, 20.0)
+            lights = place_lights(camera, *draw.light_counts)
+            found.append(srgb(draw.render(shown, camera, lights, float(shown.vertices[:, 2].min()))))
+        return found
+
+    for fitted, bound in pairs:
+        dressing = read_dressing(bound)
+        for job, number, real, _ in objects(fitted):
+            own = job.of([number])
+            size = float(np.ptp(real.points, axis=0).max()) * 1.15
+            middle = (real.points.max(axis=0) + real.points.min(axis=0)) / 2
+            row = [picture(real.points[:16_000], real.normals[:16_000], (middle, size)), *drawn(own.batch(), None)]
+            row += [*drawn(own.batch(), dressing), *drawn(mutants(own, operations, each).batch(), dressing)]
+            rows.append(np.concatenate(row, axis=1))
+    out.write_bytes(png_bytes(np.concatenate(rows, axis=0)))
+
+
 def speed(folder: Path, bound: Path, count: int, points: int) -> None:
     dressing = read_dressing(bound)
     job = reopen(folder)
@@ -223,7 +342,9 @@ def speed(folder: Path, bound: Path, count: int, points: int) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("figures", "sheet", "borrowed", "held", "labels", "speed"))
+    parser.add_argument(
+        "what", choices=("figures", "sheet", "borrowed", "held", "labels", "speed", "meshes", "surfaces")
+    )
     parser.add_argument("folders", nargs="+")
     parser.add_argument("-o", "--out", default="sheet.png")
     parser.add_argument("-n", type=int, default=4)
@@ -233,8 +354,14 @@ def main() -> None:
     if asked.what == "figures":
         figures(asked.folders)
         return
-    if asked.what in ("held", "labels"):
+    if asked.what in ("held", "labels", "meshes", "surfaces"):
         pairs = [(Path(a), Path(b)) for a, b in zip(asked.folders[::2], asked.folders[1::2], strict=True)]
+        if asked.what == "meshes":
+            meshes(pairs, asked.ops)
+            return
+        if asked.what == "surfaces":
+            surfaces(pairs, Path(asked.out), asked.ops, asked.n)
+            return
         held_out(pairs) if asked.what == "held" else label_agreement(pairs, asked.points)
         return
     if asked.what == "borrowed":

@@ -71,7 +71,7 @@ class Files:
         """Write a folder like ``apgc sample``: shards, a folder per object for formats that need it, the manifest.
 
         The options are those of the command, of ``points`` and of ``meshes``; ``states`` is text such as "open,random:4",
-        ``views`` a number or cameras.
+        ``views`` a number or cameras. ``details``, written by ``apgc bind``, are borrowed by points and by meshes.
         """
         from ..export.registry import choose_formats
         from ..run.dataset import write_dataset
@@ -95,8 +95,8 @@ class Files:
         if details is not None:
             from ..details.store import borrow
 
-            if "points" not in output.kinds:
-                raise UsageError("details are worn by points, which are not among the formats", "add points")
+            if not output.wearable:
+                raise UsageError("details are worn by points and meshes: none of the formats has any", "add points")
             worn = borrow(details, detail_strength, self.batch.program)
             output = replace(output, content=replace(content, details=worn))
         write_dataset(self.job.fresh(), folder, output, force=force)

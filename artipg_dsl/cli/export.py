@@ -13,7 +13,7 @@ from ..export.remote import is_same, place_of
 from .messages import plural, say
 from .progress import Progress
 from .sample import bared, read_resolution, refuse_file
-from .wanted import open_wanted
+from .wanted import choose_details, open_wanted
 
 if TYPE_CHECKING:
     from ..layouts.registry import Layout
@@ -43,8 +43,7 @@ def run(options: argparse.Namespace) -> int:
     out = place_of(options.out or (options.program if folder.is_dir() else "out"))
     refuse_file(out)
     job = open_wanted(options, every=True)
-    if _wears_details(options.program):
-        say(f"the points in {folder} wear details; the files written here are those of the structure")
+    details = choose_details(options, job)
     with Progress(job.program.name) as progress:
         if folder.is_dir() and is_same(out, folder):
             add_formats(
@@ -52,6 +51,7 @@ def run(options: argparse.Namespace) -> int:
                 out,
                 formats,
                 resolution=read_resolution(options),
+                details=details,
                 force=options.force,
                 progress=progress,
                 workers=options.workers,
@@ -59,7 +59,8 @@ def run(options: argparse.Namespace) -> int:
                 cluster=options.cluster,
             )
         else:
-            output = Output.of(formats, Content(resolution=read_resolution(options) or STANDARD))
+            content = Content(resolution=read_resolution(options) or STANDARD, details=details)
+            output = Output.of(formats, content)
             write_dataset(
                 job, out, output, force=options.force, progress=progress, workers=options.workers, memory=options.memory
             )
@@ -91,6 +92,10 @@ def _layout(options: argparse.Namespace) -> Layout | None:
         raise UsageError(f"{found[0].name} is a layout of its own folder", "export it without other formats")
     if options.no_meshes:
         raise UsageError(f"{found[0].name} always has its meshes", "leave out --no-meshes")
+    if options.details is not None or options.bare:
+        raise UsageError(
+            f"{found[0].name} is made of the structure, and carries no details", "leave out --details and --bare"
+        )
     if options.tolerance is not None or options.triangles is not None:
         raise UsageError(f"{found[0].name} has no meshes to choose for", "leave out --tolerance and --triangles")
     return found[0]

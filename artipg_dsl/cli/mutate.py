@@ -15,8 +15,9 @@ from ..export.remote import is_same, place_of
 from ..run.settings import show_value
 from .messages import plural, say
 from .progress import Progress
-from .sample import read_strength, refuse_file, show_statistics
+from .sample import refuse_file, show_statistics
 from .sample import write as write_folder
+from .wanted import read_strength
 
 if TYPE_CHECKING:
     from ..run.job import Job
@@ -69,7 +70,7 @@ def _write(options: argparse.Namespace) -> int:
     strength = read_strength(options)
     if options.details is not None:
         dressing = read_dressing(options.details, strength)
-        require_donors(dressing, job.program, job.request.objects)
+        require_donors(dressing, job.program, job.originals)
         content = replace(content, details=dressing)
     job = _open_mutants(options, job)
     if options.distinct:
@@ -105,7 +106,7 @@ def _open_originals(options: argparse.Namespace) -> tuple[Job, Output]:
         job, output = open_job(request, values=options.params), Output(DEFAULT)
     elif place_of(options.folder).is_dir():
         manifest = read_folder_manifest(options.folder)
-        job, output = remake(options.folder, manifest), Output.from_manifest(manifest["identity"])
+        job, output = remake(options.folder, manifest), Output.from_manifest(manifest["identity"], options.folder)
         job = job.but(checked=False) if options.unchecked else job
     else:
         raise UserError(

@@ -13,6 +13,7 @@ from .shared import (
     add_bareness,
     add_bounding,
     add_checking,
+    add_clothes,
     add_details,
     add_dividing,
     add_drawing,
@@ -150,7 +151,7 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--variant", type=whole, metavar="K", help="with --mutate: make another mutant of each object (default: 0)"
     )
-    add_details(to, "let the points wear the details of real objects that `apgc bind` has kept in a folder")
+    add_details(to, "let the points and meshes wear the details of real objects that `apgc bind` has kept in a folder")
     add_meshes(to)
     add_bareness(to)
     to.add_argument(
@@ -186,6 +187,7 @@ def _add_export(to: argparse.ArgumentParser) -> None:
         required=True,
         help=f"formats, separated by commas: {', '.join(object_formats())}; or one layout: {', '.join(LAYOUTS)}",
     )
+    add_clothes(to)
     to.add_argument(
         "--split", metavar="N,N,N", help="with a layout: proportions of train, val and test (default: 8,1,1)"
     )
@@ -241,7 +243,7 @@ def _add_mutate(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--distinct", action="store_true", help="leave out mutants nearly the same as another of their original"
     )
-    add_details(to, "let the points wear the details that `apgc bind` has kept of the originals")
+    add_details(to, "let the points and meshes wear the details that `apgc bind` has kept of the originals")
     to.add_argument("--only", type=numbers, metavar="NUMBERS", help="originals by number, such as 37 or 37,40..45")
     to.add_argument("--params", metavar="FILE", help="read the originals from a JSON file of values")
     to.add_argument(
@@ -279,6 +281,7 @@ def _add_render(to: argparse.ArgumentParser) -> None:
         help="viewpoint: front, back, left, right, top, iso, or AZIMUTH,ELEVATION in degrees, as in --view=-120,30",
     )
     to.add_argument("--tile", type=positive, default=256, metavar="PIXELS", help="width of each object (default: 256)")
+    add_clothes(to)
     add_meshes(to, steps=64)
     to.add_argument("--force", action="store_true", help="overwrite an existing file")
 

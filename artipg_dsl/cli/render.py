@@ -9,7 +9,7 @@ from ..errors import UsageError
 from .messages import say
 from .progress import Progress
 from .sample import read_resolution
-from .wanted import open_wanted
+from .wanted import choose_details, open_wanted
 
 
 def run(options: argparse.Namespace) -> int:
@@ -24,6 +24,10 @@ def run(options: argparse.Namespace) -> int:
     refuse_existing(Path(options.out), options.force)
     read_direction(options.view)
     job = open_wanted(options)
+    details = choose_details(options, job)
+    if details is not None and options.colour == "affordance" and options.details is None:
+        say("affordances are drawn on the structure")
+        details = None
     with Progress("drawing") as progress:
         write_sheet(
             job.batch(),
@@ -35,6 +39,7 @@ def run(options: argparse.Namespace) -> int:
             states="open" if options.open else "alternate",
             view=options.view,
             resolution=read_resolution(options) or SMOOTH,
+            details=details,
         )
     say(f"drew {len(job.request.objects)} of {job.program.name} to {options.out}")
     return 0

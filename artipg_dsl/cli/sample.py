@@ -11,7 +11,7 @@ from ..errors import UsageError, UserError
 from ..export.remote import Place, Remote, is_same, place_of
 from .messages import plural, say
 from .progress import Progress
-from .wanted import is_folder, open_wanted, read_request
+from .wanted import is_folder, open_wanted, read_request, read_strength
 
 if TYPE_CHECKING:
     from ..export.content import Content
@@ -53,8 +53,10 @@ def run(options: argparse.Namespace) -> int:
     if options.variant is not None and not options.mutate:
         raise UsageError("--variant applies to mutants, and none are asked for", "add --mutate apa,dpa,cpa")
     strength = read_strength(options)
-    if options.details is not None and "points" not in output.kinds:
-        raise UsageError("--details are worn by points, which are not among the formats", "add points to --format")
+    if options.details is not None and not output.wearable:
+        raise UsageError(
+            "--details are worn by points and meshes, and none of the formats has any", "add points or glb to --format"
+        )
     refuse_file(place_of(options.out))
     if options.views is not None:
         _warn_of_engine()
@@ -107,15 +109,6 @@ def _read_content(options: argparse.Namespace) -> Content:
     return output.read_content(
         **{name: getattr(options, name) for name in names}, tolerance=options.tolerance, triangles=options.triangles
     )
-
-
-def read_strength(options: argparse.Namespace) -> float:
-    """The strength of details. Raises UsageError where there are none."""
-    if options.detail_strength is None:
-        return 1.0
-    if options.details is None:
-        raise UsageError("--detail-strength scales details, and there are none", "add --details DIR")
-    return float(options.detail_strength)
 
 
 def read_resolution(options: argparse.Namespace) -> Resolution | None:

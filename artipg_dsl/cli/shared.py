@@ -47,6 +47,17 @@ def add_details(to: argparse.ArgumentParser, words: str) -> None:
     to.add_argument("--detail-strength", type=fraction, metavar="X", help="scale of the details, 0 to 1 (default: 1)")
 
 
+def add_clothes(to: argparse.ArgumentParser) -> None:
+    """Whether meshes of objects wear details."""
+    add_details(
+        to,
+        "let the meshes wear the details that `apgc bind` has kept in a folder (default: those that the points wear)",
+    )
+    to.add_argument(
+        "--bare", action="store_true", help="show the structure, without the details that the points of the folder wear"
+    )
+
+
 def add_bounding(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--memory",

@@ -9,6 +9,7 @@ from ..errors import UsageError, UserError
 from ..run.settings import split_settings
 
 if TYPE_CHECKING:
+    from ..details.dressing import Dressing
     from ..run.job import Job
     from ..run.request import Request
 
@@ -55,6 +56,41 @@ def open_wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
             f"there is no object {absent[0]} in {options.program}", f"its manifest lists {len(numbers)} objects"
         )
     return job.of(options.only)
+
+
+def read_strength(options: argparse.Namespace) -> float:
+    """The strength of details. Raises UsageError where there are none."""
+    if options.detail_strength is None:
+        return 1.0
+    if options.details is None:
+        raise UsageError("--detail-strength scales details, and there are none", "add --details DIR")
+    return float(options.detail_strength)
+
+
+def choose_details(options: argparse.Namespace, job: Job) -> Dressing | None:
+    """The details that meshes of the objects of a job wear: those that are named, else those that the points of their folder wear, with
+    ``--bare`` none. Raises UsageError, UserError."""
+    from ..export.remote import place_of
+    from ..run.output import Output
+    from ..run.resume import read_folder_manifest
+
+    strength = read_strength(options)
+    if options.bare:
+        if options.details is not None:
+            raise UsageError("--bare shows the structure, without details", "leave out --bare or --details")
+        return None
+    folder = options.program if place_of(options.program).is_dir() else None
+    worn = Output.from_manifest(read_folder_manifest(folder)["identity"], folder).content.details if folder else None
+    if options.details is None:
+        return worn
+    from ..details.store import borrow, read_dressing, require_donors  # start-up: k-d trees load slowly
+
+    fitted = job.request.values is not None  # what details are bound to, and the mutants of that, wear their own
+    if worn.borrowed if worn else not fitted:
+        return borrow(options.details, strength, job.program)
+    dressing = read_dressing(options.details, strength)
+    require_donors(dressing, job.program, job.originals)
+    return dressing
 
 
 def is_folder(program: str) -> bool:

@@ -8,6 +8,8 @@ Begin with ``binding`` and ``wear``.
     elements, record          the primitives that details are bound to; details as arrays of a file
     suits, trim               which element of which donor each element wears; what can be borrowed of details
     wear, maps                points in the details of their donors; places on primitives of another kind
+    displace, skin            closed meshes in them
+    calm, unfold              what a surface can follow of details; what turns inside out, and sheets whose sides cross
     measure, report           distances, coverage, torn and inverted neighbourhoods
     dressing, store           which details objects wear; a folder of them
 """

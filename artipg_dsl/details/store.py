@@ -5,8 +5,9 @@ from __future__ import annotations
 import io
 import json
 import zipfile
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,9 +19,12 @@ from ..errors import UsageError, UserError
 from ..geometry import points as geometry
 from ..geometry.nearest import Nearest
 from ..geometry.pointset import PointSet
+from .calm import calm
+from .displace import displace
 from .dressing import Dressing
 from .elements import Elements, Solids, elements_of
 from .record import DIRECT, Details, join, of_arrays
+from .skin import Grid
 from .suits import Suits, borrowed_suits, origin, own_suits
 from .trim import trim
 from .wear import Wardrobe, Worn, wear
@@ -43,6 +47,11 @@ def read_dressing(folder: str | Path, strength: float = 1.0) -> Dressing:
 
 
 def _summary(folder: Path) -> tuple[dict[str, Any], str]:
+    if not folder.is_dir():
+        raise UserError(
+            f"there is no folder {folder} of details",
+            "apgc bind FITTED -o bound writes one; --details says where it is",
+        )
     try:
         text = (folder / SUMMARY).read_bytes()
         found = json.loads(text)
@@ -95,13 +104,18 @@ def borrow(folder: str | Path, strength: float, program: Program) -> Dressing:
     return dressing
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class _Stock:
     """What the objects of a program wear; ``surface`` (m, 3), points of the real surfaces, and ``whose`` (m,) each is, ascending."""
 
     wardrobe: Wardrobe
     surface: np.ndarray
     whose: np.ndarray
+
+    @cached_property
+    def smooth(self) -> Wardrobe:
+        """What their meshes wear."""
+        return Wardrobe(calm(self.wardrobe.details, self.wardrobe.solids), self.wardrobe.solids)
 
 
 _stocks: dict[tuple[str, str, bool, str], _Stock] = {}  # of the last program: trees are built once
@@ -155,6 +169,13 @@ def dress(batch: Batch, points: PointSet, owner: np.ndarray, dressing: Dressing)
     """Points (P, n) of the objects ``owner`` (P,) in the details of their donors. Raises UserError."""
     wardrobe = _stock(batch, dressing).wardrobe
     return wear(batch, points, owner, wardrobe, _suits(batch, dressing, wardrobe.details), dressing.strength)
+
+
+def displaced(batch: Batch, grids: Sequence[Grid], scale: np.ndarray, dressing: Dressing) -> list[np.ndarray]:
+    """The vertices (k, V, 3) of meshes of the objects in the details of their donors; ``scale`` (B,): the diagonals of the objects.
+    Raises UserError."""
+    wardrobe = _stock(batch, dressing).smooth
+    return displace(grids, wardrobe, _suits(batch, dressing, wardrobe.details), scale, dressing.strength)
 
 
 def origins(batch: Batch, bound: np.ndarray, dressing: Dressing) -> tuple[np.ndarray, np.ndarray]:

@@ -130,13 +130,45 @@ def _clothed(
     wardrobe: Wardrobe, points: _Flat, match: np.ndarray, strength: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Places and normals (m, 3) in the frames of the objects, and which bound point each wears (-1: none)."""
+    here, offset, facing, bound = _found(wardrobe, points, match, strength)
+    place = points.elements.placed(points.element, here.place + here.out_of(offset))
+    bare = np.array([1.0, 0.0, 0.0])
+    facing = facing * strength + bare * (1.0 - strength)
+    turned = points.elements.turned(points.element, here.out_of(facing))
+    length = np.sqrt(dot(turned, turned))[:, None]
+    plain = points.elements.turned(points.element, here.normal)
+    return place, np.where(length > 1e-6, turned / np.maximum(length, 1e-6), plain), bound
+
+
+def find_offsets(
+    wardrobe: Wardrobe,
+    suits: Suits,
+    element: np.ndarray,
+    patch: np.ndarray,
+    u: np.ndarray,
+    v: np.ndarray,
+    strength: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """For m places of the surface, on elements of ``suits``: how far each is moved (m, 3) metres, the normal there (m, 3), both in the
+    frame of the object, and whether anything is worn there (m,)."""
+    points = _Flat(suits.elements, element, patch, u, v)
+    here, offset, _, bound = _found(wardrobe, points, suits.match[element], strength)
+    moved, normal = (suits.elements.turned(element, vectors) for vectors in (here.out_of(offset), here.normal))
+    worn = bound >= 0
+    return np.where(worn[:, None], moved, 0.0), normal, worn
+
+
+def _found(
+    wardrobe: Wardrobe, points: _Flat, match: np.ndarray, strength: float
+) -> tuple[Frames, np.ndarray, np.ndarray, np.ndarray]:
+    """Frames of m points, the offsets and facings (m, 3) that they wear by their parts, and which bound point each wears (-1: none)."""
     solids, details = wardrobe.solids, wardrobe.details
     here = solids.frames(points.elements, points.element, points.patch, points.u, points.v)
     low, high = solids.boxes(points.elements)
     alike = solids.kind(points.elements.site)[points.element] == wardrobe.kind[match]
     bound = np.full(len(match), -1)
     scale = np.ones((len(match), 3))
-    same, other = np.flatnonzero(alike), np.flatnonzero(~alike)
+    same, other = np.flatnonzero(alike & (match >= 0)), np.flatnonzero(~alike & (match >= 0))
     if len(same):
         part = points.take(same)
         there = solids.frames(details.elements, match[same], part.patch, part.u, part.v)
@@ -152,14 +184,7 @@ def _clothed(
     offset, facing = details.offset[bound], details.facing[bound]
     if len(other):
         here, offset, facing = _mapped(wardrobe, points, other, here, bound, offset, facing, (low, high))
-    offset = offset * np.clip(scale, 1.0 / _MOST, _MOST) * strength
-    place = points.elements.placed(points.element, here.place + here.out_of(offset))
-    bare = np.array([1.0, 0.0, 0.0])
-    facing = facing * strength + bare * (1.0 - strength)
-    turned = points.elements.turned(points.element, here.out_of(facing))
-    length = np.sqrt(dot(turned, turned))[:, None]
-    plain = points.elements.turned(points.element, here.normal)
-    return place, np.where(length > 1e-6, turned / np.maximum(length, 1e-6), plain), bound
+    return here, offset * np.clip(scale, 1.0 / _MOST, _MOST) * strength, facing, bound
 
 
 def _scales(normal: np.ndarray, speed: np.ndarray, before: np.ndarray, size: np.ndarray, old: np.ndarray) -> np.ndarray:

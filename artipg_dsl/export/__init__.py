@@ -5,6 +5,7 @@ In: a batch and what its files are to hold (``content``). Out: bytes by path; th
 
     registry, content                   the formats, and the optional content of files
     robot, solids, colliders, hulls     links with their meshes, mass and convex pieces
+    dressed                             meshes in the details of real surfaces
     dynamics, mechanisms, adjacent      physics of joints, what moves together, what may touch
     decimals                            rows of numbers as text
     substitute, pose, principal         joints that a format lacks, links at joint values, principal axes

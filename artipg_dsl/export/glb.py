@@ -64,7 +64,14 @@ def glb_bytes(robot: Robot) -> bytes:
     buffer = _Buffer()
     looks: dict[SeenMaterial, int] = {}
     meshes: list[dict[str, Any]] = []
-    top = {"name": robot.name, "rotation": _Z_UP_TO_Y_UP, "children": [1], "extras": {"frame": "x front, y left, z up"}}
+    top: dict[str, Any] = {
+        "name": robot.name,
+        "rotation": _Z_UP_TO_Y_UP,
+        "children": [1],
+        "extras": {"frame": "x front, y left, z up"},
+    }
+    if robot.note:
+        top["extras"] |= {"surface": robot.note}
     # node 0 turns the axes, node 1 + k is link k, primitives follow
     nodes: list[dict[str, Any]] = [top, *({"name": link.name} for link in robot.links)]
     taken = {node["name"] for node in nodes}

@@ -103,7 +103,8 @@ def obj_files(robot: Robot) -> dict[str, bytes]:
             text = f"mtllib {_LIBRARY}\n" + obj_text(shapes, [v.look.name for v in link.visuals])
             files[f"obj/{own(link.name)}.obj"] = text.encode("utf-8")
     looks = dict.fromkeys(visual.look for link in robot.links for visual in link.visuals)
-    files[f"obj/{_LIBRARY}"] = mtl_text(looks).encode("utf-8")
+    told = f"# {robot.note}\n" if robot.note else ""
+    files[f"obj/{_LIBRARY}"] = (told + mtl_text(looks)).encode("utf-8")
     return files
 
 

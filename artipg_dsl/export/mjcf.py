@@ -44,7 +44,7 @@ def mjcf_files(robot: Robot) -> dict[str, bytes]:
     low, high = _bounds(robot)
     center, extent = (low + high) / 2, float(np.max(high - low))
     for end, free in (("", False), ("_free", True)):
-        text = _template("object.mjcf.j2").render(model.context, free=free, rest=model.rest(free))
+        text = _template("object.mjcf.j2").render(model.context, note=robot.note, free=free, rest=model.rest(free))
         files[f"object{end}.xml"] = (text + "\n").encode("utf-8")
         scene = _template("scene.mjcf.j2").render(
             name=robot.name,

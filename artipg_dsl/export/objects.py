@@ -18,6 +18,7 @@ from .robot import Robots
 from .write import refuse_existing, replacing_folder, write_remote
 
 if TYPE_CHECKING:
+    from ..details.dressing import Dressing
     from ..runtime.batch import Batch
 
 OBJECTS = "objects"
@@ -42,12 +43,14 @@ def write_objects(
     add: bool = False,
     progress: Callable[[int, int], None] | None = None,
     resolution: Resolution = STANDARD_RESOLUTION,
+    details: Dressing | None = None,
 ) -> None:
     """A folder ``objects/<number>`` with the files of all formats for every object of the batch (or of ``only``).
 
-    ``force``: write what is there again. ``add``: write what is missing and leave the rest alone. ``resolution`` of the meshes.
+    ``force``: write what is there again. ``add``: write what is missing and leave the rest alone. ``resolution`` of the meshes,
+    and the ``details`` that they wear.
     """
-    robots = Robots(batch, resolution=resolution, physics=not all(entry.seen for entry in formats))
+    robots = Robots(batch, resolution=resolution, physics=not all(entry.seen for entry in formats), details=details)
     wanted = set(batch.numbers.tolist() if only is None else only.tolist())
     for i, number in enumerate(batch.numbers.tolist()):
         if number in wanted:

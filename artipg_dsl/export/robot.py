@@ -23,6 +23,7 @@ from ..validity.mass import Mass, masses
 from ..validity.materials import list_materials, material_rows
 from . import materials, solids
 from .colliders import make_colliders
+from .dressed import NOTE, build_dressed
 from .dynamics import Dynamics, complete_dynamics
 from .hulls import Hull
 from .mechanisms import find_mechanisms
@@ -30,6 +31,7 @@ from .mesh_obj import Shape
 from .naming import Names
 
 if TYPE_CHECKING:
+    from ..details.dressing import Dressing
     from ..runtime.batch import Batch
 
 SMALLEST_MASS = 1e-6  # kg
@@ -181,19 +183,28 @@ class Robot:
     links: tuple[RobotLink, ...]
     joints: tuple[RobotJoint, ...]
     closures: tuple[RobotClosure, ...] = ()
+    note: str = ""  # what its files say of the surfaces
 
 
 class Robots:
     """The robots of a batch; the numbers of all of them are computed together.
 
     ``physics`` False: what is seen and how it moves alone, without colliders, and masses and what follows from them 0.
+    ``details``: what is seen wears them; what collides is the structure.
     """
 
-    def __init__(self, batch: Batch, *, resolution: Resolution = STANDARD, physics: bool = True):
+    def __init__(
+        self, batch: Batch, *, resolution: Resolution = STANDARD, physics: bool = True, details: Dressing | None = None
+    ):
         self.batch = batch
         self.tables = batch.sites()
         self.links, self.joints, self.parts = batch.links(), batch.joints(), batch.parts()
-        self.meshes = solids.build_meshes(self.tables, resolution)
+        self.meshes = (
+            solids.build_meshes(self.tables, resolution)
+            if details is None
+            else build_dressed(batch, self.tables, resolution, details)
+        )
+        self.note = "" if details is None else NOTE
         self.physics = physics
         self.pieces = solids.build_pieces(self.tables) if physics else []
         self.catalogue = list_materials(batch)
@@ -325,7 +336,7 @@ class Robots:
         )
         number = int(self.batch.numbers[i])
         name = f"{self.batch.program.name}_{number:06d}"
-        return Robot(name, number, links, tuple(self._joints(i)), tuple(self._closures(i)))
+        return Robot(name, number, links, tuple(self._joints(i)), tuple(self._closures(i)), self.note)
 
     def _name(self, i: int, item: solids.Item[Any]) -> str:
         return self.part_names[int(self.part_start[i]) + int(item.group.table.instance[item.row])]

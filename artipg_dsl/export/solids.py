@@ -90,12 +90,14 @@ class Item(Generic[Group]):
     row: int
 
 
-def build_meshes(tables: list[SiteTable], resolution: Resolution = STANDARD) -> list[SolidGroup]:
-    """Meshes of all instances of all sites."""
+def build_meshes(
+    tables: list[SiteTable], resolution: Resolution = STANDARD, edge: np.ndarray | None = None
+) -> list[SolidGroup]:
+    """Meshes of all instances of all sites; ``edge`` (objects,): no step of those of an object is longer, metres."""
     groups: list[SolidGroup] = []
     tables = [table for table in tables if len(table.owner)]
     for table, steps in zip(tables, _steps_of(tables, resolution), strict=True):
-        for part in mesh.build(table.primitive, table.params, steps):
+        for part in mesh.build(table.primitive, table.params, steps, None if edge is None else edge[table.owner]):
             rows = np.asarray(part.rows)
             vertices = _place_points(table, rows, part.vertices)
             for sign in (1.0, -1.0):

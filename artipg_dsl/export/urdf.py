@@ -45,7 +45,8 @@ def urdf_files(robot: Robot) -> dict[str, bytes]:
         inertial, collisions = write.inertial(link), write.collisions(link)
         solid.append(write.link(link["name"], inertial + collisions))
         looks_of.append(write.link(link["name"], inertial + write.visuals(link) + collisions))
-    seen = [*map(write.material, materials)]
+    told = [write.note(robot.note)] if robot.note else []
+    seen = [*told, *map(write.material, materials)]
     fixed = [write.fixed(_unused("world", robot), links[0]["name"])]
     linked = [write.joint(joint, True) for joint in joints]
     texts = {

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..graph.primitive import Primitive
 from .patches import Params, find_existing, position_split, rows_of
-from .resolution import measure_bends
+from .resolution import measure_bends, measure_spans
 from .topology import Topology, topology
 from .weld import WeldPlan, plan_weld, step_counts
 
@@ -49,14 +49,17 @@ def group_rows(primitive: Primitive, params: Params) -> list[tuple[tuple[bool, .
     return [(tuple(make.tolist()), np.flatnonzero(which == n)) for n, make in enumerate(makes)]
 
 
-def build(primitive: Primitive, params: Params, steps: int | np.ndarray = 24) -> list[MeshGroup]:
+def build(
+    primitive: Primitive, params: Params, steps: int | np.ndarray = 24, edge: np.ndarray | None = None
+) -> list[MeshGroup]:
     """Meshes of ``k`` instances, grouped by which patches exist and how many steps they take.
 
-    ``steps``: segments per full turn, or how far chords may lie off the surface, metres (k,). Faces wind outwards.
-    Raises PrimitiveError when the declaration of the primitive does not close.
+    ``steps``: segments per full turn, or how far chords may lie off the surface, metres (k,). ``edge`` (k,): the longest step along
+    u or v, metres, where that is bounded. Faces wind outwards. Raises PrimitiveError when the declaration of the primitive does not
+    close.
     """
     groups = []
-    for found, rows, counts in _stepped(primitive, params, steps):
+    for found, rows, counts in _stepped(primitive, params, steps, edge):
         welded = plan_weld(found, counts)
         vertices = _vertices(primitive, welded, take(params, rows))
         groups.append(MeshGroup(rows, vertices, welded.faces, welded.face_patch, welded.face_uv))
@@ -64,15 +67,20 @@ def build(primitive: Primitive, params: Params, steps: int | np.ndarray = 24) ->
 
 
 def _stepped(
-    primitive: Primitive, params: Params, steps: int | np.ndarray
+    primitive: Primitive, params: Params, steps: int | np.ndarray, edge: np.ndarray | None = None
 ) -> Iterator[tuple[Topology, np.ndarray, tuple[int, ...]]]:
     """Instances of one topology and the same steps: (topology, rows, steps of its classes), in a fixed order."""
     for variant, rows in group_rows(primitive, params):
         found = topology(primitive, variant)
-        if not isinstance(steps, np.ndarray):
+        if isinstance(steps, np.ndarray):
+            counts = measure_bends(primitive, found, take(params, rows)).steps(steps[rows])
+        elif edge is not None:
+            counts = np.repeat(step_counts(found, steps)[None], len(rows), axis=0)
+        else:
             yield found, rows, tuple(step_counts(found, steps).tolist())
             continue
-        counts = measure_bends(primitive, found, take(params, rows)).steps(steps[rows])
+        if edge is not None:
+            counts = measure_spans(primitive, found, take(params, rows), counts).steps(edge[rows])
         makes, which = np.unique(counts, axis=0, return_inverse=True)
         which = which.reshape(-1)
         for n, make in enumerate(makes.tolist()):

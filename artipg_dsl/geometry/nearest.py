@@ -14,9 +14,10 @@ class Nearest:
         self._apart = apart
         self._tree = cKDTree(self._parted(points, of))
 
-    def find(self, points: np.ndarray, of: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The distance (m,) of points (m, d) to the nearest of their sets ``of`` (m,), and its index (m,)."""
-        distance, index = self._tree.query(self._parted(points, of))
+    def find(self, points: np.ndarray, of: np.ndarray, within: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
+        """The distance (m,) of points (m, d) to the nearest of their sets ``of`` (m,), and its index (m,). Where none is ``within`` that
+        distance, inf and the number of points: not to look farther is faster."""
+        distance, index = self._tree.query(self._parted(points, of), distance_upper_bound=within)
         return distance, index
 
     def _parted(self, points: np.ndarray, of: np.ndarray) -> np.ndarray:

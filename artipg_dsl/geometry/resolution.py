@@ -86,12 +86,54 @@ class Bends:
 
     def triangles(self, tolerance: np.ndarray) -> np.ndarray:
         """(k,): how many triangles these steps make."""
-        counts = self.steps(tolerance)[:, self.topology.step_class]
-        found = (2 * counts[:, :, 0] * counts[:, :, 1]).sum(axis=1)
-        position = {patch: n for n, patch in enumerate(self.topology.patches)}
-        for patch, edge in self.topology.collapsed:  # a row of quads at a point is a row of triangles
-            found -= counts[:, position[patch], 1 if edge < 2 else 0]
-        return found
+        return _count_triangles(self.topology, self.steps(tolerance))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spans:
+    """How long k instances of one topology are along the directions of its classes: ``longest`` (k, classes) metres, as if all
+    of a line were as fast as where it is fastest; ``least`` (k, classes) are the steps that they take at any rate."""
+
+    topology: Topology
+    longest: np.ndarray
+    least: np.ndarray
+
+    def steps(self, edge: np.ndarray) -> np.ndarray:
+        """(k, classes): the steps that are no longer than ``edge`` (k,) metres."""
+        counts = np.maximum(self.least, np.ceil(self.longest / edge[:, None] - 1e-9).astype(np.int64))
+        return _LADDER[np.minimum(np.searchsorted(_LADDER, counts), len(_LADDER) - 1)]
+
+    def triangles(self, edge: np.ndarray) -> np.ndarray:
+        """(k,): how many triangles these steps make."""
+        return _count_triangles(self.topology, self.steps(edge))
+
+
+def _count_triangles(topology: Topology, steps: np.ndarray) -> np.ndarray:
+    """(k,): how many triangles the ``steps`` (k, classes) make."""
+    counts = steps[:, topology.step_class]
+    found = (2 * counts[:, :, 0] * counts[:, :, 1]).sum(axis=1)
+    position = {patch: n for n, patch in enumerate(topology.patches)}
+    for patch, edge in topology.collapsed:  # a row of quads at a point is a row of triangles
+        found -= counts[:, position[patch], 1 if edge < 2 else 0]
+    return np.asarray(found)
+
+
+def measure_spans(primitive: Primitive, topology: Topology, params: Params, least: np.ndarray) -> Spans:
+    """How long instances of one topology are, which take the ``least`` (k, classes) steps at any rate."""
+    count = rows_of(params)
+    longest = np.zeros((count, int(topology.step_class.max()) + 1))
+    for start in range(0, count, _AT_ONCE):
+        rows = slice(start, start + _AT_ONCE)
+        some = {name: value[rows] for name, value in params.items()}
+        for n, patch in enumerate(topology.patches):
+            split = position_split(primitive, patch)
+            for along in (0, 1):
+                u, v = (_FEW[:, None], _ACROSS[None]) if along == 0 else (_ACROSS[None], _FEW[:, None])
+                chords = np.diff(grid(split, some, *np.broadcast_arrays(u, v)), axis=1)
+                longest_here = (len(_FEW) - 1) * np.sqrt(dot(chords, chords)).max(axis=(1, 2))
+                own = topology.step_class[n, along]
+                longest[rows, own] = np.maximum(longest[rows, own], longest_here)
+    return Spans(topology, longest, least)
 
 
 def measure_bends(primitive: Primitive, topology: Topology, params: Params) -> Bends:
@@ -161,13 +203,13 @@ def _twist(points: np.ndarray) -> np.ndarray:
 
 
 def within_budget(
-    parts: Sequence[tuple[Bends, np.ndarray]], objects: int, triangles: int, start: float = FINEST
+    parts: Sequence[tuple[Bends | Spans, np.ndarray]], objects: int, triangles: int, start: float | np.ndarray = FINEST
 ) -> np.ndarray:
-    """(objects,): the finest tolerance from ``start`` on at which an object keeps to its triangles.
+    """(objects,): the finest tolerance, or the shortest edge, from ``start`` on at which an object keeps to its triangles.
 
     ``parts`` are the instances of the objects, with the object of each.
     """
-    low, high = np.full(objects, np.log(start)), np.full(objects, np.log(COARSEST))
+    low, high = np.log(np.broadcast_to(start, objects)), np.full(objects, np.log(COARSEST))
     for _ in range(24):
         middle = (low + high) / 2
         total = np.zeros(objects)

@@ -92,6 +92,7 @@ class Chunk:
                 add=not self.force,
                 progress=progress,
                 resolution=self.content.resolution,
+                details=self.content.details,
             )
 
     def absent(self) -> np.ndarray:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from ..details.dressing import Dressing
 from ..errors import UsageError
 from ..export.content import SHARD, Content
 from ..export.objects import find_lacking, object_folder
@@ -121,6 +122,7 @@ def add_formats(
     formats: Sequence[Format],
     *,
     resolution: Resolution | None = None,
+    details: Dressing | None = None,
     force: bool = False,
     progress: ReportProgress | None = None,
     workers: int = 1,
@@ -129,7 +131,7 @@ def add_formats(
 ) -> None:
     """Further files for the objects of a job in their folder; formats that it has are refused, or written again by ``force``.
 
-    ``resolution`` of the meshes, None: that of the folder.
+    ``resolution`` of the meshes, None: that of the folder; ``details`` that they wear.
     The manifest names the new formats once all objects have them; until then the same call completes what is missing.
     """
     numbers = job.request.objects
@@ -137,13 +139,15 @@ def add_formats(
     assert manifest is not None
     identity = manifest["identity"]
     listed = identity["formats"]
-    resolution = resolution or Output.from_manifest(identity).content.resolution
+    resolution = resolution or Output.from_manifest(identity, out).content.resolution
     doubled = [entry.name for entry in formats if entry.name in listed]
     there = {n for n in numbers.tolist() if not find_lacking(object_folder(out, n), formats)}
     if doubled and len(there) == len(numbers) and not force:
         raise ExportError(f"{out} already has its objects as {', '.join(doubled)}", "use --force to write them again")
     sweep_all(out)
-    content = Content(resolution=resolution)
+    content = Content(resolution=resolution, details=details)
+    if _name_surfaces(manifest, out, formats, details is not None, force and len(numbers) == manifest["objects"]):
+        write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
     chunks = [
         Chunk(out, numbers[first : first + SHARD], tuple(formats), content, force=force)
         for first in range(0, len(numbers), SHARD)
@@ -153,3 +157,20 @@ def add_formats(
     if new and not any(find_lacking(object_folder(out, n), formats) for n in expand(identity["numbers"]).tolist()):
         identity["formats"] = [name for name in FORMATS if name in {*listed, *new}]
         write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
+
+
+def _name_surfaces(manifest: Manifest, out: Place, formats: Sequence[Format], worn: bool, anew: bool) -> bool:
+    """Note what the meshes of formats are of, before any is written; whether the manifest has changed. ``anew``: all objects are written
+    again. Raises ExportError where some of them show another surface."""
+    known = manifest.get("surfaces", {})
+    if not worn and not known and "details" not in manifest["identity"]:
+        return False
+    said = manifests.name_surfaces([entry.name for entry in formats], worn=worn)
+    other = [name for name in said if known.get(name, said[name]) != said[name]]
+    if other and not anew:
+        raise ExportError(
+            f"{out} has objects as {', '.join(other)} that show {known[other[0]]}",
+            "write all of them again with --force, or into a folder of their own with -o",
+        )
+    manifest["surfaces"] = known | said
+    return manifest["surfaces"] != known

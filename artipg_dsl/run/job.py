@@ -51,6 +51,14 @@ class Job:
     def program(self) -> Program:
         return self.sampler.program
 
+    @property
+    def originals(self) -> np.ndarray:
+        """The numbers of the objects that the requested ones were made from, of these themselves if nothing was mutated."""
+        numbers = self.request.objects
+        for step in reversed(self.request.mutations):
+            numbers = step.origins(numbers)[0]
+        return np.unique(numbers)
+
     def batch(
         self, numbers: Sequence[int] | np.ndarray | None = None, progress: Callable[[int, int], None] | None = None
     ) -> Batch:

@@ -5,14 +5,16 @@ from __future__ import annotations
 import json
 import os
 import platform
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NotRequired, TypedDict, cast
 
 import numpy as np
 
+from ..export.dressed import BARE, NOTE
 from ..export.meanings import list_vocabularies, point_arrays, table_arrays, view_arrays
 from ..export.mutants import MEANINGS
-from ..export.registry import TABLES, kinds
+from ..export.registry import FORMATS, TABLES, kinds
 from ..export.remote import Place, Remote, place_of
 from ..export.write import ExportError
 from ..shapes import Misfit, Rule, fit, hints, show_value
@@ -70,6 +72,7 @@ class Manifest(TypedDict):
     views: NotRequired[dict[str, dict[str, Any]]]
     tables: NotRequired[dict[str, Any]]
     correspondence: NotRequired[dict[str, str]]
+    surfaces: NotRequired[dict[str, str]]
     counts: NotRequired[Counts]
 
 
@@ -80,6 +83,8 @@ def build_manifest(
     size, content = count_numbers(request.numbers), output.content
     versions = {"artipg_dsl": __version__, "numpy": np.__version__}
     found: dict[str, Any] = {**request.to_manifest(), **output.to_manifest(), **versions}
+    if content.details is not None:
+        found["details"] |= {"folder": _relative_folder(content.details.folder, out)}
     manifest: Manifest = {
         "manifest": _VERSION,
         "category": program.name,
@@ -102,14 +107,30 @@ def build_manifest(
         manifest["tables"] = table_arrays(program)
     if "correspondence" in output.kinds:
         manifest["correspondence"] = dict(MEANINGS)
+    if content.details is not None and (said := name_surfaces(output.formats, worn=True)):
+        manifest["surfaces"] = said
     if counts is not None:
         manifest["counts"] = counts
     return manifest
 
 
+def name_surfaces(formats: Iterable[str], *, worn: bool) -> dict[str, str]:
+    """What the meshes are of that are to be seen in files per object, by format; ``worn``: they wear details."""
+    return {name: NOTE if worn else BARE for name in formats if FORMATS[name].per_object}
+
+
 def _name_shards(size: int, each: int) -> list[str]:
     """The numbers of shards as the names of their files have them."""
     return [f"{at // each:05d}" for at in range(0, size, each)]
+
+
+def _relative_folder(folder: str, out: Place | str) -> str:
+    """The same for a folder, by its name where it is not there any more."""
+    if not Path(folder).is_dir() or isinstance(place_of(folder), Remote):
+        return folder
+    if isinstance(place_of(out), Remote):
+        return str(Path(folder).resolve())
+    return Path(os.path.relpath(Path(folder).resolve(), Path(str(out)).resolve())).as_posix()
 
 
 def make_relative(source: str, out: Place | str) -> str:
@@ -181,9 +202,16 @@ def describe_difference(old: Manifest, new: Manifest) -> str | None:
         f"{title} ({_short(before.get(key))}, now {_short(after.get(key))})"
         for record, before, after in pairs
         for key, title in read_titles(record).items()
-        if before.get(key) != after.get(key)
+        if _compared(key, before.get(key)) != _compared(key, after.get(key))
     ]
     return " and ".join(words) or None
+
+
+def _compared(key: str, value: Any) -> Any:
+    """What two manifests are compared by: of details, what they are, not where."""
+    if key == "details" and isinstance(value, dict):
+        return {name: said for name, said in value.items() if name != "folder"}
+    return value
 
 
 def _short(value: Any) -> str:

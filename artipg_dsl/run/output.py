@@ -17,6 +17,7 @@ from ..details.dressing import Dressing
 from ..errors import UserError
 from ..export.content import Content
 from ..export.registry import FORMATS, Format, kinds
+from ..export.remote import Place, Remote, place_of
 from ..geometry.rays import best_engine
 from ..geometry.resolution import COARSEST, FINEST, Resolution
 from ..graph.program import MEASURES
@@ -101,12 +102,17 @@ class Output:
         return kinds(self.formats)
 
     @property
+    def wearable(self) -> bool:
+        """Whether anything is written that wears details: points, or meshes."""
+        return "points" in self.kinds or any(entry.per_object for entry in self.writers)
+
+    @property
     def writers(self) -> tuple[Format, ...]:
         """The formats themselves."""
         return tuple(FORMATS[name] for name in self.formats)
 
     def to_manifest(self) -> Written:
-        """As the manifest keeps it."""
+        """As the manifest keeps it, but for the place of details, which it has as seen from its folder."""
         content, points, meshes = self.content, self.content.points, self.content.resolution.plain()
         cameras, hand = content.cameras, content.gripper
         found: Written = {
@@ -135,8 +141,8 @@ class Output:
         return found
 
     @classmethod
-    def from_manifest(cls, found: Written) -> Output:
-        """The output that a manifest tells of. Raises Misfit."""
+    def from_manifest(cls, found: Written, beside: Place | str | None = None) -> Output:
+        """The output that a manifest tells of; ``beside``: the folder that it lies in. Raises Misfit."""
         views, hand, weights = found["views"], found["gripper"], found.get("weights")
         cameras = None
         if views is not None:
@@ -158,9 +164,18 @@ class Output:
             cameras,
             None if hand is None else Gripper(**hand),
             Resolution(**found.get("meshes", {})),
-            Dressing(**found["details"]) if "details" in found else None,
+            _dressing(found["details"], beside) if "details" in found else None,
         )
         return cls(tuple(found["formats"]), content, found["shard"])
+
+
+def _dressing(found: Dressed, beside: Place | str | None) -> Dressing:
+    """The details that a manifest names as seen from its folder, or, if they are not there, from here."""
+    worn = Dressing(**found)
+    if beside is None or isinstance(place_of(beside), Remote):
+        return worn
+    there = Path(str(beside)) / worn.folder
+    return replace(worn, folder=str(there)) if there.is_dir() else worn
 
 
 def read_content(

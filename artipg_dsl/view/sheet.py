@@ -18,6 +18,7 @@ from .regions import colours_of, find_regions, words_said
 from .scene import COLOURINGS, hex_colour, make_scene, open_values
 
 if TYPE_CHECKING:
+    from ..details.dressing import Dressing
     from ..runtime.batch import Batch
 
 RENDERERS = ("moderngl", "embreex", "numpy")
@@ -70,6 +71,7 @@ def draw_sheet(
     states: str = "alternate",
     view: str | tuple[float, float] | None = None,
     resolution: Resolution = SMOOTH,
+    details: Dressing | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> np.ndarray:
     """The picture (height, width, 3) uint8 of all objects of a batch, ``tile`` pixels each.
@@ -77,7 +79,7 @@ def draw_sheet(
     ``colour``: "part", "material" or "affordance", which has a row below with the words that hold somewhere.
     ``states``: "rest", "open", or "alternate": even tiles at rest, odd ones opened. ``view``: where one looks from, one of
     ``VIEWS`` or (azimuth, elevation) in degrees; None for "iso", from the side on which one sees into what opens.
-    ``resolution`` of the meshes, but for those of affordances.
+    ``resolution`` of the meshes, but for those of affordances; ``details`` that they wear.
     """
     if colour not in COLOURINGS:
         raise ExportError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
@@ -87,7 +89,9 @@ def draw_sheet(
     if acting and not words_said(batch, colour):
         raise ExportError(f"{batch.program.name} has no label of `affordance`", "say where one acts: see `label`")
     draw, said = make_renderer(which, tile), set[str]()
-    robots = Robots(batch, resolution=resolution, physics=False)
+    if acting and details is not None:
+        raise ExportError("affordances are drawn on the structure, not on its details", "leave out the details")
+    robots = Robots(batch, resolution=resolution, physics=False, details=details)
     poses = {"rest": batch.pose(), "open": batch.pose(open_values(batch))}
     azimuth, elevation = read_direction(view)
     if view is None:

@@ -182,8 +182,6 @@ def test_samples_borrow_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> Non
     )  # they wear what their originals do
     lines = (tmp_path / "mutants" / "annotation-00000.jsonl").read_text().splitlines()
     assert code == 0 and [json.loads(line)["details"]["donor"] for line in lines] == [one["donor"] for one in told]
-    code, _, err = apgc("export", tmp_path / "out", "--format", "glb")
-    assert code == 0 and "the files written here are those of the structure" in err
     code, _, err = apgc("export", tmp_path / "out", "--format", "shapenetpart", "-o", tmp_path / "parts")
     assert code == 2 and "which shapenetpart does not carry" in err
 
@@ -210,7 +208,7 @@ def test_python_borrows_the_same(apgc: Apgc, fitted: Path, tmp_path: Path) -> No
         Stream(CHEST, size=3, details={"Mug": bound})
     with pytest.raises(apg.errors.UsageError, match="strength of details is 2"):
         samples.points(64, details=bound, detail_strength=2)
-    with pytest.raises(apg.errors.UsageError, match="worn by points"):
+    with pytest.raises(apg.errors.UsageError, match="worn by points and meshes"):
         samples.to(tmp_path / "other", "annotation", details=bound)
 
 
@@ -218,7 +216,7 @@ def test_what_cannot_be_borrowed(apgc: Apgc, fitted: Path, tmp_path: Path) -> No
     bound, out = tmp_path / "bound", tmp_path / "out"
     assert apgc("bind", fitted, "-o", bound, "--points", 500)[0] == 0
     code, _, err = apgc("sample", CHEST, "--details", tmp_path / "none", "-o", out)
-    assert code == 1 and "none is not a folder of details" in err
+    assert code == 1 and "there is no folder" in err
     code, _, err = apgc("sample", "Mug", "--details", bound, "-o", out)
     assert code == 1 and "are of objects of Chest, not of Mug" in err and "apgc fit Mug" in err
     code, _, err = apgc("sample", CHEST, "--details", bound, "--detail-strength", 2, "-o", out)
@@ -227,8 +225,59 @@ def test_what_cannot_be_borrowed(apgc: Apgc, fitted: Path, tmp_path: Path) -> No
     assert code == 2 and "add --details DIR" in err
     code, _, err = apgc("mutate", fitted, "--detail-strength", 0.5, "-o", out)
     assert code == 2 and "add --details DIR" in err
-    code, _, err = apgc("sample", CHEST, "--details", bound, "--format", "glb", "-o", out)
-    assert code == 2 and "add points to --format" in err
+    code, _, err = apgc("sample", CHEST, "--details", bound, "--format", "tables", "-o", out)
+    assert code == 2 and "add points or glb to --format" in err
     (bound / "chest0.npz").write_bytes(b"nothing")
     code, _, err = apgc("sample", CHEST, "--details", bound, "-o", out)
     assert code == 1 and "chest0.npz cannot be read" in err and not out.exists()
+
+
+def test_meshes_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
+    bound, out = tmp_path / "bound", tmp_path / "out"
+    assert apgc("bind", fitted, "-o", bound, "--points", 500)[0] == 0
+    asked = ("mutate", fitted, "-n", 1, "--ops", "cpa", "--points", 64, "--details", bound, "-o", out)
+    assert apgc(*asked)[0] == 0
+    assert apgc("export", out, "--format", "urdf,glb")[0] == 0
+    assert apgc("export", out, "--format", "urdf,glb", "--bare", "-o", tmp_path / "bare")[0] == 0
+    worn, bare = (tree(folder / "objects" / "000001") for folder in (out, tmp_path / "bare"))
+    solid = [name for name in worn if "collision" in name or name.startswith("object_physics")]
+    assert solid and all(worn[name] == bare[name] for name in solid)  # what collides is the structure
+    assert len(worn["object.glb"]) > 3 * len(bare["object.glb"])
+    assert (
+        b"<!-- the surface in details of real objects" in worn["object.urdf"] and b"details" not in bare["object.urdf"]
+    )
+    manifest = json.loads((out / "manifest.json").read_text())
+    assert "in details of real objects" in manifest["surfaces"]["glb"]
+    assert manifest["identity"]["details"]["folder"] == "../bound"
+
+    code, _, err = apgc("export", out, "--format", "glb", "--bare", "--only", 0, "--force")
+    assert code == 1 and "show the surface in details" in err  # the others would still wear them
+    assert apgc("export", out, "--format", "glb", "--bare", "--force")[0] == 0
+    assert tree(out / "objects" / "000001")["object.glb"] == bare["object.glb"]
+    manifest = json.loads((out / "manifest.json").read_text())
+    assert "the structure, without" in manifest["surfaces"]["glb"] and "in details" in manifest["surfaces"]["urdf"]
+
+    moved = tmp_path / "moved"  # both folders together, then the details elsewhere
+    moved.mkdir()
+    out.rename(moved / "out")
+    bound.rename(moved / "bound")
+    asked = ("export", moved / "out", "--format", "obj", "--force", "-o")
+    assert apgc(*asked, tmp_path / "first")[0] == 0
+    (moved / "bound").rename(tmp_path / "elsewhere")
+    code, _, err = apgc(*asked, tmp_path / "second")
+    assert code == 1 and "there is no folder" in err and "--details says where it is" in err
+    assert apgc(*asked, tmp_path / "second", "--details", tmp_path / "elsewhere")[0] == 0
+    assert tree(tmp_path / "first" / "objects") == tree(tmp_path / "second" / "objects")
+
+
+def test_pictures_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
+    bound = tmp_path / "bound"
+    assert apgc("bind", fitted, "-o", bound, "--points", 500)[0] == 0
+    asked = ("render", fitted, "-n", 1, "--tile", 48, "-o")
+    assert apgc(*asked, tmp_path / "worn.png", "--details", bound)[0] == 0
+    assert apgc(*asked, tmp_path / "none.png", "--details", bound, "--detail-strength", 0)[0] == 0
+    assert (tmp_path / "worn.png").read_bytes() != (tmp_path / "none.png").read_bytes()
+    code, _, err = apgc(*asked, tmp_path / "other.png", "--details", bound, "--bare")
+    assert code == 2 and "leave out --bare or --details" in err
+    code, _, err = apgc("export", CHEST, "--format", "glb", "--detail-strength", 0.5, "-o", tmp_path / "out")
+    assert code == 2 and "scales details" in err

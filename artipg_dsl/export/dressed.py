@@ -1,0 +1,65 @@
+"""Meshes in the details of real surfaces: refined until they can follow these, then moved. What collides and weighs is the structure."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..geometry import mesh
+from ..geometry.resolution import STANDARD, Resolution, measure_spans, within_budget
+from ..geometry.topology import topology
+from .solids import SolidGroup, build_meshes
+
+if TYPE_CHECKING:
+    from ..details.dressing import Dressing
+    from ..geometry.sites import SiteTable
+    from ..runtime.batch import Batch
+
+_EDGE = 0.01  # diagonals of an object: no step of a mesh that is to follow details is longer
+NOTE = "the surface in details of real objects; colliders and masses are those of the structure"
+
+BARE = "the structure, without the details that points wear"
+
+
+def build_dressed(batch: Batch, tables: list[SiteTable], resolution: Resolution, details: Dressing) -> list[SolidGroup]:
+    """Meshes of all instances of all sites of a batch, closed, in details. ``triangles`` of a resolution bounds how far they are refined.
+    Raises UserError where the details are not those of the objects."""
+    from ..details.store import displaced  # start-up: most objects wear none, and k-d trees load slowly
+
+    scale = _diagonals(tables, len(batch))
+    edge = _EDGE * scale
+    if resolution.triangles is not None:
+        edge = _within(tables, resolution.triangles, edge)
+    steps = min(resolution.steps, STANDARD.steps)  # rods of many slivers fold, and look no rounder
+    groups = build_meshes(tables, Resolution(steps, resolution.tolerance), edge)
+    if not groups:
+        return groups
+    moved = displaced(batch, groups, scale, details)
+    return [replace(group, vertices=vertices) for group, vertices in zip(groups, moved, strict=True)]
+
+
+def _diagonals(tables: list[SiteTable], objects: int) -> np.ndarray:
+    """(objects,) the diagonals of the boxes of the objects, metres."""
+    low, high = np.full((objects, 3), np.inf), np.full((objects, 3), -np.inf)
+    for table in tables:
+        if len(table):
+            one, other = table.boxes()
+            np.minimum.at(low, table.owner, one)
+            np.maximum.at(high, table.owner, other)
+    size = np.where(low <= high, high - low, 1.0)
+    return np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2 + size[:, 2] ** 2)
+
+
+def _within(tables: list[SiteTable], triangles: int, edge: np.ndarray) -> np.ndarray:
+    """(objects,) the shortest edge from ``edge`` on at which an object keeps to its triangles."""
+    parts = []
+    for table in tables:
+        for variant, rows in mesh.group_rows(table.primitive, table.params) if len(table) else ():
+            found = topology(table.primitive, variant)
+            least = np.repeat(np.where(found.closed, 3, 1)[None], len(rows), axis=0)
+            parts.append(
+                (measure_spans(table.primitive, found, mesh.take(table.params, rows), least), table.owner[rows])
+            )
+    return within_budget(parts, len(edge), triangles, edge)
