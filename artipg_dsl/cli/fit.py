@@ -30,7 +30,9 @@ def run(options: argparse.Namespace) -> int:
         sampler, source = open_program(options.program)
         words = read_words(options.map, sampler.program.vocabularies.get("semantic", ()))
         progress.stage("fitting")
-        asked = Asked(source, out, frame, options.seed or 0, not options.unchecked, words, not options.plain)
+        asked = Asked(
+            source, out, frame, options.seed or 0, not options.unchecked, words, not options.plain, not options.at_rest
+        )
         summary = write_fits(sampler, asked, paths, force=options.force, workers=options.workers, progress=progress)
     print(json.dumps(summary, indent=1, ensure_ascii=False) if options.json else _table(summary))
     found, failed = summary["objects"], summary["failed"]

@@ -14,6 +14,11 @@ def add_fit(to: argparse.ArgumentParser) -> None:
     add_real(to)
     to.add_argument("--seed", type=whole, metavar="N", help="random seed (default: 0)")
     to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
+    to.add_argument(
+        "--at-rest",
+        action="store_true",
+        help="leave all joints at rest (default: move them where nothing at rest fits)",
+    )
     to.add_argument("--plain", action="store_true", help="draw no pictures")
     to.add_argument("--json", action="store_true", help="print the summary as JSON")
     to.add_argument("--force", action="store_true", help="fit everything again")

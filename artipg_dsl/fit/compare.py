@@ -15,6 +15,7 @@ from ..runtime.batch import Batch
 from .match import Gaps, features, gaps, nearest
 from .model import Placed
 from .outer import outer, spacing
+from .states import tables
 
 _FARTHEST = 0.08  # diagonals: what lies farther off counts as lying so far
 
@@ -79,10 +80,10 @@ class Compared:
     score: np.ndarray
 
 
-def starts(tables: list[SiteTable]) -> np.ndarray:
+def starts(sites: list[SiteTable]) -> np.ndarray:
     """Where the rows of each site begin, by its number, in the tables put together."""
-    found = np.zeros(max((table.number for table in tables), default=0) + 2, dtype=np.int64)
-    found[[table.number + 1 for table in tables]] = [len(table) for table in tables]
+    found = np.zeros(max((table.number for table in sites), default=0) + 2, dtype=np.int64)
+    found[[table.number + 1 for table in sites]] = [len(table) for table in sites]
     return np.cumsum(found)
 
 
@@ -102,7 +103,7 @@ def chosen(better: np.ndarray, new: Compared, old: Compared) -> Compared:
 
 def clouds(batch: Batch, n: int, seed: int = 0) -> PointSet:
     """n points of the surfaces of candidates; those of one number fall on the same places of the same surface."""
-    return geometry.sample(batch.sites(), len(batch), n, random.key(seed, "fit"), batch.state.objects.astype(np.uint64))
+    return geometry.sample(tables(batch), len(batch), n, random.key(seed, "fit"), batch.state.objects.astype(np.uint64))
 
 
 def compare(batch: Batch, target: np.ndarray, placed: Placed, targets: Targets, n: int) -> Compared:
@@ -123,7 +124,7 @@ def compare(batch: Batch, target: np.ndarray, placed: Placed, targets: Targets, 
     own = np.where(hidden, 0.0, np.minimum(np.abs(to_cloud.value), _FARTHEST)).sum(axis=1)
     own /= np.maximum((~hidden).sum(axis=1), 1)
     score = 0.5 * (np.minimum(np.abs(to_surface.value), _FARTHEST).mean(axis=1) + own)
-    tables = batch.sites()
-    rank = np.concatenate([table.rank for table in tables])
-    element = rank[starts(tables)[points.site] + points.row]
+    sites = tables(batch)
+    rank = np.concatenate([table.rank for table in sites])
+    element = rank[starts(sites)[points.site] + points.row]
     return Compared(points, element, position, hidden, there, here, to_surface, to_cloud, agree, score)

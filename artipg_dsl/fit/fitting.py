@@ -8,28 +8,31 @@ from typing import Any
 
 import numpy as np
 
+from ..annotate.states import rest_values
 from ..runtime.batch import Batch
-from ..sampling.known import evaluate_again
 from ..sampling.repair import repair
 from .measure import agreement, distances, surfaces, verdict
 from .model import Model, bounds
 from .pose import UNITS, Posed, targets, turn
 from .search import Effort, search
+from .states import Opened, carried, moved
 
 TOGETHER = 6  # objects that are searched as one batch
+_NEARER = 0.8  # joints are moved where the distance becomes that of rest times this, or less
 _USUAL = 256  # drawn objects that tell how large those of a category are
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fitted:
     """What is known of one object: ``values`` as a file of parameters has them, ``told`` beside them; its ``cloud`` in the frame of the
-    object, for pictures. ``row``: which of the ``batch`` it is."""
+    object, for pictures. ``row``: which of the ``batch`` it is; ``states`` (J,): the values of the joints of all of the batch."""
 
     values: dict[str, Any]
     told: dict[str, Any]
     cloud: np.ndarray
     batch: Batch
     row: int
+    states: np.ndarray
 
 
 def usual_size(model: Model) -> float:
@@ -48,17 +51,40 @@ def fit(
     checked: bool = True,
     effort: Effort | None = None,
     words: Mapping[str, str] | None = None,
+    opened: Model | None = None,
 ) -> list[Fitted]:
     """The objects of a program that come nearest to some clouds, in their order. ``checked``: without links that collide.
-    ``words``: which word of the vocabulary ``semantic`` a name of a cloud's labels means."""
+    ``words``: which word of the vocabulary ``semantic`` a name of a cloud's labels means. ``opened``: a model of the same program with
+    joints anywhere, for clouds that nothing at rest fits."""
+    found = _fit(model, several, seed, checked, effort, words)
+    rough = [k for k, one in enumerate(found) if one.told["verdict"] != verdict(0.0)]
+    if opened is None or not rough:
+        return found
+    for k, other in zip(rough, _fit(opened, [several[k] for k in rough], seed, checked, effort, words), strict=True):
+        if other.told["distance"]["both"] < _NEARER * found[k].told["distance"]["both"] and (
+            other.told["valid"] or not found[k].told["valid"]
+        ):
+            found[k] = other
+    return found
+
+
+def _fit(
+    model: Model,
+    several: Sequence[Posed],
+    seed: int,
+    checked: bool,
+    effort: Effort | None,
+    words: Mapping[str, str] | None,
+) -> list[Fitted]:
     asked = targets(several)
     found = search(model, asked, effort or Effort(), seed)
-    start = evaluate_again(found.batch, np.arange(len(found)), plan=model.sampler.plan)
-    outcome = repair(model.sampler, start, checked=checked)
+    outcome = repair(model.sampler, model.at_rest(found.batch), checked=checked)
     batch = outcome.batch
     failed = set(outcome.failed.tolist())
+    states = carried(batch, found.batch) if isinstance(model.program, Opened) else rest_values(batch)
+    sites = moved(batch, states) if isinstance(model.program, Opened) else batch.sites()
     low, high = bounds(batch.sites(), len(batch))
-    whole, outside = surfaces(batch, found.placed.scale, found.placed.shift)
+    whole, outside = surfaces(batch, sites, found.placed.scale, found.placed.shift)
     semantic = batch.program.vocabularies.get("semantic", ())
     made = []
     for row, posed in enumerate(several):
@@ -76,9 +102,14 @@ def fit(
             "size": [round(float(x), 6) for x in high[row] - low[row]],
             "valid": row not in failed,
         }
+        if isinstance(model.program, Opened):
+            own, at_rest = np.flatnonzero(batch.joints().owner == row), rest_values(batch)
+            told["joints"] = {
+                batch.joints().name[j]: round(float(states[j]), 6) for j in own if states[j] != at_rest[j]
+            }
         agreed = agreement(points, _words(posed, words or {}, semantic), whole[row], semantic)
         told |= {"iou": agreed} if agreed else {}
-        made.append(Fitted(batch.drawn(row), told, (points - shift) / scale, batch, row))
+        made.append(Fitted(batch.drawn(row), told, (points - shift) / scale, batch, row, states))
     return made
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,8 @@ from scipy.spatial import cKDTree
 from .. import random
 from ..annotate.points import label_points
 from ..geometry import points as geometry
+from ..geometry.pointset import PointSet
+from ..geometry.sites import SiteTable
 from ..runtime.batch import Batch
 from .outer import spacing
 
@@ -28,17 +30,30 @@ class Surface:
     word: np.ndarray
 
 
-def surfaces(batch: Batch, scale: np.ndarray, shift: np.ndarray) -> tuple[list[Surface], list[Surface]]:
-    """Of each object the whole boundary, and what can be seen from outside."""
+def surfaces(
+    batch: Batch, sites: list[SiteTable], scale: np.ndarray, shift: np.ndarray
+) -> tuple[list[Surface], list[Surface]]:
+    """Of each object the whole boundary, and what can be seen from outside; ``sites``: its primitives, where its joints lead them."""
     found = []
     address = batch.state.objects.astype(np.uint64)
     for count, outside in ((_POINTS, False), (_OUTSIDE, True)):
-        made = geometry.sample(batch.sites(), len(batch), count, random.key(0, "fitted"), address, outside=outside)
+        made = geometry.sample(sites, len(batch), count, random.key(0, "fitted"), address, outside=outside)
         labels = [label for label in batch.program.labels if label.vocabulary == "semantic"]
-        word = label_points(batch, batch.sites(), made, labels).semantic
+        word = label_points(batch, batch.sites(), _at_rest(batch, sites, made), labels).semantic
         at = made.position * scale[:, None, None] + shift[:, None, :]
         found.append([Surface(*columns) for columns in zip(at, made.normal, word, strict=True)])
     return found[0], found[1]
+
+
+def _at_rest(batch: Batch, sites: list[SiteTable], points: PointSet) -> PointSet:
+    """Points where they are with all joints at rest, as formulas of labels take them."""
+    if sites is batch.sites():
+        return points
+    owner = np.repeat(np.arange(len(batch)), points.site.shape[1])
+    bound = (getattr(points, name).ravel() for name in ("site", "row", "patch", "u", "v"))
+    position, normal, _ = geometry.evaluate_flat(batch.sites(), owner, *bound)
+    shape = points.position.shape
+    return replace(points, position=position.reshape(shape), normal=normal.reshape(shape))
 
 
 def distances(cloud: np.ndarray, normals: np.ndarray, whole: Surface, outside: Surface) -> dict[str, Any]:

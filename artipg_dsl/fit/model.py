@@ -16,11 +16,13 @@ from ..random import mix
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..runtime.laws import TOLERANCE
-from ..runtime.needs import narrowing_of, pose_cells
+from ..runtime.needs import motion_of, narrowing_of, pose_cells
 from ..runtime.plan import Plan, make_plan
-from ..sampling.known import evaluate_again, make_batch, rows_of_draw
+from ..sampling.known import evaluate_again, keep_draw, make_batch, rows_of_draw
 from ..sampling.sample import Sampler
 from ..sampling.search import domain_ends
+from .states import Opened, shut
+from .states import opened as open_program
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,13 +65,15 @@ class Changes:
 class Model:
     """The draws on which the surface depends: ``discrete`` (choices, counts, values of a list) and ``smooth``."""
 
-    def __init__(self, sampler: Sampler):
-        self.sampler, self.program = sampler, sampler.program
+    def __init__(self, sampler: Sampler, *, opened: bool = False):
+        self.sampler = sampler
+        self.program = open_program(sampler.program) if opened else sampler.program
         behind = draws_behind(self.program, self._surface())
         draws = self.program.draws
         listed = [k for k in behind if draws[k].kind != "real" or draws[k].distribution == "values"]
         self.discrete = listed
-        self.smooth = [k for k in behind if k not in set(listed)]
+        states = self.program.states.values() if isinstance(self.program, Opened) else ()
+        self.smooth = [*(k for k in behind if k not in set(listed)), *states]
 
     @cached_property
     def plan(self) -> Plan:
@@ -81,6 +85,8 @@ class Model:
         for part in program.parts:
             wanted += [(holds, part.scope) for _, holds in part.semantic]
             wanted += ranks_of(part.link)
+        if isinstance(program, Opened):
+            wanted += motion_of(program)
         return make_plan(program, wanted)
 
     def _surface(self) -> Iterable[Expr]:
@@ -111,17 +117,34 @@ class Model:
         return make_batch(self.program, self.plan, state)
 
     def drawn(self, numbers: np.ndarray, seed: int) -> Batch:
-        """First attempts of the objects of some numbers; which are valid their state tells."""
+        """First attempts of the objects of some numbers; which are valid their state tells. Where joints have values, every other object
+        is at rest, and half of the joints of the others are."""
         state = State(seed, numbers, np.zeros(len(numbers), dtype=np.int64))
-        return make_batch(self.program, self.plan, state)
+        batch = make_batch(self.program, self.plan, state)
+        if not isinstance(self.program, Opened):
+            return batch
+        return self.altered(batch, np.arange(len(batch)), Changes(*shut(batch, seed)))
+
+    def at_rest(self, batch: Batch) -> Batch:
+        """The candidates as objects of the sampler's program, whose joints have no values of their own."""
+        program, every = self.sampler.program, np.arange(len(batch))
+        old = batch.state
+        state = State(old.seed, old.objects, old.attempt, dict(old.given), salt=old.salt, lane=old.lanes())
+        state.kept = {number: keep_draw(batch, number, every) for number in range(len(program.draws))}
+        return make_batch(program, self.sampler.plan, state, batch.numbers)
 
     def structures(self, batch: Batch) -> np.ndarray:
-        """(B,) uint64: a number for the discrete values of each candidate, equal where all of them are."""
+        """(B,) uint64: a number for the discrete values of each candidate, equal where all of them are; and for the quarter of its range
+        in which each joint is, as a search from one seldom leads to another."""
         found = np.zeros(len(batch), dtype=np.uint64)
-        for number in self.discrete:
+        states = set(self.program.states.values()) if isinstance(self.program, Opened) else set()
+        for number in (*self.discrete, *sorted(states)):
             scope = self.program.draws[number].column.scope
             value = batch.state.values[number]
-            if self.program.draws[number].kind == "real":
+            if number in states:
+                low, high = domain_ends(batch, number)
+                value = np.floor(4.0 * (value - low) / np.maximum(high - low, TOLERANCE))
+            elif self.program.draws[number].kind == "real":
                 value = np.round(value / TOLERANCE)
             said = mix(np.full(len(value), number + 1, dtype=np.uint64), value.astype(np.int64))
             for _, rank in batch.rowmap.ranks(scope):

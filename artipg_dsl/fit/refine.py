@@ -18,6 +18,7 @@ from ..runtime.batch import Batch
 from .compare import Candidates, Compared, Targets, chosen, compare, starts
 from .match import Gaps
 from .model import Changes, Freedoms, Model, Placed
+from .states import tables
 
 _STEP = 2e-3  # of a difference, in ranges
 _LEAST_ROOM = 1e-7  # in ranges: a number with less on both sides stays
@@ -163,11 +164,11 @@ def _derivatives(model: Model, batch: Batch, now: Compared, free: Freedoms) -> n
     reach = np.where(upward, reach, -reach)
     value = free.value + reach
     moved = model.altered(batch, free.owner, Changes(np.arange(len(free)), free.draw, free.row, value))
-    tables, others = batch.sites(), moved.sites()
-    begin = starts(tables)
-    copy, there, base = _changed(tables, others, free.owner, begin)
+    sites, others = tables(batch), tables(moved)
+    begin = starts(sites)
+    copy, there, base = _changed(sites, others, free.owner, begin)
     first = np.zeros((len(begin), count), dtype=np.int64)
-    for table in tables:
+    for table in sites:
         first[table.number] = begin[table.number] + np.searchsorted(table.owner, np.arange(count))
     stands = first[now.points.site, np.arange(count)[:, None]] + now.element  # of each point, among all rows
     stands = stands.ravel()
@@ -186,12 +187,12 @@ def _derivatives(model: Model, batch: Batch, now: Compared, free: Freedoms) -> n
 
 
 def _changed(
-    tables: list[SiteTable], moved: list[SiteTable], owner: np.ndarray, begin: np.ndarray
+    sites: list[SiteTable], moved: list[SiteTable], owner: np.ndarray, begin: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows of the primitives of copies that are not what they are in the candidate ``owner`` (copies,) they were made from: the copy,
     the row of its table, and that of the candidate among all rows; ordered by copy."""
     found: list[list[np.ndarray]] = [[], [], []]
-    for table, other in zip(tables, moved, strict=True):
+    for table, other in zip(sites, moved, strict=True):
         if not len(table) or not len(other):
             continue
         candidate = owner[other.owner]

@@ -12,6 +12,7 @@ from .match import features, nearest
 from .model import Changes, Model, Placed, bounds
 from .outer import outer
 from .refine import Schedule, refine
+from .states import tables
 
 _SIZES = 0.15  # what a difference of boxes counts beside one of clouds of equal boxes: diagonals for a factor of e
 _COARSE = 192  # points of a candidate and of a target, where thousands are compared
@@ -89,7 +90,7 @@ def _chosen(model: Model, targets: Targets, effort: Effort, seed: int) -> Candid
     drawn = model.drawn(np.arange(effort.drawn), seed)
     valid = np.flatnonzero(~drawn.state.failed)
     drawn = model.assembled([(drawn, valid)])
-    low, high = bounds(drawn.sites(), len(drawn))
+    low, high = bounds(tables(drawn), len(drawn))
     size = np.maximum(high - low, 1e-6)
     differ = np.log(size)[None] - np.log(np.maximum(targets.size, 1e-6))[:, None]  # (T, N, 3)
     differ = differ - np.where(targets.known[:, None], 0.0, differ.mean(axis=2))[:, :, None]

@@ -20,7 +20,7 @@ from ..details.report import report
 from ..errors import UserError
 from ..export.containers import npz_bytes
 from ..export.write import ensure_folder, sweep_unfinished, write_bytes
-from ..fit.real import read_real
+from ..fit.real import closed, read_real
 from .fits import FITS, SUMMARY, mark
 from .job import Job
 from .resume import reopen
@@ -123,6 +123,8 @@ def _bind_one(job: Job, asked: Binding, item: Item) -> str:
             raise UserError(f"{path} is not the file that was fitted, or has changed since", "fit it again")
         real = read_real(path, record)
         batch = job.batch(np.array([number]))
+        if record.get("joints"):
+            real = closed(batch, real, record["joints"])
         details = bind(batch, real, asked.points, asked.assignment, asked.completed)
         arrays = to_arrays(details, job.program.hash)
         told |= report(batch, real, arrays, asked.points)
@@ -131,6 +133,7 @@ def _bind_one(job: Job, asked: Binding, item: Item) -> str:
         told["failed"] = wrong.message + (f" ({wrong.hint})" if wrong.hint else "")
         (asked.out / f"{name}.npz").unlink(missing_ok=True)
     told |= {"file": record.get("file"), "to_object": record.get("to_object"), "options": options}
+    told |= {"joints": record["joints"]} if record.get("joints") else {}
     write_bytes(asked.out / f"{name}.json", _to_text(told), force=True)
     return str(name)
 
@@ -139,7 +142,7 @@ def _done(asked: Binding, options: Mapping[str, Any], record: Mapping[str, Any])
     found = _read(asked.out / f"{record['name']}.json")
     if found is None or "failed" in found or found.get("options") != options:
         return False
-    same = all(found.get(key) == record.get(key) for key in ("file", "to_object"))
+    same = all(found.get(key) == record.get(key) for key in ("file", "to_object", "joints"))
     return same and (asked.out / f"{record['name']}.npz").exists()
 
 

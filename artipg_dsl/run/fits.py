@@ -23,6 +23,7 @@ from ..fit.fitting import TOGETHER, fit, usual_size
 from ..fit.model import Model
 from ..fit.pose import Frame, Posed, pose
 from ..fit.reading import read_cloud
+from ..fit.states import can_open
 from ..sampling.sample import Sampler
 from ..view.overlay import overlay
 from ..view.png import png_bytes
@@ -35,7 +36,7 @@ from .request import read_request
 from .workers import map_each
 
 FITS, PICTURES, VALUES, SUMMARY = "fits", "pictures", "values.jsonl", "fit.json"
-_VERSION = 1
+_VERSION = 2
 _TILE = 320
 _NO_MATCH = "does not fit"
 
@@ -51,6 +52,7 @@ class Asked:
     checked: bool = True
     words: tuple[tuple[str, str], ...] = ()
     pictures: bool = True
+    opened: bool = True  # joints are moved where nothing at rest fits
 
     def plain(self, program: str) -> dict[str, Any]:
         return {
@@ -60,6 +62,7 @@ class Asked:
             "seed": self.seed,
             "checked": self.checked,
             "words": [list(pair) for pair in self.words],
+            "opened": self.opened,
         }
 
 
@@ -133,6 +136,7 @@ def _each(sampler: Sampler, asked: Asked, groups: list[list[Item]], workers: int
 @dataclass(slots=True, eq=False)
 class _Work:
     model: Model
+    opened: Model | None
     asked: Asked
     usual: float
     draw: Any
@@ -140,7 +144,8 @@ class _Work:
     @staticmethod
     def of(sampler: Sampler, asked: Asked) -> _Work:
         model = Model(sampler)
-        return _Work(model, asked, usual_size(model), make_renderer("auto", _TILE) if asked.pictures else None)
+        opened = Model(sampler, opened=True) if asked.opened and can_open(sampler.program) else None
+        return _Work(model, opened, asked, usual_size(model), make_renderer("auto", _TILE) if asked.pictures else None)
 
 
 _theirs: _Work | None = None  # what this worker works for
@@ -170,11 +175,16 @@ def _fit_group(work: _Work, group: list[Item]) -> list[Item]:
     if not read:
         return group
     found = fit(
-        work.model, [posed for _, posed in read], seed=asked.seed, checked=asked.checked, words=dict(asked.words)
+        work.model,
+        [posed for _, posed in read],
+        seed=asked.seed,
+        checked=asked.checked,
+        words=dict(asked.words),
+        opened=work.opened,
     )
     for (item, _), one in zip(read, found, strict=True):
         if asked.pictures:
-            image = overlay(one.batch, one.row, one.cloud, tile=_TILE, draw=work.draw)
+            image = overlay(one.batch, one.row, one.cloud, states=one.states, tile=_TILE, draw=work.draw)
             write_bytes(asked.out / PICTURES / f"{item.name}.png", png_bytes(image), force=True)
         _write(asked, item, {**one.told, "drawn": one.values}, options)
     return group

@@ -27,6 +27,25 @@ def find_wanted(program: Program) -> Iterator[Wanted]:
         yield from _each(part.scope, pose_cells(part.pose), part.low, part.high, words, part.symmetry or ())
         yield from ranks_of(part.link)
         yield from ranks_of(part.holder)
+    yield from motion_of(program)
+    for label in program.labels:
+        inputs = row_values(label.formulas)
+        for target in label.targets:
+            scope = program.sites[target.site].scope
+            yield from _each(scope, pose_cells(target.frame), target.size, target.center, inputs)
+    for grasp in program.grasps:
+        inputs = row_values(grasp.formulas)
+        yield from _each(
+            grasp.scope, pose_cells(grasp.frame), grasp.size, grasp.center, (grasp.low, grasp.high), inputs
+        )
+        yield from ranks_of(grasp.link)
+    for keypoint in program.keypoints:
+        yield from _each(keypoint.scope, keypoint.point)
+        yield from ranks_of(keypoint.link)
+
+
+def motion_of(program: Program) -> Iterator[Wanted]:
+    """What links, closed loops and joints read."""
     for link in program.links:
         if link.part >= 0 and link.scope.within(program.parts[link.part].scope):
             yield from _each(link.scope, pose_cells(program.parts[link.part].pose))
@@ -54,20 +73,6 @@ def find_wanted(program: Program) -> Iterator[Wanted]:
         for gate in joint.gates:
             yield from _each(joint.scope, (end for end in (gate.low, gate.high) if end is not None))
             yield from ranks_of(gate.joint)
-    for label in program.labels:
-        inputs = row_values(label.formulas)
-        for target in label.targets:
-            scope = program.sites[target.site].scope
-            yield from _each(scope, pose_cells(target.frame), target.size, target.center, inputs)
-    for grasp in program.grasps:
-        inputs = row_values(grasp.formulas)
-        yield from _each(
-            grasp.scope, pose_cells(grasp.frame), grasp.size, grasp.center, (grasp.low, grasp.high), inputs
-        )
-        yield from ranks_of(grasp.link)
-    for keypoint in program.keypoints:
-        yield from _each(keypoint.scope, keypoint.point)
-        yield from ranks_of(keypoint.link)
 
 
 def following(joint: Joint) -> list[Expr]:

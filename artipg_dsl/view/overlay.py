@@ -22,12 +22,20 @@ _BEHIND = 0.04  # of the distance: so far behind others a point is hidden
 
 
 def overlay(
-    batch: Batch, row: int, cloud: np.ndarray, *, tile: int = 320, which: str = "auto", draw: Any = None
+    batch: Batch,
+    row: int,
+    cloud: np.ndarray,
+    *,
+    states: np.ndarray | None = None,
+    tile: int = 320,
+    which: str = "auto",
+    draw: Any = None,
 ) -> np.ndarray:
-    """(tile, 3 * tile, 3) uint8: the ``cloud`` (n, 3) in the frame of object ``row`` of a batch, the object at rest, and both."""
+    """(tile, 3 * tile, 3) uint8: the ``cloud`` (n, 3) in the frame of object ``row`` of a batch, the object with its joints at
+    ``states`` (J,), at rest by default, and both."""
     draw = make_renderer(which, tile) if draw is None else draw
     robots = Robots(batch, resolution=SMOOTH, physics=False)
-    shown = make_scene(robots, row, batch.pose())
+    shown = make_scene(robots, row, batch.pose(states))
     azimuth, elevation = VIEWS["iso"]
     camera = look_at(np.concatenate([shown.vertices, cloud]), -azimuth, elevation)
     floor = float(shown.vertices[:, 2].min())
