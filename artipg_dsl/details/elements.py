@@ -39,11 +39,13 @@ class Elements:
 
     def turned(self, element: np.ndarray, vectors: np.ndarray) -> np.ndarray:
         """The same for vectors."""
-        matrix, y = self.rotation[element], vectors[:, 1] * self.mirror[element]
-        cells = [
-            matrix[:, k, 0] * vectors[:, 0] + matrix[:, k, 1] * y + matrix[:, k, 2] * vectors[:, 2] for k in range(3)
-        ]
-        return np.stack(cells, axis=-1)
+        columns = np.ascontiguousarray(self.rotation.reshape(-1, 9).T)
+        x, z = (np.ascontiguousarray(vectors[:, k]) for k in (0, 2))
+        y, out = vectors[:, 1] * self.mirror[element], np.empty(vectors.shape)
+        for k in range(3):  # column by column: no matrix is gathered for each vector
+            a, b, c = (columns[3 * k + j][element] for j in range(3))
+            out[:, k] = a * x + b * y + c * z
+        return out
 
     def local(self, element: np.ndarray, vectors: np.ndarray) -> np.ndarray:
         """Vectors (m, 3) of objects in the own frames of elements."""

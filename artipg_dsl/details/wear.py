@@ -66,7 +66,7 @@ class Wardrobe:
             return np.full(len(element), -1)
         donor = self.details.elements.owner[element]
         diagonal = self.details.diagonal[donor]
-        apart, found = self._tree.find(_features(place, normal, diagonal), element)
+        apart, found = self._tree.find(_features(place, normal, diagonal), element, float(self._reach.max()))
         return np.where(apart < self._reach[donor], found, -1)
 
     def on_map(self, place: np.ndarray, element: np.ndarray) -> np.ndarray:
@@ -78,7 +78,7 @@ class Wardrobe:
             low, high = (corner[own] for corner in self.boxes)
             held = on_map(self.frames.place, low, high, self.long[own])
             self._maps = Nearest(held, own, _APART)
-        apart, found = self._maps.find(place, element)
+        apart, found = self._maps.find(place, element, _ON_MAP)
         return np.where(apart < _ON_MAP, found, -1)
 
 
@@ -136,8 +136,10 @@ def _clothed(
     facing = facing * strength + bare * (1.0 - strength)
     turned = points.elements.turned(points.element, here.out_of(facing))
     length = np.sqrt(dot(turned, turned))[:, None]
-    plain = points.elements.turned(points.element, here.normal)
-    return place, np.where(length > 1e-6, turned / np.maximum(length, 1e-6), plain), bound
+    turned /= np.maximum(length, 1e-6)
+    lost = np.flatnonzero(length[:, 0] <= 1e-6)
+    turned[lost] = points.elements.turned(points.element[lost], here.normal[lost])
+    return place, turned, bound
 
 
 def find_offsets(

@@ -77,8 +77,9 @@ def _of_patch(
     along, aside = np.stack(made[:3], axis=-1), np.stack(made[3:], axis=-1)
     flat = along - dot(along, normal)[:, None] * normal
     length = np.sqrt(dot(flat, flat))
-    other = _across(normal)
-    tangent = np.where((length > _LEAST)[:, None], flat / np.maximum(length, _LEAST)[:, None], other)
+    tangent = flat / np.maximum(length, _LEAST)[:, None]
+    untold = np.flatnonzero(length <= _LEAST)
+    tangent[untold] = _across(normal[untold])
     across = dot(aside, cross(normal, tangent))
     across = np.where(np.abs(across) < _LEAST, _LEAST, across)
     return place, normal, tangent, np.stack([np.maximum(length, _LEAST), across], axis=-1)
