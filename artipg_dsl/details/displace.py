@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..geometry.nearest import Nearest
 from ..geometry.vectors import cross, dot
-from .skin import Grid, Skin, gather, neighbours, total
+from .skin import Grid, Skin, gather, neighbours, tie_breakers, total
 from .suits import Suits
 from .unfold import keep_apart, unfold
 from .wear import Wardrobe, find_offsets
@@ -81,7 +81,10 @@ def _followed(place: np.ndarray, element: np.ndarray, way: np.ndarray, told: np.
     bare, worn = np.flatnonzero(~told), np.flatnonzero(told)
     if not len(bare) or not len(worn):
         return way
-    apart, near = Nearest(place[worn], element[worn], _APART).find(place[bare], element[bare], _FOLLOWS)
+    asked, marked = (
+        np.concatenate([place, mark], axis=1) for mark in (np.zeros((len(place), 1)), tie_breakers(element))
+    )
+    apart, near = Nearest(marked[worn], element[worn], _APART).find(asked[bare], element[bare], _FOLLOWS)
     found = np.isfinite(apart)
     share = 1.0 - apart[found] / _FOLLOWS
     way = way.copy()

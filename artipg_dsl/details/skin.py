@@ -13,6 +13,7 @@ from ..geometry.sites import SiteTable
 from ..geometry.vectors import dot
 from .elements import Elements
 
+_TIE = 1e-4  # diagonals
 _NEAR = 1e-6  # metres: what is nearer counts no more
 
 
@@ -93,6 +94,14 @@ def neighbours(faces: np.ndarray, place: np.ndarray) -> csr_matrix:
     found.data[:] = 1.0 / np.maximum(np.sqrt(dot(way, way)), _NEAR)
     found.data /= np.bincount(row, found.data, count)[row]
     return found
+
+
+def tie_breakers(mesh: np.ndarray) -> np.ndarray:
+    """(m, 1) a small number for each of m places, other ones within a ``mesh`` (m,), the same whatever meshes are there beside it. As one
+    more coordinate of what is searched it decides between places that are equally near, of which grids have many."""
+    _, first, own = np.unique(mesh, return_index=True, return_inverse=True)
+    rank = np.arange(len(mesh)) - first[own]
+    return _TIE * ((rank[:, None] * 0.6180339887498949) % 1.0)
 
 
 def total(of: np.ndarray, vectors: np.ndarray, count: int) -> np.ndarray:

@@ -12,7 +12,7 @@ from scipy.sparse import csr_matrix
 
 from ..geometry.nearest import Nearest
 from ..geometry.vectors import cross, dot
-from .skin import neighbours, total
+from .skin import neighbours, tie_breakers, total
 
 _RINGS = ((1, 8), (2, 8), (4, 12), (8, 12))  # so far around a fold ways are smoothed, so many times
 _SHEET = 0.05  # diagonals: what is thicker is no sheet
@@ -86,10 +86,9 @@ def find_sheets(
     place: np.ndarray, normal: np.ndarray, mesh: np.ndarray, scale: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """For places (m, 3) that have another side of a sheet behind them (k,), what lies opposite (k,), and how thick it is there (k,)."""
-    shape, facing = place / scale[:, None], _TURN * normal
-    apart, found = Nearest(np.concatenate([shape, facing], axis=1), mesh, _APART).find(
-        np.concatenate([shape, -facing], axis=1), mesh, _SHEET
-    )
+    shape, facing, mark = place / scale[:, None], _TURN * normal, tie_breakers(mesh)
+    sides = Nearest(np.concatenate([shape, facing, mark], axis=1), mesh, _APART)
+    apart, found = sides.find(np.concatenate([shape, -facing, 0.0 * mark], axis=1), mesh, _SHEET)
     here = np.flatnonzero(np.isfinite(apart))
     there = found[here]
     thick = dot(place[here] - place[there], normal[here])
