@@ -120,14 +120,14 @@ def judge(batch: Batch, grasps: GraspTable, gripper: Gripper, states: np.ndarray
     body = gather(batch, first, turn, shift)
     point, rotation, _ = grasps.moved(first, turn, shift)
     measures = gripper.measures(grasps.hand)
-    hit = _meets(body, grasps.owner, point, rotation, *gripper.boxes(grasps.opening, measures))
+    hit = meet_pieces(body, grasps.owner, point, rotation, *gripper.boxes(grasps.opening, measures))
     verdict[~hit[:, 3]] = REASONS.index("empty")
     verdict[hit[:, :3].any(axis=1)] = REASONS.index("blocked")
     verdict[grasps.opening > measures[:, MEASURES.index("stroke")] * (1 + 1e-9)] = REASONS.index("wide")
     return verdict
 
 
-def _meets(
+def meet_pieces(
     body: Pieces, owner: np.ndarray, point: np.ndarray, rotation: np.ndarray, low: np.ndarray, high: np.ndarray
 ) -> np.ndarray:
     """Which boxes (G, S) in the frames of grasps overlap a piece of their object."""

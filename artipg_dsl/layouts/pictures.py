@@ -25,7 +25,8 @@ class Picture:
 
     ``rgb`` (H, W, 3) uint8, white where nothing is; ``depth`` (H, W) metres, 0 there. Of the n pixels that show the object, row by row:
     ``pixel`` (n, 2) row and column; ``camera`` (n, 3) in the camera's frame (x right, y down, z forward), metres; ``position``
-    (n, 3) in the object's; ``link`` and ``instance`` (n,). ``turn`` (3, 3) and ``eye`` (3,) place the camera in the object's frame.
+    (n, 3) and ``normal`` (n, 3) in the object's; ``link`` and ``instance`` (n,). ``turn`` (3, 3) and ``eye`` (3,) place the camera
+    in the object's frame.
     """
 
     i: int
@@ -38,6 +39,7 @@ class Picture:
     position: np.ndarray
     link: np.ndarray
     instance: np.ndarray
+    normal: np.ndarray
     turn: np.ndarray
     eye: np.ndarray
 
@@ -78,6 +80,7 @@ def pictures(batch: Batch, robots: Robots, cameras: Cameras, values: np.ndarray)
                     turn_points(place, turn.T) + eye,
                     images["link"][at][row, column].astype(np.int64),
                     instance,
+                    normal,
                     turn,
                     eye,
                 )

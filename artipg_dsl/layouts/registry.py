@@ -32,7 +32,7 @@ class Layout:
     findings)`` reads the files of a chunk as the field's loaders do and compares them with the model.
 
     ``vocabulary``: a closed one, which has to have a class for the category; ``judge(term)`` says what is wrong with a map
-    to it. ``words(program)``: what the index needs of a program beside that. ``needs``: (module, package, extra).
+    to it. ``words(program)``: what the index needs of a program beside that. ``needs``: (module, package, extra), ``too`` another.
     ``chunk``: objects that are made together.
     """
 
@@ -45,6 +45,7 @@ class Layout:
     judge_by: str = ""
     words_by: str = ""
     needs: tuple[str, str, str] | None = None
+    too: tuple[str, str, str] | None = None
     chunk: int = 64
     gathers: bool = False
 
@@ -192,6 +193,17 @@ LAYOUTS: dict[str, Layout] = {
             gathers=True,
         ),
         Layout(
+            "where2act",
+            "trials of a hand at points of an object, as Where2Act and Where2Explore have them, by physics",
+            "where2act:files",
+            "where2act:index",
+            "where2act_check:check",
+            needs=_H5,
+            too=("sapien", "SAPIEN", "sim"),
+            chunk=1,
+            gathers=True,
+        ),
+        Layout(
             "pcn",
             "completion as PCN has it: whole clouds, and what a depth camera sees of them",
             "completion:pcn_files",
@@ -215,8 +227,9 @@ LAYOUTS: dict[str, Layout] = {
 
 def require(layout: Layout) -> None:
     """Raise UserError where a layout's package is not installed."""
-    if layout.needs is not None and find_spec(layout.needs[0]) is None:
-        _, package, extra = layout.needs
-        raise UserError(
-            f"{layout.name} needs {package}, which is not installed", f"pip install 'artipg_dsl[{extra}]' installs it"
-        )
+    for module, package, extra in (known for known in (layout.needs, layout.too) if known is not None):
+        if find_spec(module) is None:
+            raise UserError(
+                f"{layout.name} needs {package}, which is not installed",
+                f"pip install 'artipg_dsl[{extra}]' installs it",
+            )

@@ -50,15 +50,40 @@ _GLYPHS = {
 }
 
 
+_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+
+
 def png_bytes(image: np.ndarray) -> bytes:
-    """A PNG file of an image (height, width, 3) uint8."""
-    height, width, _ = image.shape
+    """A PNG file of an image (height, width, 3) uint8, or of a grey one (height, width)."""
+    height, width = image.shape[:2]
     rows = image.reshape(height, -1).astype(np.uint8)
     above = np.concatenate([np.zeros_like(rows[:1]), rows[:-1]])
     filtered = np.concatenate([np.full((height, 1), 2, dtype=np.uint8), rows - above], axis=1)  # 2: difference to above
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    header = struct.pack(">IIBBBBB", width, height, 8, 2 if image.ndim == 3 else 0, 0, 0, 0)
     chunks = [(b"IHDR", header), (b"IDAT", zlib.compress(filtered.tobytes(), 6)), (b"IEND", b"")]
-    return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(*chunk) for chunk in chunks)
+    return _SIGNATURE + b"".join(_chunk(*chunk) for chunk in chunks)
+
+
+def read_png(data: bytes) -> np.ndarray:
+    """An image as ``png_bytes`` writes it: (height, width, 3) or (height, width) uint8. Raises ValueError for any other."""
+    if data[:8] != _SIGNATURE:
+        raise ValueError("not a PNG file")
+    at, packed, head = 8, b"", b""
+    while at + 8 <= len(data):
+        size, kind = struct.unpack(">I4s", data[at : at + 8])
+        body = data[at + 8 : at + 8 + size]
+        head, packed = body if kind == b"IHDR" else head, packed + body if kind == b"IDAT" else packed
+        at += size + 12
+    width, height, depth, colours, *_ = struct.unpack(">IIBBBBB", head) if len(head) == 13 else (0,) * 7
+    channels = {0: 1, 2: 3}.get(colours, 0)
+    rows = np.frombuffer(zlib.decompress(packed), dtype=np.uint8) if packed else np.zeros(0, dtype=np.uint8)
+    if depth != 8 or not channels or len(rows) != height * (1 + width * channels):
+        raise ValueError("not an image of 8 bits, grey or red, green and blue")
+    rows = rows.reshape(height, -1)
+    if (rows[:, 0] != 2).any():
+        raise ValueError("not an image that we have written")
+    image = np.cumsum(rows[:, 1:], axis=0, dtype=np.uint8)
+    return image.reshape((height, width, 3) if channels == 3 else (height, width))
 
 
 def _chunk(kind: bytes, data: bytes) -> bytes:

@@ -84,10 +84,11 @@ class SapienSim:
                 moved.set_drive_target(targets[joint.name])
 
     def step(self) -> None:
+        now = dict(zip(self.order, self.articulation.get_qpos().tolist(), strict=True)) if self.held else {}
         for name, place in self.held.items():  # what slips is held where it has come to
-            value = self.value(name)
+            value = now[name]
             if abs(place - value) > BRISTLE:
-                self.held[name] = value + BRISTLE * float(np.sign(place - value))
+                self.held[name] = value + BRISTLE * (1.0 if place > value else -1.0)
                 self.joint[name].set_drive_target(self.held[name])
         self.scene.step()
 

@@ -1,0 +1,280 @@
+"""Trials of Where2Act by physics, in SAPIEN on the CPU: a hand comes to a point of a link and is led one way.
+
+After Mo et al., Where2Act, ICCV 2021. The unit of length is theirs: half the diagonal of the object's box. A trial succeeds where a
+joint that carries the point moves by more than 0.01 (rad, unit) or half of its range, the finger first meets that link, and,
+but for plain pushes, the point goes within 60 degrees of where it was led. What differs from theirs: the hand. A push is
+made by one round finger that is led 0.05 beyond the point, as their other motions are (their fingertips go 0.012 beyond,
+less than a wide door needs to turn by 0.01), and before it goes sideways it comes on until it meets something; a pull is made by a
+point that holds fast, like a sucker. Either hand is a spring, which pulls the harder the further it is behind.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from ..export.robot import Robot
+from ..export.substitute import simple_joints
+from ..export.urdf import urdf_files
+
+PRIMITIVES = ("pushing", "pushing-up", "pushing-left", "pulling", "pulling-up", "pulling-left")
+MISSED, BEGUN, FINGER = "met nothing", "starts in contact", "where2act finger"
+MOVED, SHARE, ALONG = 0.01, 0.5, 0.5  # rad or unit; of the range; cosine
+FAR = 0.05  # units that a hand is led
+START = 0.038  # units before the point that a finger starts
+PRESS = 0.0024  # units that a finger is pressed in before it goes sideways
+RADIUS, LENGTH = 0.01, 0.15  # units of a finger
+_MASS = 0.2  # kg of a finger
+_CALMED = 4.0  # N s/m that a hand damps what it holds
+ROTOR = (1e-3, 0.05)  # kg m2 or kg of joints besides what they move: URDF has no place for their armature
+GRIP = 4.0  # friction of finger and object
+STIFF = 4000.0  # newton per metre of a hand
+_DEEP = 0.02  # units that a finger comes on to meet what it is to go along
+STEP = 1 / 500  # s
+_SPEED = 0.1  # units per second
+_WAIT = 0.4  # s at the end
+STILL, CALM = 1e-4, 1.5  # rad or m in a tenth of a second; s that an object is given to come to rest
+_IMPULSE = 1e-4  # N s above which a contact counts: 0.05 N over a step
+_BRISTLE = 1e-4  # rad or m by which a joint gives before its friction slips: P. R. Dahl, A Solid Friction Model, 1968
+
+
+@dataclass(frozen=True)
+class Trial:
+    """``link`` (its number), ``point`` and ``normal`` with all joints at 0, in the object's frame; ``toward`` and ``lead``: the
+    ways the finger comes and the hand is led, unit vectors in the object's frame as it stands."""
+
+    primitive: str
+    link: int
+    point: np.ndarray
+    normal: np.ndarray
+    toward: np.ndarray
+    lead: np.ndarray
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """``fault``: "" or what is wrong with how the finger met the object; ``values`` of the joints at the end, by name; ``start``
+    and ``end`` (3,) of the point, in the object's frame."""
+
+    fault: str
+    values: dict[str, float]
+    start: np.ndarray
+    end: np.ndarray
+
+
+def _sapien() -> Any:
+    """The extra ``sim``, without its words about renderers: none is needed."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import sapien
+        import sapien.physx
+    return sapien
+
+
+class Standing:
+    """One object in SAPIEN, its base held, with the friction and the damping that its file states. Joint values are by name,
+    those of ``order``."""
+
+    def __init__(self, robot: Robot):
+        sapien = _sapien()
+        self.robot, self.scene = robot, sapien.Scene([sapien.physx.PhysxCpuSystem()])
+        self.scene.set_timestep(STEP)
+        loader = self.scene.create_urdf_loader()
+        loader.fix_root_link = True
+        with TemporaryDirectory() as place:
+            for name, data in urdf_files(robot).items():
+                (Path(place) / name).parent.mkdir(parents=True, exist_ok=True)
+                (Path(place) / name).write_bytes(data)
+            self.body = loader.load(str(Path(place) / "object_physics.urdf"))
+        stated = {joint.name: joint for joint in simple_joints(robot).joints}
+        self.active = self.body.active_joints
+        self.order = [joint.name for joint in self.active]
+        self.rubs = np.array([stated[name].friction for name in self.order])
+        self.damping = [stated[name].damping for name in self.order]
+        bodies = {link.name: link for link in self.body.links}
+        self.links = [bodies[link.name] for link in robot.links]
+        for joint in self.active:  # without it, a gram goes through the ends of its joint
+            joint.set_armature(np.array([ROTOR[stated[joint.name].kind == "prismatic"]]))
+
+    def place(self, values: Mapping[str, float]) -> None:
+        """Put the joints there, at a standstill."""
+        self.body.set_qpos([values[name] for name in self.order])
+        self.body.set_qvel(np.zeros(len(self.order)))
+        self.held = self.now()
+        for joint, rubs, damping, at in zip(self.active, self.rubs, self.damping, self.held, strict=True):
+            joint.set_friction(0.0)
+            stiff = rubs / _BRISTLE  # a drive that holds the joint where it is, with no more force than its friction
+            limit = {"force_limit": rubs} if rubs > 0 else {}
+            joint.set_drive_properties(stiff, stiff * STEP if rubs > 0 else damping, mode="force", **limit)
+            joint.set_drive_target(at)
+
+    def now(self) -> np.ndarray:
+        return np.asarray(self.body.get_qpos(), dtype=np.float64)
+
+    def values(self) -> dict[str, float]:
+        return dict(zip(self.order, self.now().tolist(), strict=True))
+
+    def step(self) -> None:
+        now = self.now()
+        off = self.held - now
+        for k in np.flatnonzero((np.abs(off) > _BRISTLE) & (self.rubs > 0)):  # what slips is held where it has come to
+            self.held[k] = now[k] + np.copysign(_BRISTLE, off[k])
+            self.active[k].set_drive_target(self.held[k])
+        self.scene.step()
+
+    def settle(self, values: Mapping[str, float]) -> dict[str, float] | None:
+        """Where the joints come to rest from there by themselves; None if they do not in ``CALM`` seconds."""
+        self.place(values)
+        before, tenth = self.now(), round(0.1 / STEP)
+        for _ in range(round(CALM / STEP / tenth)):
+            for _ in range(tenth):
+                self.step()
+            now = self.now()
+            if np.abs(now - before).max(initial=0.0) < STILL:
+                return self.values()
+            before = now
+        return None
+
+    def frame(self, link: int) -> tuple[np.ndarray, np.ndarray]:
+        """Where a link stands: rotation (3, 3) and origin (3,)."""
+        pose = self.links[link].entity_pose
+        return pose.to_transformation_matrix()[:3, :3].astype(float), np.asarray(pose.p, float)
+
+
+class Arena(Standing):
+    """An object and a finger. ``unit`` in metres; ``groups`` (links): links of one number move as one."""
+
+    def __init__(self, robot: Robot, unit: float, groups: np.ndarray):
+        super().__init__(robot)
+        sapien = _sapien()
+        self.unit, self.groups, self.pose = unit, groups, sapien.Pose
+        self.number = {link.entity.name: k for k, link in enumerate(self.links)}
+        skin = sapien.physx.PhysxMaterial(GRIP, GRIP, 0.01)
+        for link in self.links:
+            for shape in link.collision_shapes:
+                shape.physical_material = skin
+        builder, half = self.scene.create_actor_builder(), LENGTH * unit / 2
+        builder.add_capsule_collision(sapien.Pose([-half, 0, 0]), RADIUS * unit, half, material=skin)
+        self.finger = builder.build(FINGER)
+        self.mass = self.finger.find_component_by_type(sapien.physx.PhysxRigidDynamicComponent)
+        self.mass.disable_gravity = True
+        self.mass.set_locked_motion_axes([False] * 3 + [True] * 3)
+        self.mass.set_mass(_MASS)
+        self.mass.set_inertia([1e-2] * 3)
+        self.drive = self.scene.create_drive(None, sapien.Pose(), self.finger, sapien.Pose())
+        for axis in "xyz":
+            getattr(self.drive, f"set_drive_property_{axis}")(STIFF, 2 * np.sqrt(STIFF * _MASS), 1e6, "force")
+
+    def place(self, values: Mapping[str, float]) -> None:
+        self._finger(np.array([0.0, 0.0, -20.0 * self.unit]), np.array([1.0, 0, 0]))
+        super().place(values)
+
+    def _finger(self, place: np.ndarray, along: np.ndarray) -> None:
+        self.finger.set_pose(self.pose(place, turned(along)))
+        self.mass.set_linear_velocity([0, 0, 0])
+        self.mass.set_angular_velocity([0, 0, 0])
+        self.drive.set_drive_target(self.pose(place))
+
+    def _lead(self, path: np.ndarray) -> Iterator[np.ndarray]:
+        """Move the finger along places (k, 3), one a step."""
+        for at in path:
+            self.drive.set_drive_target(self.pose(at))
+            self.step()
+            yield at
+
+    def run(self, trial: Trial, values: Mapping[str, float]) -> Outcome:
+        """One trial from these joint values, at which the object is still."""
+        self.place(values)
+        turn, shift = self.frame(trial.link)
+        local = trial.point - self.robot.links[trial.link].origin
+        start, normal = turn @ local + shift, turn @ trial.normal
+        if trial.primitive.startswith("pushing"):
+            fault = self._push(trial, start, normal)
+        else:
+            self._hold(trial, local, start)
+            fault = ""
+        turn, shift = self.frame(trial.link)
+        return Outcome(fault, self.values(), start, turn @ local + shift)
+
+    def _push(self, trial: Trial, point: np.ndarray, normal: np.ndarray) -> str:
+        touch, unit = point + normal * RADIUS * self.unit, self.unit
+        sideways = trial.primitive != "pushing"
+        begin = touch - trial.toward * START * unit
+        self._finger(begin, trial.toward)
+        self.step()
+        if self._met() is not None:
+            return BEGUN
+        met, at = None, begin
+        path = line(begin, touch + trial.toward * (_DEEP if sideways else FAR) * unit, unit)
+        for now in self._lead(path):
+            at = now
+            if met is None:
+                met = self._met()
+                if met is not None and self.groups[met] != self.groups[trial.link]:
+                    return f"met {self.robot.links[met].name}"
+            if sideways and met is not None:
+                break
+        if met is None:
+            return MISSED
+        if sideways:
+            pressed = at + trial.toward * PRESS * unit
+            aside = line(pressed, pressed + trial.lead * FAR * unit, unit)
+            for _ in self._lead(np.concatenate([line(at, pressed, unit), aside])):
+                pass
+        for _ in range(round(_WAIT / STEP)):
+            self.step()
+        return ""
+
+    def _met(self) -> int | None:
+        """The link that the finger presses, of several the one that is pressed most."""
+        found, most = None, _IMPULSE
+        for contact in self.scene.get_contacts():
+            names = [body.entity.name for body in contact.bodies]
+            if FINGER not in names:
+                continue
+            size = max((float(np.sqrt(p.impulse @ p.impulse)) for p in contact.points), default=0.0)
+            if size > most:
+                found, most = self.number[names[1 - names.index(FINGER)]], size
+        return found
+
+    def _hold(self, trial: Trial, local: np.ndarray, point: np.ndarray) -> None:
+        """By forces at the point: a spring between hand and link would draw light links on against what their joints rub."""
+        link, path = self.links[trial.link], line(point, point + trial.lead * FAR * self.unit, self.unit)
+        here, before = self.pose(local), point
+        for at in (*path, *[path[-1]] * round(_WAIT / STEP)):
+            now = (link.entity_pose * here).p
+            link.add_force_at_point(STIFF * (at - now) - _CALMED / STEP * (now - before), now)
+            before = now
+            self.step()
+
+
+def line(begin: np.ndarray, end: np.ndarray, unit: float) -> np.ndarray:
+    """Places (k, 3) of a hand on its way, one a step."""
+    far = np.sqrt(((end - begin) ** 2).sum())
+    steps = max(1, round(far / (_SPEED * unit) / STEP))
+    return begin + np.linspace(0, 1, steps + 1)[1:, None] * (end - begin)
+
+
+def turned(along: np.ndarray) -> np.ndarray:
+    """A quaternion w x y z that turns x to ``along``."""
+    w = 1 + along[0]
+    if w < 1e-6:
+        return np.array([0.0, 0, 0, 1])
+    made = np.array([w, 0.0, -along[2], along[1]])
+    return made / np.sqrt(made @ made)
+
+
+def succeeds(
+    primitive: str, fault: str, gone: np.ndarray, span: np.ndarray, slides: np.ndarray, unit: float, cosine: float
+) -> bool:
+    """Where2Act's rule for joints that have ``gone`` (k,) of their ``span``; ``slides`` those in metres."""
+    if fault:
+        return False
+    moved = (gone > np.where(slides, MOVED * unit, MOVED)) | (gone > SHARE * span)
+    return bool(moved.any()) and (primitive == "pushing" or cosine > ALONG)

@@ -1,0 +1,331 @@
+"""Which trials are made of an object, what its annotations say of each, and what came of it.
+
+Random ones: a joint's declaration at random, one of its links, a point of its surface that can be seen from outside, a
+direction at random in the half of the sphere that meets the surface, and a primitive. Ones of a word: a labelled point, led as
+the word says, where its joint has room for that (a push along the inward normal, a pull along the outward one, what is held
+along its own motion), and for comparison any point of the same link in any direction by the same primitive. The joints are at rest,
+or each of them with even odds at rest or anywhere, or what others wait for is open; as things come to stand by themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from artipg_dsl.annotate.cloud import Points, sample_points
+from artipg_dsl.annotate.sampling import Sampling
+from artipg_dsl.annotate.states import draw_values, joint_twist, own_joints
+from artipg_dsl.export.pose import link_poses
+from artipg_dsl.export.robot import Robots
+from artipg_dsl.layouts.hand import (
+    ALONG,
+    FAR,
+    GRIP,
+    LENGTH,
+    MOVED,
+    PRESS,
+    RADIUS,
+    SHARE,
+    START,
+    STIFF,
+    Arena,
+    Trial,
+    succeeds,
+)
+from artipg_dsl.layouts.where2act import led_links
+from artipg_dsl.runtime.batch import Batch
+
+from .forecast import Paths, Scene, clear, follow, shove, take_along
+from .subject import G, Subject, written
+
+PRIMITIVES = ("pushing", "pushing-left", "pulling", "pulling-left")  # -up is -left turned about the approach
+STATES = 3  # of an object: at rest, and at random
+POINTS = 64  # of a link
+TILT, HELD = 15.0, 30.0  # degrees about the normal, or about the motion of what is held, that a hand comes or goes by
+WORDS = ("push", "press", "pull", "open", "close", "lift", "turn", "slide")
+ROOM = 0.02  # rad or units that a joint needs for a trial of a word, or half of its range
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """``word``: "" of a random trial; ``labelled``: whether the point bears it."""
+
+    object: int
+    trial: Trial
+    link: str
+    joint: str
+    word: str
+    labelled: bool
+    foretold: bool
+    came: bool
+    fault: str
+    note: str
+
+
+class Case:
+    """One object: a batch of its own, its arena, the states it is tried in, its points."""
+
+    def __init__(self, batch: Batch, subject: Subject, arena: Arena, names: list[str], seed: int):
+        self.batch, self.subject, self.arena, self.unit = batch, subject, arena, arena.unit
+        self.names, self.joints = names, batch.joints()
+        self.draw = np.random.default_rng([seed, int(batch.numbers[0])])
+        self.cloud = sample_points(
+            batch, Sampling(POINTS, per="link", surface="outside"), np.zeros(len(names)), motion=True
+        )
+        self.own = own_joints(batch)
+        self.chains = [self._chain(k) for k in range(len(self.own))]
+        led = led_links(batch, arena.order)
+        self.rows = [r for r in range(len(self.cloud.link)) if led[self.cloud.link[r, 0]]]
+        rubs = {joint.name: joint.friction for joint in arena.robot.joints}
+        self.rubs = self.led(np.array([rubs.get(name, 0.0) for name in names]), np.abs)
+        self.states = list(self._states())
+
+    def _chain(self, link: int) -> list[int]:
+        by_child = {int(child): k for k, child in enumerate(self.joints.child)}
+        found: list[int] = []
+        while link in by_child:
+            row = by_child[link]
+            if self.joints.kind[row] != "fixed":
+                found.append(row)
+            link = int(self.joints.parent[row])
+        return found
+
+    def _states(self) -> Iterator[tuple[dict[str, float], np.ndarray]]:
+        rest = self.batch.rest()
+        for k in range(STATES):
+            drawn = np.where(self.draw.random(len(rest)) < 0.5, rest, draw_values(self.batch, k)) if k else rest
+            if k == STATES - 1 and self.batch.gates is not None:  # what waits may go, and stands where it rests
+                every = np.ones(len(rest), dtype=bool)
+                drawn = self.batch.gates.open(rest, every, self.joints.low, self.joints.high)
+            state = self.batch.settle(drawn)
+            known = dict(zip(self.names, state, strict=True))
+            settled = self.arena.settle({name: known.get(name, 0.0) for name in self.arena.order})
+            if settled is not None:
+                here = np.array([settled.get(name, state[row]) for row, name in enumerate(self.names)])
+                yield settled, here
+
+    def random(self, count: int) -> Iterator[tuple[Trial, int, str, bool]]:
+        """Trials, with the state they start from."""
+        kinds = sorted({int(self.joints.definition[self.chains[int(self.cloud.link[r, 0])][0]]) for r in self.rows})
+        for t in range(count):
+            kind = kinds[self.draw.integers(len(kinds))]
+            rows = [r for r in self.rows if self.joints.definition[self.chains[int(self.cloud.link[r, 0])][0]] == kind]
+            row = rows[self.draw.integers(len(rows))]
+            point, state = int(self.draw.integers(POINTS)), int(self.draw.integers(len(self.states)))
+            yield self.make(PRIMITIVES[t % len(PRIMITIVES)], row, point, state), state, "", False
+
+    def make(self, primitive: str, row: int, point: int, state: int, lead: np.ndarray | None = None) -> Trial:
+        link = int(self.cloud.link[row, point])
+        turn, _ = self.batch.pose(self.states[state][1])
+        normal = turn[link] @ self.cloud.normal[row, point]
+        toward = self.sphere()
+        toward *= -np.sign(toward @ normal) or 1.0
+        if lead is None:
+            lead = toward if primitive == "pushing" else -toward
+            if primitive.endswith("left"):
+                lead = np.cross(toward, self.sphere())
+                lead /= np.sqrt(lead @ lead)
+        elif primitive == "pushing":
+            toward = lead
+        return Trial(
+            primitive,
+            link,
+            self.cloud.position[row, point].astype(float),
+            self.cloud.normal[row, point].astype(float),
+            toward,
+            lead,
+        )
+
+    def sphere(self) -> np.ndarray:
+        made = self.draw.normal(size=3)
+        return made / np.sqrt(made @ made)
+
+    def tilted(self, way: np.ndarray, degrees: float) -> np.ndarray:
+        """A direction within so many degrees of a way."""
+        cosine = 1 - self.draw.random() * (1 - np.cos(np.deg2rad(degrees)))
+        side = np.cross(way, self.sphere())
+        side /= np.sqrt(side @ side)
+        return cosine * way + np.sqrt(1 - cosine**2) * side
+
+    def worded(self, each: int) -> Iterator[tuple[Trial, int, str, bool]]:
+        """Of every word on every link, up to ``each`` trials of labelled points, and as many of other points of it."""
+        seen: dict[tuple[str, int], int] = {}
+        for row in self.rows:
+            link = int(self.cloud.link[row, 0])
+            kind = int(self.joints.definition[self.chains[link][0]])
+            for word in WORDS:
+                label = self.cloud.labels.get(f"affordance.{word}")
+                if label is None or not (label[row] > 0).any() or seen.get((word, kind), 0) >= 2 * each:
+                    continue
+                for _ in range(each):
+                    found = self.one(word, row, np.flatnonzero(label[row] > 0))
+                    if found is not None:
+                        seen[word, kind] = seen.get((word, kind), 0) + 1
+                        trial, state = found
+                        yield trial, state, word, True
+                        point = int(self.draw.integers(POINTS))
+                        yield self.make(trial.primitive, row, point, state), state, word, False
+
+    def one(self, word: str, row: int, points: np.ndarray) -> tuple[Trial, int] | None:
+        """A trial of a word at one of the points that bear it, in a state in which its joint has room; None where there is none."""
+        assert self.cloud.acting is not None
+        gripped = self.cloud.labels.get("affordance.grasp")
+        for k in self.draw.permutation(len(self.states)):
+            values = self.states[k][1]
+            point = int(points[self.draw.integers(len(points))])
+            link = int(self.cloud.link[row, point])
+            turn, shift = self.batch.pose(values)
+            place = turn[link] @ self.cloud.position[row, point] + shift[link]
+            normal = turn[link] @ self.cloud.normal[row, point]
+            number = int(self.cloud.acting[f"affordance.{word}"][row, point])
+            if number < 0:
+                continue
+            joint = int(np.flatnonzero(np.asarray(self.joints.number) == number)[0])
+            motion = joint_twist(self.batch, values).at(np.array(joint), place)
+            size = float(np.sqrt(motion @ motion))
+            held = word == "pull" and gripped is not None and bool(gripped[row, point] > 0)  # goes with the hand
+            base, tilt, primitive = -normal, TILT, "pushing"
+            if word == "pull" and not held:
+                base, primitive = normal, "pulling"
+            elif word not in ("push", "press"):
+                away = np.sign(self.far(joint)) or 1.0
+                signs = {"open": [away], "pull": [away], "close": [-away]}.get(word, [1.0, -1.0])
+                signs = [s for s in signs if self.room(joint, values, s)]
+                if not signs or size < 1e-6:
+                    continue
+                base, tilt, primitive = signs[self.draw.integers(len(signs))] * motion / size, HELD, "pulling-left"
+            if self.room(joint, values, float(np.sign(base @ motion))):
+                return self.make(primitive, row, point, int(k), self.tilted(base, tilt)), int(k)
+        return None
+
+    def far(self, joint: int) -> float:
+        """The way from rest to the farther end."""
+        rest, low, high = self.batch.rest()[joint], self.joints.low[joint], self.joints.high[joint]
+        low, high = (rest if np.isnan(end) else end for end in (low, high))
+        return float(high - rest if high - rest >= rest - low else low - rest)
+
+    def weighs(self, state: int) -> np.ndarray:
+        """What the weight of what it carries pulls each joint (J,) back with, newton metres or newton."""
+        subject, values = self.subject, self.states[state][0]
+        poses, found = link_poses(subject.robot, subject.values(values)), np.zeros(len(self.names))
+        for joint in subject.moving:
+            if joint.name not in self.names:
+                continue
+            turn, place = poses[joint.child]
+            axis = turn @ joint.axis
+            for k in subject.carried(joint):
+                link, (own, shift) = subject.robot.links[k], poses[k]
+                arm = own @ link.center + shift - place
+                rise = axis[2] if joint.kind == "prismatic" else np.cross(axis, arm)[2]
+                found[self.names.index(joint.name)] += link.mass * G * rise
+        return self.led(found)
+
+    def led(self, own: np.ndarray, sign: Callable[[np.ndarray], np.ndarray] = np.positive) -> np.ndarray:
+        """What is on each joint (J,) and, at the rate that they go along, on those that follow it."""
+        leads, found = np.asarray(self.joints.mimic), own.copy()
+        follows = np.flatnonzero(leads >= 0)
+        np.add.at(found, leads[follows], sign(np.asarray(self.joints.multiplier)[follows]) * own[follows])
+        return found
+
+    def room(self, joint: int, values: np.ndarray, sign: float) -> bool:
+        if self.batch.gates is not None and joint in self.batch.gates.joint[self.batch.gates.held(values)]:
+            return False
+        low, high = self.joints.low[joint], self.joints.high[joint]
+        left = high - values[joint] if sign > 0 else values[joint] - low
+        unit = self.unit if self.slides(joint) else 1.0
+        return bool(np.isnan(left) or left > ROOM * unit or left > 0.6 * (high - low))
+
+    def slides(self, row: int) -> bool:
+        return bool(self.joints.kind[row] == "prismatic")
+
+    def spans(self, rows: np.ndarray) -> np.ndarray:
+        span = np.asarray(self.joints.high)[rows] - np.asarray(self.joints.low)[rows]
+        return np.where(np.isnan(span), np.inf, span)
+
+    def foretell(self, trials: list[Trial], state: int) -> tuple[np.ndarray, list[str]]:
+        """Whether trials (T,) from one state succeed, and why not."""
+        values = self.states[state][1]
+        turn, shift = self.batch.pose(values)
+        link = np.array([t.link for t in trials])
+        point = np.stack([turn[t.link] @ t.point + shift[t.link] for t in trials])
+        normal = np.stack([turn[t.link] @ t.normal for t in trials])
+        toward, lead = (np.stack([getattr(t, name) for t in trials]) for name in ("toward", "lead"))
+        pushing = np.array([t.primitive.startswith("pushing") for t in trials])
+        plain = np.array([t.primitive == "pushing" for t in trials])
+        far = lead * FAR * self.unit
+        press = np.where(plain, 1e-4, PRESS)[:, None] * self.unit * toward
+        scene = Scene(self.batch, values, self.rubs, self.weighs(state), STIFF)
+        place = scene, link, point
+        held = self.goes(follow(*place, far), lead, plain)
+        taken = self.goes(take_along(*place, normal, press, far, GRIP), lead, plain)
+        shoved = self.goes(shove(*place, normal, press + far, GRIP), lead, plain)
+        good = np.where(pushing, taken | shoved, held)
+        why = np.where(good, "", np.where(held, "slips", "moves too little")).astype(object)
+        pushed = np.flatnonzero(pushing)
+        for k in np.unique(link[pushed]):
+            at = pushed[link[pushed] == k]
+            group = np.flatnonzero(self.arena.groups == self.arena.groups[k])
+            tip, wide, long = (point + normal * RADIUS * self.unit)[at], RADIUS * self.unit, LENGTH * self.unit
+            free = clear(scene, group, tip, toward[at], wide, START * self.unit + long)
+            begin = tip - toward[at] * START * self.unit
+            free &= clear(scene, np.zeros(0, dtype=np.int64), begin, toward[at], wide, long)
+            why[at[~free]] = "finger blocked"
+            good[at[~free]] = False
+        return good, list(why)
+
+    def goes(self, paths: Paths, lead: np.ndarray, plain: np.ndarray) -> np.ndarray:
+        """Whether what moves so counts as moved (T,)."""
+        slides = np.array([self.slides(row) for row in range(len(self.names))])[paths.row]
+        enough = (paths.gone > np.where(slides, MOVED * self.unit, MOVED)) | (
+            paths.gone > SHARE * self.spans(paths.row)
+        )
+        size = np.sqrt((paths.way**2).sum(axis=1))
+        cosine = (paths.way * lead).sum(axis=1) / np.maximum(size, 1e-12)
+        moved: np.ndarray = (enough & (paths.row >= 0)).any(axis=1) & (plain | (cosine > ALONG))
+        return moved
+
+    def attempt(self, made: list[tuple[Trial, int, str, bool]]) -> list[Attempt]:
+        found = []
+        for state in range(len(self.states)):
+            mine = [one for one in made if one[1] == state]
+            if not mine:
+                continue
+            told, why = self.foretell([one[0] for one in mine], state)
+            for (trial, _, word, labelled), foretold, note in zip(mine, told, why, strict=True):
+                out = self.arena.run(trial, self.states[state][0])
+                chain = np.array(self.chains[trial.link])
+                begun, way = self.states[state][0], out.end - out.start
+                gone = np.array([abs(out.values[self.names[row]] - begun[self.names[row]]) for row in chain])
+                cosine = float(way @ trial.lead) / max(float(np.sqrt(way @ way)), 1e-12)
+                slides = np.array([self.slides(row) for row in chain])
+                came = succeeds(trial.primitive, out.fault, gone, self.spans(chain), slides, self.unit, cosine)
+                more = f"state {state} gone {gone.round(4).tolist()} cosine {cosine:.2f}"
+                found.append(
+                    Attempt(
+                        int(self.batch.numbers[0]), trial, self.arena.robot.links[trial.link].name, self.names[chain[0]],
+                        word, labelled, bool(foretold), came, out.fault, f"{note or 'should'}; {more}",
+                    )
+                )  # fmt: skip
+        return found
+
+
+def try_object(batch: Batch, count: int, each: int, seed: int = 0) -> list[Attempt]:
+    """``count`` random trials and ``each`` of a word on a link, of a batch of one object."""
+    joints = batch.joints()
+    own = own_joints(batch)
+    groups = np.where(own >= 0, own, -1)
+    with written(Robots(batch).robot(0), "urdf") as subject:
+        arena = Arena(subject.robot, unit_of(batch), groups)
+        case = Case(batch, subject, arena, list(joints.name), seed)
+        if not case.rows or not case.states:
+            return []
+        return case.attempt([*case.random(count), *case.worded(each)])
+
+
+def unit_of(batch: Batch) -> float:
+    """Half the diagonal of the box of the one object at rest, in metres."""
+    points: Points = sample_points(batch, 4096)
+    at = points.position[0]
+    return float(np.sqrt(((at.max(axis=0) - at.min(axis=0)) ** 2).sum())) / 2

@@ -1,0 +1,221 @@
+"""Whether a gripper that closes on a grasp holds what it grips, in SAPIEN on the CPU: two fingers on exported objects.
+
+The fingers are boxes of the size that the grasp states, opened as it says, on a carrier that is moved. They close with ``FORCE``
+each, then the carrier goes as the joint of the gripped link would carry the hand: by ``WAY`` metres or ``TURN`` radians, or
+as far as the joint has room, whichever is least, away from rest. The grasp holds where the link goes with it, by ``KEPT`` of the way, and has
+not slipped out of the fingers by more than ``SLIP``, and both fingers still press on it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sapien
+from sapien import physx
+
+from artipg_dsl.annotate.annotation import annotate
+from artipg_dsl.annotate.states import joint_twist, own_joints
+from artipg_dsl.export.robot import Robots
+from artipg_dsl.layouts.hand import GRIP, ROTOR, STEP
+from artipg_dsl.runtime.batch import Batch
+
+from .fingers import LONG, THICK, Hand, turned
+from .sapien_sim import SapienSim
+from .subject import written
+
+FORCE = 60.0  # newton, of each finger; a Panda's hold with up to 70
+FRICTION = GRIP  # Where2Act's; rubber has 0.8 to 1, with which round knobs slip out
+CLOSES, MOVES, RESTS = 0.4, 0.8, 0.2  # s
+WAY, TURN = 0.05, 0.5  # m, rad
+KEPT, SLIP = 0.8, 0.01  # of the way; m
+SOFT = 0.0005  # m that a finger is behind where it presses with all of its force
+MASS = 0.1  # kg of a finger
+ITERATIONS = 25  # of the solver
+ROLLING = ("drum", "disc", "fork", "pedal")
+
+
+@dataclass(frozen=True)
+class Grip:
+    """A grasp and what came of it: ``fault`` is "" where it held."""
+
+    object: int
+    name: str
+    link: str
+    joint: str
+    fault: str
+
+
+class Gripper:
+    """Two fingers on a carrier in a scene."""
+
+    def __init__(self, sim: SapienSim, hand: Hand):
+        self.sim, self.hand = sim, hand
+        scene, skin = sim.scene, physx.PhysxMaterial(FRICTION, FRICTION, 0.0)
+        builder = scene.create_actor_builder()
+        builder.set_physx_body_type("kinematic")
+        self.carrier = builder.build("carrier")
+        self.body = self.carrier.find_component_by_type(physx.PhysxRigidDynamicComponent)
+        pose = self.pose(hand.point, hand.frame)
+        self.carrier.set_pose(pose)
+        self.fingers, self.drives = [], []
+        half = [hand.width / 2, THICK / 2, LONG / 2]
+        for name, side in (("left", 1.0), ("right", -1.0)):
+            builder = scene.create_actor_builder()
+            builder.add_box_collision(sapien.Pose([0, side * THICK / 2, hand.tip - LONG / 2]), half, material=skin)
+            finger = builder.build(name)
+            at = sapien.Pose([0, side * hand.opening / 2, 0])
+            finger.set_pose(pose * at)
+            body = finger.find_component_by_type(physx.PhysxRigidDynamicComponent)
+            body.disable_gravity = True
+            body.set_mass(MASS)
+            body.set_inertia([1e-3] * 3)
+            body.set_solver_position_iterations(ITERATIONS)
+            drive = scene.create_drive(self.carrier, sapien.Pose(), finger, sapien.Pose())
+            drive.set_limit_x(0, 0)
+            drive.set_limit_z(0, 0)
+            drive.set_limit_twist(0, 0)
+            drive.set_limit_cone(0, 0)
+            drive.set_drive_property_y(FORCE / SOFT, 2 * np.sqrt(MASS * FORCE / SOFT), 1e6, "force")
+            drive.set_drive_target(at)
+            self.fingers.append(finger)
+            self.drives.append(drive)
+
+    @staticmethod
+    def pose(point: np.ndarray, frame: np.ndarray) -> sapien.Pose:
+        whole = np.eye(4)
+        whole[:3, :3], whole[:3, 3] = frame, point
+        return sapien.Pose(whole)
+
+    def close(self) -> None:
+        """Each finger comes on until it is ``SOFT`` behind, which is where it presses with ``FORCE``."""
+        steps = round(CLOSES / STEP)
+        at = [self.hand.opening / 2] * 2
+        for _ in range(steps):
+            inward = self.carrier.get_pose().inv()
+            for k, side in enumerate((1.0, -1.0)):
+                y = side * float((inward * self.fingers[k].get_pose()).p[1])
+                if y - at[k] < SOFT:
+                    at[k] -= (self.hand.opening / 2 + 4e-3) / steps
+                    self.drives[k].set_drive_target(sapien.Pose([0, side * at[k], 0]))
+            self.sim.step()
+
+    def move(self, poses: list[sapien.Pose]) -> None:
+        for pose in poses:
+            self.body.set_kinematic_target(pose)
+            self.sim.step()
+
+    def presses(self, link: sapien.Entity) -> bool:
+        """Whether both fingers press on a link."""
+        found = set()
+        for contact in self.sim.scene.get_contacts():
+            pair = [body.entity for body in contact.bodies]
+            if link in pair and any(p.impulse @ p.impulse > 0 for p in contact.points):
+                found |= {entity.name for entity in pair if entity in self.fingers}
+        return len(found) == 2
+
+    def remove(self) -> None:
+        for entity in (*self.fingers, self.carrier):
+            self.sim.scene.remove_entity(entity)
+
+
+def grips(batch: Batch) -> list[Grip]:
+    """What becomes of every grasp that a hand can make at rest on a link that a joint moves and nothing holds shut."""
+    robots, own, told = Robots(batch), own_joints(batch), annotate(batch)
+    motion, rest = joint_twist(batch), batch.settle(batch.rest())
+    first, joints, found = np.searchsorted(batch.links().owner, np.arange(len(batch))), batch.joints(), []
+    held = np.zeros(len(joints.owner), dtype=bool)
+    if batch.gates is not None:
+        held[batch.gates.joint[batch.gates.held(rest)]] = True
+    held |= np.asarray(joints.mimic) >= 0
+    for i, one in enumerate(told):
+        names = [link["name"] for link in one["links"]]
+        chosen = []
+        for grasp in one["grasps"]:
+            joint = int(own[first[i] + names.index(grasp["link"])])
+            path = batch.program.links[batch.links().definition[first[i] + names.index(grasp["link"])]].path
+            if joint < 0 or held[joint] or not grasp["reachable"] or any(w in path.split(".") for w in ROLLING):
+                continue
+            if joints.kind[joint] in ("revolute", "continuous", "prismatic"):
+                chosen.append((grasp, joint, path))
+        if not chosen:
+            continue
+        with written(robots.robot(i), "urdf") as subject:
+            sim = SapienSim(subject)
+            sim.scene.set_timestep(STEP)
+            sim.step_time = STEP
+            sim.articulation.set_solver_position_iterations(ITERATIONS)
+            skin = physx.PhysxMaterial(FRICTION, FRICTION, 0.0)
+            for link in sim.articulation.links:
+                for shape in link.collision_shapes:
+                    shape.physical_material = skin
+            for joint in subject.moving:
+                if joint.name in sim.joint:
+                    sim.joint[joint.name].set_armature(np.array([ROTOR[joint.kind == "prismatic"]]))
+            bodies = {link.name: link.entity for link in sim.articulation.links}
+            for grasp, joint, path in chosen:
+                low, high = (rest[joint] if np.isnan(e) else float(e) for e in (joints.low[joint], joints.high[joint]))
+                sign = 1.0 if high - rest[joint] >= rest[joint] - low else -1.0
+                endless = joints.kind[joint] == "continuous" or high == low
+                room = np.inf if endless else abs((high if sign > 0 else low) - rest[joint])
+                fault = hold(
+                    sim, hand_of(grasp), bodies[grasp["link"]], joints.name[joint], motion.turn[joint], motion.shift[joint],
+                    sign, room,
+                )  # fmt: skip
+                found.append(Grip(i, grasp["name"], path, joints.name[joint], fault))
+    return found
+
+
+def hand_of(grasp: dict[str, Any]) -> Hand:
+    own = grasp["gripper"] or {}
+    fine = {name: own[word] for name, word in (("width", "width"), ("tip", "pad")) if word in own}
+    return Hand(np.array(grasp["point"]), turned(grasp["quaternion"]), grasp["opening"], **fine)
+
+
+def hold(
+    sim: SapienSim,
+    hand: Hand,
+    link: sapien.Entity,
+    joint: str,
+    turn: np.ndarray,
+    shift: np.ndarray,
+    sign: float,
+    room: float,
+) -> str:
+    """One grasp: closed, led along the twist ``turn x p + shift`` of a joint, ``room`` radians or metres at most."""
+    sim.place(sim.subject.rest)
+    start = sim.value(joint)
+    gripper = Gripper(sim, hand)
+    gripper.close()
+    if not gripper.presses(link):
+        gripper.remove()
+        return "closes on nothing"
+    place = np.cross(turn, hand.point) + shift
+    speed, rate = float(np.sqrt(place @ place)), float(np.sqrt(turn @ turn))
+    far = min(0.9 * room, WAY / max(speed, 1e-9), TURN if rate > 0 else np.inf)
+    inverse = link.get_pose().inv() * sapien.Pose(hand.point)
+    steps = round(MOVES / STEP)
+    poses = [screw(hand, turn, shift, sign * far * k / steps) for k in range(1, steps + 1)]
+    gripper.move(poses + [poses[-1]] * round(RESTS / STEP))
+    gone, pressed = sign * (sim.value(joint) - start), gripper.presses(link)
+    apart = poses[-1].p - (link.get_pose() * inverse).p
+    gripper.remove()
+    if gone < KEPT * far:
+        return f"goes {gone / far:.0%} of the way"
+    if not pressed:
+        return "comes loose"
+    return "" if float(np.sqrt(apart @ apart)) <= SLIP else "slips"
+
+
+def screw(hand: Hand, turn: np.ndarray, shift: np.ndarray, amount: float) -> sapien.Pose:
+    """The hand carried by a joint's twist so far."""
+    rate = float(np.sqrt(turn @ turn))
+    if rate == 0:
+        return Gripper.pose(hand.point + amount * shift, hand.frame)
+    axis, angle = turn / rate, amount * rate
+    x, y, z = axis
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    rotation = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    origin = np.cross(turn, shift) / rate**2
+    return Gripper.pose(rotation @ (hand.point - origin) + origin, rotation @ hand.frame)

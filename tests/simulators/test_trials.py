@@ -1,0 +1,96 @@
+"""Annotations foretell what a hand moves, and grasps hold, in SAPIEN: trials of Where2Act and a gripper that closes.
+
+One object of one category; ``ARTIPG_EVERY=1`` takes ten of all that Where2Act has. ``benchmarks/trials.py`` takes more.
+"""
+
+from __future__ import annotations
+
+import os
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from artipg_dsl.runtime.batch import Batch
+from artipg_dsl.session import Session
+
+from .matrix import ROOT
+
+if TYPE_CHECKING:
+    from .attempts import Attempt
+
+pytest.importorskip("sapien", reason="SAPIEN is not installed: pip install 'artipg_dsl[sim]'")
+
+EVERY = os.environ.get("ARTIPG_EVERY")
+TRIED = [
+    *("box", "door", "kettle", "microwave", "refrigerator", "switch", "trash_can", "window", "bucket", "kitchen_pot"),
+    *("safe", "table", "washing_machine", "faucet"),
+]
+CATEGORIES = ["storage_furniture", *(TRIED if EVERY else ())]
+
+
+def batch(category: str, number: int) -> Batch:
+    path = str(ROOT / "categories" / f"{category}.apg")
+    return Session.of(path).sampler.batch(np.arange(number, number + 1), 1)
+
+
+@cache
+def attempts(category: str) -> list[Attempt]:
+    from .attempts import try_object
+
+    objects = range(10) if EVERY else (1,)
+    return [one for i in objects for one in try_object(batch(category, i), 100 if EVERY else 80, 1)]
+
+
+@pytest.mark.parametrize("category", CATEGORIES)
+def test_what_is_foretold_comes(category: str) -> None:
+    found = [one for one in attempts(category) if not one.word]
+    other = [one for one in found if one.foretold != one.came]
+    assert len(found) >= 80
+    assert sum(one.came for one in found) >= 0.1 * len(found)
+    assert len(other) <= (0.05 if EVERY else 0.08) * len(found), other
+
+
+@pytest.mark.parametrize("category", CATEGORIES)
+def test_labelled_points_move_more_than_others(category: str) -> None:
+    told, others = (
+        [one.came for one in attempts(category) if one.word and one.labelled is value] for value in (True, False)
+    )
+    assert told
+    assert len(told) - sum(told) <= max(1, 0.05 * len(told))
+    assert sum(others) < sum(told)
+
+
+def test_an_axis_that_is_turned_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What annotations say of other axes than those of the files does not come."""
+    from . import forecast
+    from .attempts import try_object
+
+    right = forecast.find_jacobian
+
+    def turned(*given: object) -> object:
+        found = right(*given)  # type: ignore[arg-type]
+        return type(found)(found.driver, np.roll(found.turn, 1, axis=-1), np.roll(found.shift, 1, axis=-1))
+
+    monkeypatch.setattr(forecast, "find_jacobian", turned)
+    found = try_object(batch("storage_furniture", 1), 60, 0)
+    assert sum(one.foretold != one.came for one in found) > 0.15 * len(found)
+
+
+def test_a_gripper_that_closes_holds() -> None:
+    from .closing import grips
+
+    found = grips(batch("storage_furniture", 1))
+    assert len(found) >= 5
+    assert not [one for one in found if one.fault]
+
+
+def test_a_gripper_beside_a_grasp_holds_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    from dataclasses import replace
+
+    from . import closing
+
+    right = closing.hand_of
+    monkeypatch.setattr(closing, "hand_of", lambda grasp: replace(right(grasp), point=right(grasp).point - [0.5, 0, 0]))
+    assert {one.fault for one in closing.grips(batch("storage_furniture", 1))} == {"closes on nothing"}
