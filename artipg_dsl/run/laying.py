@@ -55,7 +55,7 @@ def write_layout(
     others = [known for known in entries(out, layout, refuse=True) if known.category != entry.category]
     if place.exists() and not force:
         raise ExportError(f"{out} already has {entry.category}", "use --force to write it again, or another folder")
-    _clear(out, entry.category)
+    _clear(out, layout, entry.category, others)
     _carry_out(job, layout, entry, out, progress, workers)
     record = {
         "layout": layout.name,
@@ -66,7 +66,14 @@ def write_layout(
         "map": dict(own or {}),
         "words": dict(entry.words),
     }
-    for name, data in layout.index([*others, entry], out).items():
+    _write_lists(out, layout, [*others, entry])
+    write_bytes(place, (json.dumps(record, indent=1) + "\n").encode(), force=True)
+    return entry
+
+
+def _write_lists(out: Path, layout: Layout, held: list[Entry]) -> None:
+    """The lists of all categories."""
+    for name, data in layout.index(held, out).items():
         if name.endswith("/"):
             ensure_folder(out / name)
         elif callable(data):
@@ -74,8 +81,6 @@ def write_layout(
                 data(stream)
         else:
             write_bytes(out / name, data, force=True)
-    write_bytes(place, (json.dumps(record, indent=1) + "\n").encode(), force=True)
-    return entry
 
 
 def entries(folder: Path, layout: Layout | None = None, *, refuse: bool = False) -> list[Entry]:
@@ -131,14 +136,25 @@ class Piece:
         return names
 
 
-def _clear(out: Path, category: str) -> None:
-    """Remove what the folder has of a category, but for the lists of all."""
-    (out / _RECORDS / f"{category}.json").unlink(missing_ok=True)
-    listed = out / _RECORDS / f"{category}.files"
+def _clear(out: Path, layout: Layout, category: str, others: list[Entry]) -> None:
+    """Remove what the folder has of a category, from the lists first: whenever this ends, they name what is there."""
+    place, listed = (out / _RECORDS / f"{category}.{kind}" for kind in ("json", "files"))
     names = listed.read_text(encoding="utf-8").splitlines() if listed.exists() else []
+    if place.exists():
+        if others:
+            _write_lists(out, layout, others)
+        else:
+            names += [name for name in layout.index([_entry(_read(place))], out) if not name.endswith("/")]
+    place.unlink(missing_ok=True)
     for name in names:
-        if (out / name).resolve().is_relative_to(out.resolve()):
-            (out / name).unlink(missing_ok=True)
+        path = out / name
+        if not path.resolve().is_relative_to(out.resolve()):
+            continue
+        path.unlink(missing_ok=True)
+        for folder in path.parents:
+            if folder == out or not folder.is_dir() or any(folder.iterdir()):
+                break
+            folder.rmdir()
     listed.unlink(missing_ok=True)
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from artipg_dsl import sample
 from artipg_dsl.errors import UsageError
+from artipg_dsl.run import laying
 
 from .helpers import Apgc, tree
 
@@ -86,3 +87,26 @@ def test_a_folder_that_is_no_layout(apgc: Apgc, tmp_path: Path) -> None:
     (tmp_path / ".layout/Laptop.json").write_text("{}")
     code, _, said = apgc("layout", tmp_path)
     assert code == 1 and "Laptop.json" in said and "--force" in said
+
+
+def test_a_category_that_is_written_again_is_in_no_list_meanwhile(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "parts"
+    for category in ("Laptop", "Chair"):
+        sample(category, n=3).lay_out(out, "shapenetpart", split="1,1,1")
+    listed = "\n".join(path.read_text() for path in out.rglob("shuffled_*.json"))
+    assert "Laptop0n" in listed and "Chair0n" in listed
+
+    def interrupt(piece: laying.Piece, job: object) -> list[str]:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as broken:
+        broken.setattr(laying.Piece, "write", interrupt)
+        with pytest.raises(KeyboardInterrupt):
+            sample("Laptop", n=2).lay_out(out, "shapenetpart", split="1,1,0", force=True)
+    listed = "\n".join(path.read_text() for path in out.rglob("shuffled_*.json"))
+    assert "Laptop0n" not in listed and "Chair0n" in listed
+    assert not list(out.rglob("Laptop0n*"))
+    sample("Laptop", n=2).lay_out(out, "shapenetpart", split="1,1,0")  # as if it had never been there
+    assert len(list(out.rglob("Laptop0n*"))) == 2
