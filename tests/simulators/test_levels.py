@@ -14,8 +14,8 @@ from .levels import LEVELS, climb
 from .matrix import HELD, SHIPPED, SIMULATORS, Object, objects, simulator
 from .subject import written
 
-# lids that stand open, followers, loops, tiny slides, drawers, a screw
-FEW = ["bottle", "foldingrack", "laptop", "scissors", "storage_furniture"]
+# lids that stand open, followers, loops, tiny slides, drawers, a screw, a screen held up
+FEW = ["bottle", "display", "foldingrack", "laptop", "scissors", "storage_furniture"]
 
 
 @cache
