@@ -11,8 +11,9 @@ mass), and the load L, the most that gravity asks of the joint over its range (N
   ``sqrt(3 I / m)`` from a hinge's axis (exact for a leaf), but no more than carries it, with ``FINGER`` at that edge, over its range
   within ``QUICK``. A key of a gram under the whole force of a hand would be at its other end, and back, before a
   simulator's next step: no controller holds it.
-* armature: what a motor adds to the inertia, so that no effort carries the joint over its range within ``QUICK``. None is needed
-  but where next to nothing is moved, by a few millimetres or against much friction.
+* armature: what a motor adds to the inertia, so that no effort carries the joint over its range within ``QUICK``, or within ``SWIFT`` where the
+  text states the effort, which is often a guess and far too much for a button. None is needed but where next to nothing is moved, by a few
+  millimetres or against much friction.
 * velocity: by kind.
 
 Of joints that move together, by a mimic or round a loop, each feels friction, load and inertia of all, at the rate at which
@@ -39,6 +40,7 @@ HOLD = 1.2  # times the load
 HAND = 50.0  # N
 FINGER = 0.01  # kg: what moves with a key that it presses
 QUICK = 0.15  # s, from one end to the other
+SWIFT = 0.05  # s, by an effort that the text states: ten steps of a simulator and more
 FADE = {"revolute": 2.0, "continuous": 5.0, "prismatic": 2.0, "screw": 1.0, "ball": 2.0}  # s
 VELOCITY = {"revolute": 3.0, "continuous": 6.0, "prismatic": 1.0, "screw": 6.0, "ball": 3.0}  # rad/s, m/s
 _BALANCED = 1e-3  # of the load: less than this is no pull
@@ -105,7 +107,8 @@ def complete_dynamics(
     edge = np.where(slides, 1.0, np.sqrt(3.0 * moved / np.maximum(m, 1e-12)))  # a lever, where it turns
     push = np.minimum(HAND * edge, (moves + FINGER * edge**2) * 2.0 * way / QUICK**2)
     effort = _given(joints.effort, taken + np.maximum(0.5 * taken, push))
-    armature = np.maximum((effort - rubs) * QUICK**2 / (2.0 * way) - moves, 0.0)
+    least = np.where(np.isnan(joints.effort), QUICK, SWIFT)
+    armature = np.maximum((effort - rubs) * least**2 / (2.0 * way) - moves, 0.0)
     return Dynamics(friction, damping, effort, velocity, armature)
 
 

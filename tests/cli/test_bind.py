@@ -257,7 +257,9 @@ def test_meshes_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     manifest = json.loads((out / "manifest.json").read_text())
     assert "the structure, without" in manifest["surfaces"]["glb"] and "in details" in manifest["surfaces"]["urdf"]
 
-    moved = tmp_path.with_name(f"{tmp_path.name}-moved")  # both folders together, as deep as before; then the details elsewhere
+    moved = tmp_path.with_name(
+        f"{tmp_path.name}-moved"
+    )  # both folders together, as deep as before; then the details elsewhere
     moved.mkdir()
     out.rename(moved / "out")
     bound.rename(moved / "bound")

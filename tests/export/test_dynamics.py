@@ -14,6 +14,7 @@ from artipg_dsl.export.dynamics import (
     PIN,
     QUICK,
     SLIDING,
+    SWIFT,
     VELOCITY,
     Dynamics,
     _of_all,
@@ -109,6 +110,13 @@ def test_what_overcomes_much_friction_is_slowed_by_an_armature() -> None:
     stiff = one("prismatic", [1.0, 0.0, 0.0], mass=0.001, low=0.0, high=0.01, rest=0.0, friction=1.0)
     net = stiff.effort[0] - stiff.friction[0]
     assert 0.5 * net / (0.001 + stiff.armature[0]) * QUICK**2 == pytest.approx(0.01)
+
+
+def test_a_stated_effort_makes_a_button_no_heavier_than_a_simulator_needs() -> None:
+    button = one("prismatic", [1.0, 0.0, 0.0], mass=0.001, low=0.0, high=0.005, rest=0.0, effort=20.0)
+    net = button.effort[0] - button.friction[0]
+    assert button.effort[0] == 20.0 and 0.5 * net / (0.001 + button.armature[0]) * SWIFT**2 == pytest.approx(0.005)
+    assert button.armature[0] < 6.0
 
 
 def test_what_moves_together_is_felt_by_each() -> None:
