@@ -22,6 +22,7 @@ ROUND = 5e-3  # of the middle extent: round solids are polyhedra here, a little 
 _HOLD = 2e-2  # metres: a link this near to another can be held by it
 _THIN = 1e-6  # metres
 _FIRST = 4  # pairs of pieces of a link that are looked at first
+_SOME = 16  # pieces of a link, of many, that are looked at first
 
 Wrong = list[tuple[str, np.ndarray]]  # in words, and the objects
 
@@ -203,8 +204,25 @@ class Solids:
         lows, highs = self._boxes(link)
         close = _within(body.low[j], body.high[j], (lows + first)[n], (highs + last)[n])
         n, j = n[close], j[close]
-        start = np.searchsorted(n, np.arange(len(link)))
-        n, at = enumerate_ranges(start[k], (np.searchsorted(n, np.arange(len(link)), side="right") - start)[k])
+        met = np.zeros(len(link), dtype=bool)
+        for most in (_SOME, len(body)):  # of some pieces of either, a pair is near as a rule
+            one, other = (~met[of] & _some_of(of, most) for of in (k, n))
+            met |= self._near_pairs(len(link), (k[one], i[one]), (n[other], j[other]), shift)
+        return met
+
+    def _near_pairs(
+        self,
+        count: int,
+        ours: tuple[np.ndarray, np.ndarray],
+        theirs: tuple[np.ndarray, np.ndarray],
+        shift: list[np.ndarray],
+    ) -> np.ndarray:
+        """Which of ``count`` pairs of links have pieces near one another: ``ours`` of those that slide from one ``shift`` to the other,
+        ``theirs`` of what holds them, each as the pair, ascending, and the piece."""
+        body, (k, i), (n, j) = self.body, ours, theirs
+        first, last = np.minimum(*shift), np.maximum(*shift)
+        start = np.searchsorted(n, np.arange(count))
+        n, at = enumerate_ranges(start[k], (np.searchsorted(n, np.arange(count), side="right") - start)[k])
         k, i, j = k[n], i[n], j[at]
         low, high = body.low[i] + first[k], body.high[i] + last[k]
         gap = np.maximum(np.maximum(low - body.high[j], body.low[j] - high), 0.0)
@@ -212,13 +230,20 @@ class Solids:
         near = np.flatnonzero(gap < _HOLD * _HOLD)
         order = near[np.lexsort((gap[near], k[near]))]
         rank = np.arange(len(order)) - np.searchsorted(k[order], k[order])
-        met, begun, stop = np.zeros(len(link), dtype=bool), 0, _FIRST
+        met, begun, stop = np.zeros(count, dtype=bool), 0, _FIRST
         while (rank >= begun).any():  # the nearest boxes first
             at = order[(rank >= begun) & (rank < stop) & ~met[k[order]]]
             moved = Placed(body, i[at], ends=(shift[0][k[at]], shift[1][k[at]]))
             met[k[at[find_near(moved, Placed(body, j[at]), np.full(len(at), _HOLD))]]] = True
             begun, stop = stop, 4 * stop
         return met
+
+
+def _some_of(owner: np.ndarray, most: int) -> np.ndarray:
+    """At most so many of the rows of each owner (ascending), spread evenly: (len,) bool."""
+    first = np.searchsorted(owner, owner)
+    count, rank = np.searchsorted(owner, owner, side="right") - first, np.arange(len(owner)) - first
+    return (count <= most) | ((rank + 1) * most // count > rank * most // count)
 
 
 def _within(low: np.ndarray, high: np.ndarray, lows: np.ndarray, highs: np.ndarray) -> np.ndarray:
