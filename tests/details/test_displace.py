@@ -7,13 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import artipg_dsl as apg
 from artipg_dsl.api import Samples
-from artipg_dsl.details.binding import Real, bind
 from artipg_dsl.details.calm import calm
 from artipg_dsl.details.displace import _met, displace
 from artipg_dsl.details.elements import Solids, elements_of
-from artipg_dsl.details.record import Details, join
+from artipg_dsl.details.record import Details
 from artipg_dsl.details.skin import gather
 from artipg_dsl.details.suits import own_suits
 from artipg_dsl.details.unfold import find_folded, find_sheets, keep_apart, normals, unfold
@@ -22,27 +20,9 @@ from artipg_dsl.export.solids import SolidGroup, build_meshes
 from artipg_dsl.geometry.vectors import cross, dot
 from artipg_dsl.runtime.batch import Batch
 
-from .test_wear import PROGRAM, RAISED, surface
+from .raised import RAISED
 
 EDGE = 0.02
-
-
-@pytest.fixture(scope="module")
-def samples() -> Samples:
-    return apg.load(PROGRAM, n=2, seed=1)
-
-
-@pytest.fixture(scope="module")
-def details(samples: Samples) -> Details:
-    """Of both samples: their surface raised."""
-    made = []
-    for number in range(2):
-        batch = samples.job.batch([number])
-        found, mixed = surface(batch, 3000, 3), np.random.default_rng(1).permutation(3000)
-        normal = found.normal[0][mixed]
-        points = found.position[0][mixed] + RAISED * normal
-        made.append(bind(batch, Real(f"rack{number}", points, normal, np.zeros(3000, dtype=np.int64), ("all",)), 1500))
-    return join(made)
 
 
 def grids(batch: Batch) -> list[SolidGroup]:

@@ -5,65 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import artipg_dsl as apg
-from artipg_dsl import random
 from artipg_dsl.api import Samples
-from artipg_dsl.details.binding import Real, bind
 from artipg_dsl.details.elements import Solids, elements_of
 from artipg_dsl.details.maps import is_long, map_frames, on_map
-from artipg_dsl.details.record import Details, join
+from artipg_dsl.details.record import Details
 from artipg_dsl.details.suits import own_suits
 from artipg_dsl.details.wear import Wardrobe, wear
-from artipg_dsl.geometry import points as geometry
 from artipg_dsl.geometry.frames import Frames
 from artipg_dsl.geometry.vectors import dot
-from artipg_dsl.runtime.batch import Batch
 
-RAISED = 0.004  # metres: the real surface lies off the structure by so much, everywhere
-PROGRAM = """apg 1
-use primitives { Cuboid, Cylinder }
-category Rack {
-  param width : length in 40cm .. 80cm = 60cm vary 20%
-  count pegs in 1 .. 4 = 2
-  root part board : Cuboid(size = [4cm, width, 20cm])
-  part hook : Hook = Bar | Rod
-  connect hook.bottom on board.top
-  repeat peg[i] in 0 ..< pegs split board along y {
-    part pin : Cuboid(size = [6cm, 3cm, 3cm])
-    connect pin.back on board.front
-    align pin.center.z = board.center.z
-  }
-}
-role Hook {
-  inherit size : length[3] in [2cm, 2cm, 8cm] .. [3cm, 3cm, 12cm]
-  slot grip
-}
-template Bar : Hook { part grip : Cuboid(size = size) }
-template Rod : Hook { part grip : Cylinder(radius = size.x / 2, height = size.z) along z }
-"""
-
-
-def surface(batch: Batch, n: int, key: int) -> geometry.PointSet:
-    address = batch.numbers.astype(np.uint64)
-    return geometry.sample(batch.sites(), len(batch), n, random.key(key, "test"), address, outside=True)
-
-
-@pytest.fixture(scope="module")
-def samples() -> Samples:
-    return apg.load(PROGRAM, n=2, seed=1)
-
-
-@pytest.fixture(scope="module")
-def details(samples: Samples) -> Details:
-    """Of both samples: their surface raised."""
-    made = []
-    for number in range(2):
-        batch = samples.job.batch([number])
-        found, mixed = surface(batch, 3000, 3), np.random.default_rng(1).permutation(3000)
-        normal = found.normal[0][mixed]
-        points = found.position[0][mixed] + RAISED * normal
-        made.append(bind(batch, Real(f"rack{number}", points, normal, np.zeros(3000, dtype=np.int64), ("all",)), 1500))
-    return join(made)
+from .raised import RAISED, surface
 
 
 @pytest.mark.parametrize("operations", ["cpa", "dpa,cpa", "apa,dpa,cpa"])
