@@ -2,8 +2,8 @@
 
 Points may go where they like: of two that lie side by side one may go to a rim and one to the groove behind it, and a cloud shows both.
 A surface has one place for each of its own. So what makes up for a part that is missing in the structure goes, which is what reaches
-too far for the size of its primitive, and each offset becomes the median of those around it, as noise is taken out of pictures without
-blurring edges; then their mean.
+too far for the size of its primitive, and each offset becomes what a linear function of the place says that fits those around it, where
+strays count little.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def _planes(place: np.ndarray, offset: np.ndarray, near: np.ndarray, weight: np.
             slope.append(mixed[0] * inverse[0] + mixed[1] * inverse[1] + mixed[2] * inverse[2])
         if again < _ROUNDS:
             miss = np.stack([rest[..., k] - dot(way, slope[k][:, None]) for k in range(3)], axis=-1)
-            weight = weight / (1.0 + dot(miss, miss) / _STRAY**2) if again == 0 else weight
+            weight = weight / (1.0 + dot(miss, miss) / _STRAY**2)
     own = place - middle
     return mean + np.stack([dot(own, slope[k]) for k in range(3)], axis=-1)
 

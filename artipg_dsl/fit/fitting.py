@@ -81,8 +81,10 @@ def _fit(
     outcome = repair(model.sampler, model.at_rest(found.batch), checked=checked)
     batch = outcome.batch
     failed = set(outcome.failed.tolist())
-    states = carried(batch, found.batch) if isinstance(model.program, Opened) else rest_values(batch)
-    sites = moved(batch, states) if isinstance(model.program, Opened) else batch.sites()
+    states, sites = np.zeros(len(batch.joints().owner)), batch.sites()  # of a plain model the joints are at 0
+    if isinstance(model.program, Opened):
+        states = carried(batch, found.batch)
+        sites = moved(batch, states)
     low, high = bounds(batch.sites(), len(batch))
     whole, outside = surfaces(batch, sites, found.placed.scale, found.placed.shift)
     semantic = batch.program.vocabularies.get("semantic", ())
