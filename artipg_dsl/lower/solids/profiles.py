@@ -17,10 +17,10 @@ from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import pair
 from .cuts import FINE, TINY, WHOLE, Cut, Fold, clamp, fold, halved, rivals, starts, within
+from .cuts import V as V
 from .probe import SMALL, Probe
 
 Point = tuple[Expr, Expr]
-V = E.var("v")
 SLOPE = E.const(0.95)  # takes what Newton's method leaves open far from a curve out of the slope
 STEPS = 4
 SLOW = 3
@@ -400,5 +400,5 @@ def _summit(probe: Probe, height: Expr, slope: Expr, values: np.ndarray) -> Expr
     for _ in range(6):
         rise, bend = (E.substitute(f, {V: best}) for f in (slope, second))
         moved = E.sub(best, E.div(rise, E.minimum(bend, E.const(-1e-12))))
-        best = clamp(E.minimum(E.maximum(moved, low), high), 0.0, 1.0)
+        best = clamp(within(moved, low, high), 0.0, 1.0)
     return best
