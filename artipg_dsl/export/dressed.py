@@ -9,6 +9,7 @@ import numpy as np
 
 from ..geometry import mesh
 from ..geometry.resolution import STANDARD, Resolution, measure_spans, within_budget
+from ..geometry.sites import object_boxes
 from ..geometry.topology import topology
 from .solids import SolidGroup, build_meshes
 
@@ -42,12 +43,7 @@ def build_dressed(batch: Batch, tables: list[SiteTable], resolution: Resolution,
 
 def _diagonals(tables: list[SiteTable], objects: int) -> np.ndarray:
     """(objects,) the diagonals of the boxes of the objects, metres."""
-    low, high = np.full((objects, 3), np.inf), np.full((objects, 3), -np.inf)
-    for table in tables:
-        if len(table):
-            one, other = table.boxes()
-            np.minimum.at(low, table.owner, one)
-            np.maximum.at(high, table.owner, other)
+    low, high = object_boxes(tables, objects)
     size = np.where(low <= high, high - low, 1.0)
     return np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2 + size[:, 2] ** 2)
 

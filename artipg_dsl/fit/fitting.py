@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from ..annotate.states import rest_values
+from ..geometry.sites import object_boxes
 from ..runtime.batch import Batch
 from ..sampling.repair import repair
 from .measure import agreement, distances, surfaces, verdict
-from .model import Model, bounds
+from .model import Model
 from .pose import UNITS, Posed, targets, turn
 from .search import Effort, search
 from .states import Opened, carried, moved
@@ -38,7 +39,7 @@ class Fitted:
 def usual_size(model: Model) -> float:
     """The diagonal of common objects of a category, in metres."""
     drawn = model.drawn(np.arange(_USUAL), 0)
-    low, high = bounds(drawn.sites(), len(drawn))
+    low, high = object_boxes(drawn.sites(), len(drawn))
     across = np.sqrt(((high - low) ** 2).sum(axis=1))
     return float(np.median(across[~drawn.state.failed & np.isfinite(across)]))
 
@@ -85,7 +86,7 @@ def _fit(
     if isinstance(model.program, Opened):
         states = carried(batch, found.batch)
         sites = moved(batch, states)
-    low, high = bounds(batch.sites(), len(batch))
+    low, high = object_boxes(batch.sites(), len(batch))
     whole, outside = surfaces(batch, sites, found.placed.scale, found.placed.shift)
     semantic = batch.program.vocabularies.get("semantic", ())
     made = []

@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from ..geometry.sites import SiteTable
 from ..graph.depend import draws_behind
 from ..graph.expr import Expr
 from ..graph.reference import ranks_of
@@ -205,18 +204,6 @@ def _kept(key: np.ndarray, value: np.ndarray) -> Kept:
     order = np.argsort(key, kind="stable")
     still = np.zeros(len(order))
     return Kept(key[order], value[order], still, still.astype(bool))
-
-
-def bounds(tables: list[SiteTable], count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Low and high corners (count, 3) of the boxes around candidates, of those of their primitives."""
-    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    for table in tables:
-        if not len(table):
-            continue
-        first, last = table.boxes()
-        np.minimum.at(low, table.owner, first)
-        np.maximum.at(high, table.owner, last)
-    return low, high
 
 
 @dataclass(frozen=True, slots=True, eq=False)

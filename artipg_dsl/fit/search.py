@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..geometry.sites import object_boxes
 from ..runtime.batch import Batch
 from .compare import Candidates, Targets, clouds, compare
 from .match import features, nearest
-from .model import Changes, Model, Placed, bounds
+from .model import Changes, Model, Placed
 from .outer import outer
 from .refine import Schedule, refine
 from .states import tables
@@ -90,7 +91,7 @@ def _chosen(model: Model, targets: Targets, effort: Effort, seed: int) -> Candid
     drawn = model.drawn(np.arange(effort.drawn), seed)
     valid = np.flatnonzero(~drawn.state.failed)
     drawn = model.assembled([(drawn, valid)])
-    low, high = bounds(tables(drawn), len(drawn))
+    low, high = object_boxes(tables(drawn), len(drawn))
     size = np.maximum(high - low, 1e-6)
     differ = np.log(size)[None] - np.log(np.maximum(targets.size, 1e-6))[:, None]  # (T, N, 3)
     differ = differ - np.where(targets.known[:, None], 0.0, differ.mean(axis=2))[:, :, None]

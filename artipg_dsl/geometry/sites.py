@@ -68,6 +68,18 @@ class SiteTable:
         return volume_inertia(self.primitive, self.params, inertia=False)[:2]
 
 
+def object_boxes(tables: list[SiteTable], count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Low and high corners (count, 3) of the boxes around objects, of those of their primitives; inf and -inf where there are none."""
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    for table in tables:
+        if not len(table):
+            continue
+        first, last = table.boxes()
+        np.minimum.at(low, table.owner, first)
+        np.maximum.at(high, table.owner, last)
+    return low, high
+
+
 def weigh(tables: list[SiteTable], inertia: bool = True) -> None:
     """Work out the moments of tables that lack them, or volumes and centres alone: all rows of one primitive together."""
     name = "moments" if inertia else "_weights"
