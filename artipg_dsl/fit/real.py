@@ -20,16 +20,58 @@ from ..runtime.batch import Batch
 from ..runtime.motion import apply
 from .match import features
 from .outer import spacing, towards
-from .pose import UNITS, Frame, pose, turn
+from .pose import AXES, UNITS, Frame, pose, turn
 from .reading import read_cloud
 from .states import moved
 
 _COMPARED = 8192  # points of the structure that links are told by
+_LARGEST = 1e9  # of the numbers of a record
+_SKEW = 1e-3  # what rounding leaves between the axes of a matrix, and more
+
+
+def check_record(record: Mapping[str, Any]) -> None:
+    """Raises UserError for a record that lacks what binding needs of it, or whose values cannot be meant: records may be edited by hand."""
+    name, frame = record.get("name"), record.get("frame")
+
+    def refuse(key: str, wanted: str) -> None:
+        raise UserError(f"`{key}` in the record of {name} is not {wanted}", "undo the change, or fit it again")
+
+    if not isinstance(record.get("file"), str) or "to_object" not in record or frame is None:
+        raise UserError(f"the record of {name} is missing or damaged", "fit it again")
+    if not (
+        isinstance(frame, Mapping)
+        and frame.get("up") in AXES
+        and frame.get("front") in AXES
+        and frame["up"][-1] != frame["front"][-1]
+        and frame.get("unit", "") in (None, *UNITS)
+    ):
+        refuse("frame", "two axes that are square to each other and a unit or null")
+    if not _is_matrix(record["to_object"]):
+        refuse("to_object", "a matrix of four rows of four numbers that turns, shifts and scales")
+    joints = record.get("joints")
+    if joints is not None and not (isinstance(joints, Mapping) and all(map(_is_number, joints.values()))):
+        refuse("joints", "a number for each name of a joint")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < _LARGEST
+
+
+def _is_matrix(rows: Any) -> bool:
+    if not (isinstance(rows, list) and len(rows) == 4 and all(isinstance(row, list) and len(row) == 4 for row in rows)):
+        return False
+    if not all(_is_number(value) for row in rows for value in row) or rows[3] != [0, 0, 0, 1]:
+        return False
+    linear = np.array(rows, dtype=np.float64)[:3, :3]
+    square = linear.T @ linear
+    even = float(np.trace(square)) / 3.0
+    return even > 0.0 and bool(np.abs(square - even * np.eye(3)).max() < _SKEW * even) and np.linalg.det(linear) > 0.0
 
 
 def read_real(path: Path, record: Mapping[str, Any]) -> Real:
     """The outer surface of a file; ``record`` is what ``apgc fit`` has written of it. Normals point to where the surface is seen from, since
-    the faces of many meshes are doubled. Raises UserError for a file that cannot be read."""
+    the faces of many meshes are doubled. Raises UserError for a file that cannot be read, and for a record that ``check_record`` refuses."""
+    check_record(record)
     frame = record["frame"]
     unit = frame["unit"]
     asked = Frame(frame["up"], frame["front"], unit or "auto", unit is None)

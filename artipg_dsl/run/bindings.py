@@ -20,7 +20,7 @@ from ..details.report import report
 from ..errors import UserError
 from ..export.containers import npz_bytes
 from ..export.write import ensure_folder, sweep_unfinished, write_bytes
-from ..fit.real import closed, read_real
+from ..fit.real import check_record, closed, read_real
 from .fits import FITS, SUMMARY, mark
 from .job import Job
 from .resume import reopen
@@ -115,8 +115,7 @@ def _bind_one(job: Job, asked: Binding, item: Item) -> str:
     options, name = asked.plain(job.program.hash), record["name"]
     told: dict[str, Any] = {"name": name, "object": number, "source": str(path)}
     try:
-        if "to_object" not in record:
-            raise UserError(f"the record of {name} is missing or damaged", "fit it again")
+        check_record(record)
         if not path.exists():
             raise UserError(f"there is no file {path}", "name the files that were fitted: apgc bind FITTED FILES")
         if mark(path) != record["file"]:

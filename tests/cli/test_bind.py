@@ -81,6 +81,33 @@ def test_one_file_stops_no_other(apgc: Apgc, fitted: Path, tmp_path: Path) -> No
         real.write_bytes(kept)
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "told"),
+    [
+        ("to_object", None, "`to_object` in the record of chest0 is not a matrix"),
+        ("to_object", [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "is not a matrix"),
+        ("to_object", [["1", 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], "is not a matrix"),
+        ("to_object", [[0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 1]], "is not a matrix"),
+        ("to_object", [[1, 0, 0, float("nan")], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], "is not a matrix"),
+        ("joints", [["open", 1.0]], "`joints` in the record of chest0 is not a number for each name"),
+        ("joints", {"open": "wide"}, "`joints` in the record of chest0 is not a number for each name"),
+        ("joints", {"nothing": 1.0}, "the object has no joint `nothing`"),
+        ("frame", {"up": "z", "front": "-z", "unit": "m"}, "`frame` in the record of chest0 is not two axes"),
+        ("frame", None, "the record of chest0 is missing or damaged"),
+        ("file", None, "the record of chest0 is missing or damaged"),
+    ],
+)
+def test_edited_records(apgc: Apgc, fitted: Path, tmp_path: Path, key: str, value: object, told: str) -> None:
+    path = fitted / "fits" / "chest0.json"
+    kept = path.read_text()
+    try:
+        path.write_text(json.dumps(json.loads(kept) | {key: value}))
+        code, said, err = apgc("bind", fitted, "-o", tmp_path / "bound", "--points", 200)
+        assert code == 0 and told in said and "details of 1 object" in err
+    finally:
+        path.write_text(kept)
+
+
 def test_what_is_refused(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     code, _, err = apgc("bind", tmp_path, "-o", tmp_path / "bound")
     assert code == 1 and "is not a folder of fitted objects" in err
