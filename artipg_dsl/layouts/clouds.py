@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from ..annotate.sampling import Sampling
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
+    from .words import Term
 
 
 def shapenet_axes(vectors: np.ndarray) -> np.ndarray:
@@ -61,15 +62,21 @@ def draw(batch: Batch, count: int) -> Points:
     return sample_points(batch, Sampling(count))
 
 
-def classify(batch: Batch, points: Points, number: Callable[[str, str], int]) -> np.ndarray:
-    """``number(word, link)`` of every point (B, n): its own word, and that of the part that its link is."""
+def classify(batch: Batch, points: Points, term: Term, number: Callable[[Any], int]) -> np.ndarray:
+    """``number(part)`` of every point (B, n): of the part that its word is on its link, or, first, a formula of the term."""
     words = batch.program.vocabularies.get("semantic", ("",))
     links = batch.links()
     row = np.searchsorted(links.owner, points.object)[:, None] + points.link
     key = np.asarray(links.definition)[row] * len(words) + points.semantic
-    found, place = np.unique(key, return_inverse=True)
-    numbers = [number(words[k % len(words)], link_word(batch, k // len(words))) for k in found.tolist()]
-    return np.array(numbers, dtype=np.int64)[place].reshape(key.shape)
+    formulas = term.formulas()
+    held = [points.labels[name] >= 0.5 if name in points.labels else np.zeros(key.shape, bool) for name in formulas]
+    by_formula = np.select(held, range(1, len(held) + 1)) if held else np.zeros(key.shape, dtype=np.int64)
+    rest = by_formula == 0
+    found, place = np.unique(key[rest], return_inverse=True)
+    parts = [term.part(words[k % len(words)], link_word(batch, k // len(words))) for k in found.tolist()]
+    classes = np.array([0, *map(number, formulas.values())], dtype=np.int64)[by_formula]
+    classes[rest] = np.array([number(part) for part in parts], dtype=np.int64)[place]
+    return classes
 
 
 def link_word(batch: Batch, definition: int) -> str:

@@ -12,8 +12,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from ..diagnostics.suggest import did_you_mean
 from ..errors import UserError
-from .words import Term, vocabulary
+from .words import Term, check_words, vocabulary
 
 if TYPE_CHECKING:
     import numpy as np
@@ -33,7 +34,8 @@ class Layout:
 
     ``vocabulary``: a closed one, which has to have a class for the category; ``judge(term)`` says what is wrong with a map
     to it. ``words(program)``: what the index needs of a program beside that. ``needs``: (module, package, extra), ``too`` another.
-    ``chunk``: objects that are made together.
+    ``chunk``: objects that are made together. ``divides``: each point has a class of its own, so words that hold on some of a part
+    count.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Layout:
     too: tuple[str, str, str] | None = None
     chunk: int = 64
     gathers: bool = False
+    divides: bool = False
 
     def entry(
         self, program: Program, seed: int, numbers: np.ndarray, shares: Shares, own: Mapping[str, Any] | None = None
@@ -56,6 +59,8 @@ class Layout:
         from .entry import Entry  # start-up: a list of layouts needs no arrays
 
         term = self.term(program.name, own)
+        if term is not None and own:
+            self._check_map(program, own)
         words = _function(self.words_by)(program) if self.words_by else {}
         return Entry(program.name, seed, numbers, shares, term, words, self.chunk)
 
@@ -70,6 +75,21 @@ class Layout:
         if wrong:
             raise UserError(f"{category} in {self.name}: {wrong}", "correct the file of --map")
         return term
+
+    def _check_map(self, program: Program, own: Mapping[str, Any]) -> None:
+        """All that a user's map says of a category is of some use. Raises UserError."""
+        if program.name not in own:
+            names = ", ".join(own)
+            hint = did_you_mean(program.name, own) or "leave --map out, or give the file that maps it"
+            raise UserError(f"--map says nothing of {program.name}, it maps {names}", hint)
+        parts = own[program.name].get("parts", {})
+        if parts and not self.judge_by:
+            raise UserError(f"{self.name} has no parts, only a class", f"leave `parts` of {program.name} out of --map")
+        check_words(parts, program)
+        formulas = [key for key in parts if "." in key]
+        if formulas and not self.divides:
+            hint = "`shapenetpart` and `shapenetpart-h5` take words of other vocabularies than semantic"
+            raise UserError(f"{self.name} takes whole parts, which `{formulas[0]}` may divide", hint)
 
     def files(self, batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
         return _function(self.files_by)(batch, entry, shard)
@@ -98,6 +118,7 @@ LAYOUTS: dict[str, Layout] = {
             "shapenetpart:check_text",
             "shapenetpart",
             "shapenetpart:check_term",
+            divides=True,
         ),
         Layout(
             "shapenetpart-h5",
@@ -108,6 +129,7 @@ LAYOUTS: dict[str, Layout] = {
             "shapenetpart",
             "shapenetpart:check_term",
             needs=_H5,
+            divides=True,
         ),
         Layout(
             "partnet-seg",

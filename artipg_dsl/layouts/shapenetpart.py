@@ -24,9 +24,9 @@ _LISTS = "train_test_split/shuffled_{split}_file_list.json"
 _H5 = "hdf5_data"
 
 
-def _part_number(term: Term, word: str, link: str) -> int:
+def _part_number(term: Term, part: str) -> int:
     """The number of a part among the 50 of all classes."""
-    return int(term.data["first"] + term.data["parts"].index(term.part(word, link)))
+    return int(term.data["first"] + term.data["parts"].index(part))
 
 
 def check_term(term: Term) -> str | None:
@@ -41,7 +41,7 @@ def arrays(batch: Batch, entry: Entry, count: int) -> tuple[np.ndarray, np.ndarr
     assert entry.term is not None
     term, points = entry.term, draw(batch, count)
     place = shapenet_axes(fit_diagonal(points.position).apply(points.position))
-    return place, shapenet_axes(points.normal), classify(batch, points, lambda w, link: _part_number(term, w, link))
+    return place, shapenet_axes(points.normal), classify(batch, points, term, lambda part: _part_number(term, part))
 
 
 def text_files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:

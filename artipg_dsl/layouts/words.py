@@ -8,16 +8,20 @@ that is a drawer, ``"*"`` for every other word.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError, UserError
+from ..language.kinds import JOINTS
 from ..resources import categories_dir
+
+if TYPE_CHECKING:
+    from ..graph.program import Program
 
 REST = "*"  # every word that is not named
 
@@ -32,6 +36,10 @@ class Term:
     name: str
     data: Mapping[str, Any]
     parts: Mapping[str, Any]
+
+    def formulas(self) -> dict[str, Any]:
+        """Parts by words of other vocabularies, ``drawn.base``, in the order of the map: the first that holds wins."""
+        return {key: part for key, part in self.parts.items() if "." in key}
 
     def part(self, word: str, link: str = "") -> Any:
         """The part that a word is, on a link of that word. Raises UserError."""
@@ -74,6 +82,28 @@ class Vocabulary:
         nearest = f"the nearest is {close}: " if close else ""
         form = f'{nearest}--map FILE with {{"{category}": {{"class": "{close or "..."}", "parts": ...}}}} makes it one'
         return "; ".join(filter(None, (have, form, self.instead)))
+
+
+def check_words(parts: Iterable[str], program: Program) -> None:
+    """Every key of a user's map is a word of the program's: a mistyped one would map nothing. Raises UserError."""
+    semantic = program.vocabularies.get("semantic", ())
+    for key in parts:
+        name, dot, word = key.partition(".")
+        if dot:
+            said = [f"{v}.{w}" for v, words in program.vocabularies.items() if v != "semantic" for w in words[1:]]
+            if key not in said:
+                form = f"`{word}` alone is the word of semantic" if name == "semantic" else None
+                raise _no_word(key, program.name, form or did_you_mean(key, said))
+            continue
+        link, _, rest = key.partition("/")
+        for part, known in ((link, [*semantic, REST]), (rest, ["", *semantic, *JOINTS])):
+            if part not in known:
+                hint = did_you_mean(part, known) or f"its words are {', '.join(semantic)}"
+                raise _no_word(part, program.name, hint)
+
+
+def _no_word(word: str, category: str, hint: str | None) -> UserError:
+    return UserError(f"--map names `{word}`, which is no word of {category}", hint)
 
 
 @lru_cache

@@ -170,6 +170,63 @@ def test_a_closed_vocabulary_refuses_and_says_what_would_serve() -> None:
         LAYOUTS["partnet-seg"].term("Kettle", own)
 
 
+POST = """
+apg 1
+use primitives { Cuboid }
+use vocabularies { semantic }
+
+vocabulary drawn { base }
+
+category Post {
+  root part post : Cuboid(size = [10cm, 10cm, 1m])
+  label semantic.leg on post
+  label drawn.base on post where p.z < -0.1 * size.z
+}
+"""
+
+
+def test_a_formula_of_the_program_divides_a_part(tmp_path: Path, lay: Lay) -> None:
+    """Annotators may end a part where no part of ours ends: 40 % of the height belong to the base."""
+    (tmp_path / "post.apg").write_text(POST)
+    own = {"Post": {"class": "Lamp", "parts": {"drawn.base": "base", "leg": "stem"}}}
+    folder = lay("shapenetpart", str(tmp_path / "post.apg"), n=2, own=own)
+    assert not faults(folder)
+    read = rows(folder, "03636649/Post7n000000")
+    first, height = LAYOUTS["shapenetpart"].term("Post", own).data["first"], read[:, 1]  # type: ignore[union-attr]
+    share = (height - height.min()) / np.ptp(height)
+    assert set(read[:, 6]) == {first + 0, first + 3}
+    assert np.array_equal(read[:, 6] == first, share < 0.4)
+
+
+@pytest.mark.parametrize(
+    ("parts", "wrong", "hint"),
+    [
+        ({"handel": "handle", "*": "cup"}, "`handel`, which is no word of Kettle", "did you mean `handle`"),
+        ({"handle/revolut": "handle", "*": "cup"}, "`revolut`, which is no word", "did you mean `revolute`"),
+        (
+            {"affordance.grap": "handle", "*": "cup"},
+            "`affordance.grap`, which is no word",
+            "did you mean `affordance.grasp`",
+        ),
+        ({"semantic.handle": "handle", "*": "cup"}, "`semantic.handle`, which is no word", "`handle` alone"),
+    ],
+)
+def test_a_mistyped_word_of_a_map_is_refused(lay: Lay, parts: dict[str, str], wrong: str, hint: str) -> None:
+    with pytest.raises(UserError, match=wrong) as refused:
+        lay("shapenetpart", "Kettle", n=1, own={"Kettle": {"class": "Mug", "parts": parts}})
+    assert hint in (refused.value.hint or "")
+
+
+def test_a_map_that_would_change_nothing_is_refused(lay: Lay) -> None:
+    with pytest.raises(UserError, match="says nothing of Chair, it maps Chiar") as refused:
+        lay("shapenetpart", "Chair", n=1, own={"Chiar": {"class": "Chair", "parts": {"*": "leg"}}})
+    assert refused.value.hint == "did you mean `Chiar`?"
+    with pytest.raises(UserError, match="pcn has no parts"):
+        lay("pcn", "Kettle", n=1, own={"Kettle": {"class": "mug", "parts": {"*": "cup"}}})
+    with pytest.raises(UserError, match="takes whole parts, which `affordance.grasp` may divide"):
+        lay("cage", "Kettle", n=1, own={"Kettle": {"class": "Table", "parts": {"affordance.grasp": "handle"}}})
+
+
 def test_a_word_without_a_part_is_refused(lay: Lay) -> None:
     own = {"Kettle": {"class": "Mug", "parts": {"body": "cup"}}}
     with pytest.raises(UserError, match="not told what .* of Kettle is"):
