@@ -230,7 +230,7 @@ def _members(
         instances = dict.fromkeys(int(v.item.group.table.instance[v.item.row]) for v in robot.links[k].visuals)
         for instance in instances:
             name, text = _leaf_name(robots, i, instance)
-            path = name if words is None else words.path(name, label.rpartition("_")[2] if joint else "")
+            path = name if words is None else words.path(name, label.rpartition("_")[2] if joint else "", text)
             name = path.replace("|", "/").rpartition("/")[2]
             member.leaves[instance] = Leaf(node, name, text, [], path)
             node += 1

@@ -20,9 +20,13 @@ class CategoryWords:
     root: str
     paths: dict[str, str]
 
-    def path(self, leaf: str, link: str) -> str:
-        """The path of a leaf that bears a word (or a name of its own) on a link that is called so."""
-        return self.paths.get(f"{link}/{leaf}") or self.paths.get(leaf) or leaf
+    def path(self, leaf: str, link: str, text: str) -> str:
+        """The path of a leaf that bears a word (or a name of its own) on a link that is called so.
+
+        ``text`` is its name in our tables, of which the last part counts.
+        """
+        own = f"{leaf}.{text.rpartition('.')[2]}"
+        return self.paths.get(f"{link}/{leaf}") or self.paths.get(own) or self.paths.get(leaf) or leaf
 
 
 @lru_cache(maxsize=1)

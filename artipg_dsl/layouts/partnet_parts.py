@@ -93,7 +93,7 @@ def object_parts(batch: Batch, points: Points, levels: Levels) -> Iterator[Parts
                 to_snake_case(link_word(batch, int(links.definition[link_start[i] + link]))) if link in above[i] else ""
             )
             text = parts.name[part_start[i] + instance]
-            coarse = words.path(to_snake_case(semantic[word] if word else text.split(".")[-1]), on)
+            coarse = words.path(to_snake_case(semantic[word] if word else text.split(".")[-1]), on, text)
             path = levels.refine(coarse, last[site])
             own = element if last[site] in levels.finer.get(coarse, {}) else -1
             key = (link, instance, own, path)

@@ -188,6 +188,7 @@ def test_every_mesh_of_the_urdf_lies_where_readers_look(folder: Folder) -> None:
 # paths of PartNet's part vocabularies before merging, those that objects below may have
 PARTNET = {
     "StorageFurniture": """storage_furniture storage_furniture/cabinet countertop shelf cabinet_frame cabinet_frame/vertical_divider_panel
+        cabinet_frame/frame_vertical_bar cabinet_frame/frame_horizontal_bar
         cabinet_base cabinet_base/foot_base cabinet_base/foot_base/foot cabinet_base/foot_base/caster cabinet_base/foot_base/caster/wheel
         cabinet_base/foot_base/caster/caster_yoke drawer drawer/drawer_box drawer/handle cabinet_door cabinet_door/cabinet_door_surface
         cabinet_door/glass cabinet_door/handle""",

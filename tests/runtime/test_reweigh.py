@@ -415,6 +415,7 @@ def test_shipped_priors_fit_their_categories() -> None:
         ("Door", {"hinge"}, 0.24),
         ("Microwave", {"tray"}, 0.23),
         ("StorageFurniture", {"foot", "castor"}, 0.52),
+        ("StorageFurniture", {"frame"}, 0.72),
         ("StorageFurniture", {"drawer"}, 0.24),
         ("Window", {"handle"}, 0.16),
     ],
