@@ -69,7 +69,7 @@ def sample_grasps(reader: FieldReader, values: int = 5) -> GraspTable:
         low, high = (np.asarray(v, dtype=np.float64) for v in reader.read([grasp.low, grasp.high], grasp.scope))
         rotation, translation, mirror = read_pose(reader, grasp.frame, grasp.scope)
         size, center = read_triples(reader, [grasp.size, grasp.center], grasp.scope)
-        field = Field(grasp.formulas)
+        field = Field.of(grasp.formulas)
         inputs = [np.asarray(v)[:, None] for v in reader.read(field.inputs, grasp.scope)] if field.inputs else []
         share = np.arange(values) / (values - 1) if values > 1 else np.array([0.5])
         t = low[:, None] + (high - low)[:, None] * share

@@ -100,7 +100,7 @@ def _curves(table: JointTable, batch: Batch) -> Iterator[Curve]:
         row = np.flatnonzero(table.definition == number)
         if joint.curve is None or not len(row):
             continue
-        formulas = Field(following(joint))
+        formulas = Field.of(following(joint))
         inputs = batch.read(formulas.inputs, joint.scope) if formulas.inputs else []
         yield Curve(
             row, base[row] + table.mimic[row], formulas, [np.asarray(v, dtype=np.float64)[place[row]] for v in inputs]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from ..graph.expr import Expr, Scope, substitute, var, variables
+from ..graph.expr import Expr, Scope, substitute_all, var, variables
 from ..graph.formula import compile_formula, row_values
 from .needs import pose_cells
 
@@ -41,13 +42,18 @@ class Field:
     """Expressions over the variables ``p.x`` ... ``t`` and columns, split into per-row values and a formula.
 
     A subexpression without variables is a per-row value: ``inputs`` lists these; the formula reads them as ``#0`` ...
+    ``Field.of`` keeps what it has made, since each batch asks for the same ones.
     """
 
     def __init__(self, exprs: Sequence[Expr]):
         self.inputs = row_values(exprs)
         mapping = {expr: var(f"#{i}") for i, expr in enumerate(self.inputs)}
-        self.formulas = [substitute(expr, mapping) for expr in exprs]
+        self.formulas = substitute_all(exprs, mapping)
         self.names = tuple(sorted(variables(self.formulas)))
+
+    @staticmethod
+    def of(exprs: Sequence[Expr]) -> Field:
+        return _field(tuple(exprs))
 
     def __call__(self, inputs: Sequence[np.ndarray], variables: dict[str, np.ndarray]) -> list[np.ndarray]:
         """Values of the expressions; ``inputs`` as in ``self.inputs``, broadcasting with the variables."""
@@ -55,6 +61,9 @@ class Field:
         shape = np.broadcast_shapes(*(np.shape(v) for v in (*variables.values(), *inputs)))
         results = compile_formula(self.formulas, self.names)(*(values[name] for name in self.names))
         return [np.broadcast_to(np.asarray(r), shape) for r in results]
+
+
+_field = lru_cache(maxsize=4096)(Field)
 
 
 def read_pose(reader: FieldReader, pose: Pose, scope: Scope) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -63,7 +63,7 @@ def evaluate_label(
     Formulas are evaluated in the frame of the target; vectors are returned in the object's.
     """
     scope = reader.program.sites[target.site].scope
-    field = Field(label.formulas)
+    field = Field.of(label.formulas)
     reads = [np.asarray(v) for v in reader.read(field.inputs, scope)] if field.inputs else []
     place = _Place(reader, target, scope, {name for name in field.names if "." in name}, bool(label.vector))
     rows, found = np.asarray(points.row).ravel(), []
