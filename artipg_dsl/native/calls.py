@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,12 @@ def call(function: Callable[..., Any], *values: object) -> Any:
     """What ``function`` of a loaded library returns for ``values``: integers of 64 bits, doubles, arrays and structures by their
     addresses; what ctypes knows already, and text, as it is. The arrays lie in memory row by row, with the types that the code expects."""
     return function(*map(_passed, values))
+
+
+@lru_cache(maxsize=256)
+def integers(count: int) -> type[ctypes.Array[ctypes.c_int64]]:
+    """The type of so many integers of 64 bits. ctypes makes it anew, and leaves it to the garbage, where nobody holds it."""
+    return ctypes.c_int64 * count
 
 
 def _passed(value: object) -> object:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import loops
-from .calls import call
+from .calls import call, integers
 
 if TYPE_CHECKING:
     from .backend import Machine
@@ -30,8 +30,8 @@ def add_moments(
     (K, 3) what a patch gives at n places: ``terms``, position and du x dv, of shapes that broadcast to (k, n), by ``weight`` (n,)."""
     count, many = len(rows), len(weight)
     arrays = [np.asarray(term, dtype=np.float64) for term in terms]
-    strides = (ctypes.c_int64 * 12)(*[step for array in arrays for step in _strides(array)])
-    places = (ctypes.c_void_p * 6)(*[array.ctypes.data for array in arrays])
+    strides = integers(12)(*[step for array in arrays for step in _strides(array)])
+    places = integers(6)(*[array.ctypes.data for array in arrays])
     add, data = loops.loop(np.add, _ADD)
     weight, rows = np.ascontiguousarray(weight), np.ascontiguousarray(rows, dtype=np.int64)
     middle = np.ascontiguousarray(middle)

@@ -8,7 +8,6 @@ broadcast), ``run`` leaves the work to NumPy.
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import prod
@@ -16,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .calls import integers
 from .loops import FUNCTIONS
 from .plan import COLUMN, EVERY, ROW, NotPlanned, Plan, make_plan
 
@@ -93,7 +93,7 @@ class Tape:
         made = [np.empty(kinds[o.along], _BOOL if o.size == 1 else _FLOAT) for o in plan.made]
         if plan.steps and some:
             every = (*arrays, *made)
-            objects = (ctypes.c_int64 * len(every))(*map(id, every))
+            objects = integers(len(every))(*map(id, every))
             if machine.run(plan, objects, outer, inner):
                 return None
         return tuple(
