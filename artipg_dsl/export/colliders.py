@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..geometry.merge import forget
 from ..validity.bodies import Alike, Pieces, pack_pieces, turn_points
 from ..validity.tree import Tree
 from ..validity.validate import find_meetings, find_meetings_at_rest
@@ -41,6 +42,7 @@ def make_colliders(
             find_meetings,
         ):  # most of what meets does so at rest, which is soon looked at
             _set_apart(tree, merged, check)
+        forget()
     return [body.in_order() for body in bodies]
 
 

@@ -28,14 +28,16 @@ def open_values(robot: Robot) -> dict[str, float]:
 def follow_leaders(robot: Robot, values: dict[str, float]) -> dict[str, float]:
     """``values`` with those of mimicking joints set from their leaders' (chains of followers are followed)."""
     by_name = {joint.name: joint for joint in robot.joints}
-
-    def value(name: str, depth: int = 0) -> float:
-        mimic = by_name[name].mimic
-        if mimic is None or depth > len(by_name):
-            return values[name]
-        return float(by_name[name].following(np.asarray(value(mimic[0], depth + 1))))
-
-    return {name: value(name) for name in values}
+    found = {}
+    for name in values:
+        chain = [name]
+        while (mimic := by_name[chain[-1]].mimic) is not None and len(chain) <= len(by_name):
+            chain.append(mimic[0])
+        value = values[chain.pop()]
+        for follower in reversed(chain):
+            value = float(by_name[follower].following(np.asarray(value)))
+        found[name] = value
+    return found
 
 
 def _other_end(joint: RobotJoint) -> float:
@@ -46,21 +48,18 @@ def _other_end(joint: RobotJoint) -> float:
 
 def link_poses(robot: Robot, values: dict[str, float]) -> list[LinkPose]:
     """Rotation (3, 3) and origin (3,) of every link's frame in the object's, at the values of all joints."""
-    poses: list[LinkPose | None] = [None] * len(robot.links)
     above = {joint.child: joint for joint in robot.joints}
-
-    def pose(link: int) -> LinkPose:
-        found = poses[link]
-        if found is None:
-            joint = above.get(link)
-            if joint is None:
-                found = np.eye(3), robot.links[link].origin
-            else:
-                found = _beyond(pose(joint.parent), joint, values[joint.name])
-            poses[link] = found
-        return found
-
-    return [pose(link) for link in range(len(robot.links))]
+    found: dict[int, LinkPose] = {}
+    for link in range(len(robot.links)):
+        chain = []
+        while link not in found and link in above:
+            chain.append(above[link])
+            link = above[link].parent
+        if link not in found:
+            found[link] = np.eye(3), robot.links[link].origin
+        for joint in reversed(chain):
+            found[joint.child] = _beyond(found[joint.parent], joint, values[joint.name])
+    return [found[link] for link in range(len(robot.links))]
 
 
 def _beyond(parent: LinkPose, joint: RobotJoint, value: float) -> LinkPose:

@@ -54,6 +54,11 @@ def gap(pieces: Sequence[Convex]) -> float:
     return 0.0 if len(pieces) == 1 else _deepest(tuple(pieces))[0]
 
 
+def forget() -> None:
+    """Let go of what is known of pieces that were asked about: they hold all that was made with them."""
+    _deepest.cache_clear()
+
+
 def _hollow(pieces: Sequence[Convex]) -> tuple[np.ndarray, float]:
     """The plane (normal (3,), offset) of the face beyond which the hull of several pieces reaches farthest from them."""
     _, face = _deepest(tuple(pieces))

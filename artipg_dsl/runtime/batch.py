@@ -141,11 +141,9 @@ class Batch:
 
     def link_numbers(self, scope: Scope, links: Reference) -> np.ndarray:
         """The link number within its object for each row of a scope, given a reference to links."""
-        return np.maximum(self._links_referred.numbers(scope, links), 0)
-
-    @cached_property
-    def _links_referred(self) -> Referred:
-        return Referred(self.rowmap, self._link_instances, [link.scope for link in self.program.links], self.read)
+        # not kept: it would hold the batch that holds it, and both would stay until garbage is collected
+        referred = Referred(self.rowmap, self._link_instances, [link.scope for link in self.program.links], self.read)
+        return np.maximum(referred.numbers(scope, links), 0)
 
     @cached_property
     def _words(self) -> list[np.ndarray]:

@@ -35,7 +35,7 @@ class Loops:
     ``slot`` numbers the leading joints of an object; ``follows`` (B, V) tells which of them the loops determine.
     """
 
-    batch: Batch
+    joints: JointTable
     chains: JointChains
     owner: np.ndarray
     link: np.ndarray
@@ -115,8 +115,8 @@ class Loops:
         return found.reshape(states.shape)
 
     def _settle_states(self, states: np.ndarray) -> np.ndarray:
-        joints = self.batch.joints()
-        rest, wanted = follow(joints, self.batch.rest()), follow(joints, states)
+        joints = self.joints
+        rest, wanted = follow(joints, joints.rest), follow(joints, states)
         driven = np.zeros(len(rest), dtype=bool)
         driven[self.variable[self.follows]] = True
         values = np.tile(rest, (len(states), 1))
@@ -132,7 +132,7 @@ class Loops:
                     break
                 open_ones = open_ones[some]
                 step = self._step(gap[:, some], slope[:, :, some])
-                values[open_ones] = self._stepped(joints, values[open_ones], step, going[some])
+                values[open_ones] = self._stepped(values[open_ones], step, going[some])
         return values
 
     def _step(self, gap: np.ndarray, slope: np.ndarray) -> np.ndarray:
@@ -150,13 +150,13 @@ class Loops:
             matrix[i, i] += np.where(self.follows[:, i], 1e-15, 1.0)
         return solve_small(matrix.reshape(size, size, -1), right.reshape(size, -1)).reshape(size, *shape)
 
-    def _stepped(self, joints: JointTable, values: np.ndarray, step: np.ndarray, going: np.ndarray) -> np.ndarray:
+    def _stepped(self, values: np.ndarray, step: np.ndarray, going: np.ndarray) -> np.ndarray:
         """States (S, J) after a step of the objects that are ``going`` (S, B)."""
         moved = values.copy()
         for way, held, joint in zip(step, self.follows.T, self.variable.T, strict=True):
             at = np.flatnonzero(held)
             moved[:, joint[at]] -= np.where(going[:, at], way[:, at], 0.0)
-        return follow(joints, moved)
+        return follow(self.joints, moved)
 
 
 def _times(cell: np.ndarray) -> list[np.ndarray]:
@@ -196,7 +196,7 @@ def loops_of(batch: Batch) -> Loops | None:
     matter = np.zeros(len(leader), dtype=bool)
     matter[joint] = True
     made = Loops(
-        batch,
+        joints,
         JointChains(links, joints, matter),
         owner,
         link,
@@ -209,7 +209,7 @@ def loops_of(batch: Batch) -> Loops | None:
         variable,
         np.zeros_like(variable, dtype=bool),
     )
-    made.follows[...] = _determined(made.slopes(follow(joints, batch.rest()))[1])
+    made.follows[...] = _determined(made.slopes(follow(joints, joints.rest))[1])
     return made
 
 
