@@ -168,8 +168,8 @@ def _times(cell: np.ndarray) -> list[np.ndarray]:
 
 
 def loops_of(batch: Batch) -> Loops | None:
-    """The loops of a batch; None where its program closes none."""
-    closures = batch.program.closures
+    """The loops of a batch; None where none of its objects has any."""
+    closures = [closure for closure in batch.program.closures if len(batch.owner(closure.scope))]
     if not closures:
         return None
     links, joints = batch.links(), batch.joints()

@@ -60,6 +60,21 @@ def test_a_rack_stays_together_as_it_folds() -> None:
         assert (values >= joints.low - 1e-6).all() and (values <= joints.high + 1e-6).all()
 
 
+def test_objects_without_a_loop_need_none_beside_them() -> None:
+    some = CRANK.replace(
+        "  part crank :", "  param kind : choice driven | bare\n  when kind == driven {\n  part crank :"
+    )
+    sampler = Session(Source("crank.apg", some[: some.rindex("}")] + "  }\n}\n"), None).sampler
+    whole = sampler.batch(np.arange(8), seed=0)
+    closed = np.bincount(whole.joints().owner, minlength=8) > 0
+    assert closed.any() and not closed.all() and whole.loops is not None
+    for number in range(8):
+        one = sampler.batch(np.array([number]), seed=0)
+        assert (one.loops is not None) == closed[number]
+        moved = [b.settle(b.rest() + 0.2) for b in (whole, one)]
+        assert moved[0][whole.joints().owner == number].tobytes() == moved[1].tobytes()
+
+
 def test_the_same_in_any_batch() -> None:
     sampler = Session.of("Foldingrack").sampler
     whole, one = sampler.batch(np.arange(6), seed=1), sampler.batch(np.array([4]), seed=1)
