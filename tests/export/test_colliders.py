@@ -260,7 +260,7 @@ def test_hulls_reach_hardly_farther_than_the_pieces_and_hold_them(name: str) -> 
 @pytest.mark.parametrize("name", ["Bottle", "Microwave", "Foldingrack"])
 def test_hulls_of_different_links_stay_apart(name: str) -> None:
     manifold = pytest.importorskip("manifold3d")
-    from artipg_dsl.export.pose import link_poses, rest_values
+    from artipg_dsl.export.pose import follow_leaders, link_poses, rest_values
 
     batch = Session.of(name).sampler.batch(np.arange(40, 42), 5)
     robots = Robots(batch)
@@ -274,7 +274,9 @@ def test_hulls_of_different_links_stay_apart(name: str) -> None:
                 ]
         for values in states:
             shapes = []
-            for number, (link, (turn, shift)) in enumerate(zip(robot.links, link_poses(robot, values), strict=True)):
+            for number, (link, (turn, shift)) in enumerate(
+                zip(robot.links, link_poses(robot, follow_leaders(robot, values)), strict=True)
+            ):
                 for c in link.colliders:
                     points = (
                         c.hull.vertices if c.hull is not None else (BOX * np.array(c.size)) @ c.rotation.T + c.center

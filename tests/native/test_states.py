@@ -47,7 +47,7 @@ def test_each_pair_is_told_as_if_it_were_alone(using, racks):
     tree, body, values = racks
     turn, shift, _ = tree.poses(values)
     machine, links = backend.machine(), turn.shape[1]
-    lots = np.random.Generator(np.random.PCG64(1))
+    lots = np.random.Generator(np.random.PCG64(3))
     pairs = tuple(lots.integers(0, len(body), (2, 40))[:, lots.integers(0, 40, 3000)])
     state = lots.integers(0, len(values), 3000)
     sides, placed = [], []
