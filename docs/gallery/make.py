@@ -19,7 +19,8 @@ HERE = Path(__file__).parent
 TILE, COLUMNS = 170, 11
 #: which objects stand for their category, the second of them with its joints opened
 SHOWN = {
-    "Faucet": (0, 17),
+    "Faucet": (22, 26),
+    "Foldingrack": (6, 12),
     "Bottle": (14, 4),
     "Chair": (18, 23),
     "Scissors": (4, 13),
