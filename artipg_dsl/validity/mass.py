@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -149,16 +149,37 @@ _Portion = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # link, mass, 
 class Rough:
     """Per link its mass (L,) kg and centre (L, 3) as if no primitives overlapped; and what overlaps may take away: at most
     ``most`` (n,) kg of the link ``link`` (n,), no farther than ``radius`` (n,) from ``place`` (n, 3), in boxes that reach
-    ``half`` (n, 3) and would hold ``full`` (n,) kg. Axes of the object."""
+    ``half`` (n, 3) and would hold ``full`` (n,) kg. Those of one primitive follow one another and have the same ``row`` (n,);
+    together they take no more than it weighs, ``own`` (n,) kg. Axes of the object."""
 
     mass: np.ndarray
     center: np.ndarray
+    row: np.ndarray
+    own: np.ndarray
     link: np.ndarray
     most: np.ndarray
     place: np.ndarray
     radius: np.ndarray
     half: np.ndarray
     full: np.ndarray
+
+    def at(self, chosen: np.ndarray) -> Rough:
+        """With some of what may be taken away."""
+        rest = (getattr(self, f.name)[chosen] for f in fields(self) if f.name not in ("mass", "center"))
+        return Rough(self.mass, self.center, *rest)
+
+    def taken(self, lost: np.ndarray, reach: np.ndarray) -> np.ndarray:
+        """(n,) what primitives lose at most, each at the first of its overlaps and noughts at the others.
+
+        ``lost`` (n,) is what single overlaps take, of whatever counts ``reach`` (n,) per kg where it counts most.
+        """
+        begin = np.flatnonzero(np.diff(self.row, prepend=-1))
+        which = np.repeat(np.arange(len(begin)), np.diff(begin, append=len(self.row)))
+        found = np.zeros(len(self.row))
+        if len(begin):
+            summed, far = np.bincount(which, lost), np.maximum.reduceat(reach, begin)
+            found[begin] = np.minimum(summed, self.own[begin] * far)
+        return found
 
 
 class Weighing:
@@ -207,16 +228,17 @@ class Weighing:
         """Bounds of the masses from boxes alone."""
         mass, center = _summed(self.own, self.count)
         if not len(self.owner):
-            none = np.zeros(0)
-            return Rough(mass, center, none.astype(np.int64), none, np.zeros((0, 3)), none, np.zeros((0, 3)), none)
+            none, nowhere = np.zeros(0), np.zeros((0, 3))
+            number = none.astype(np.int64)
+            return Rough(mass, center, number, none, number, none, nowhere, none, nowhere, none)
         found = self.touching.regions()
         volume = self.mass / self.density
         # a shell shares no more than it has, though its box is large; what is measured in points may err by a little
         most = np.minimum(found.volume, volume[found.first] + SAMPLED * found.volume)
         density = self.density[found.row]
-        most = np.minimum(most * density, self.mass[found.row])
-        full = found.volume * density
-        return Rough(mass, center, self.link[found.row], most, found.center, found.radius, found.half, full)
+        own, full = self.mass[found.row], found.volume * density
+        most, link = np.minimum(most * density, own), self.link[found.row]
+        return Rough(mass, center, found.row, own, link, most, found.center, found.radius, found.half, full)
 
     def _shared(self, asked: np.ndarray | None) -> list[_Portion]:
         """What primitives lose to denser ones that they overlap: portions of negative mass."""

@@ -70,7 +70,7 @@ class Stance:
         whose = self.owner[self.link]
         self.place = whose, np.arange(len(whose)) - np.searchsorted(whose, whose)  # (object, rank) of each point
         self.still = (tree.joint[tree.chain[self.link]] < 0) | (tree.chain[self.link] < 0)
-        self.base = hulls(*self._padded(self.point))
+        self.base = hulls(*self._padded(self.point, np.ones(self.count, dtype=bool)))
 
     def weigh(self, weights: Mass | Rough) -> None:
         self.mass, self.center = weights.mass, weights.center
@@ -79,7 +79,7 @@ class Stance:
     def verdicts(self, whatever: bool, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Which of the objects ``asked`` (B,) bool do not stand, and which do not or, ``whatever`` their joints do, tip over."""
         still = (self.margin(self.tree.turn, self.tree.shift) < 0.0) & asked
-        return still, still | (self.tipping() & asked) if whatever else still
+        return still, still | self.tipping(asked & ~still) if whatever else still
 
     # ------------------------------------------------------------ bounds
 
@@ -87,17 +87,27 @@ class Stance:
         """Which objects (B,) do not stand, and which do, ``whatever`` their joints do, by bounds of their masses alone."""
         tree = self.tree
         whose = self.owner[known.link]
-        least = self.total - np.bincount(whose, known.most, self.count)
+        least = self.total - np.bincount(whose, known.taken(known.most, np.ones(len(whose))), self.count)
         least = np.where(least > self.total / 10, least, 1e-30)  # what may be so light is not known
         place = apply(tree.turn[known.link], known.place) + tree.shift[known.link]
         center = self.centers(tree.turn, tree.shift)
         off = place - center[whose]
-        spare = known.most * (np.sqrt(dot(off, off)) + known.radius)
-        slack = _STEEP * np.bincount(whose, spare, self.count) / least + _ROUNDING
-        return self.margin(tree.turn, tree.shift) < -slack, self._standing(center, known, place, whatever)
+        far = np.sqrt(dot(off, off)) + known.radius
+        slack = np.bincount(whose, known.taken(known.most * far, far), self.count)
+        slack = _STEEP * slack / least + _ROUNDING
+        margin = self.margin(tree.turn, tree.shift)
+        falls, stands = margin < -slack, (margin > slack) & (not whatever)
+        undecided = ~(falls | stands)
+        if undecided.any():
+            at = undecided[whose]
+            tips, holds = self._over_edges(center, known.at(at), place[at], whatever)
+            falls, stands = falls | (undecided & tips), stands | (undecided & holds)
+        return falls, stands
 
-    def _standing(self, center: np.ndarray, known: Rough, place: np.ndarray, whatever: bool) -> np.ndarray:
-        """Which objects (B,) stand for certain, ``whatever`` their joints do.
+    def _over_edges(
+        self, center: np.ndarray, known: Rough, place: np.ndarray, whatever: bool
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Which objects (B,) do not stand at rest, and which stand for certain, ``whatever`` their joints do.
 
         Over an edge of the feet an object tips where the sum of its masses times how far inside they lie, less their height by
         the tangent of the tilt, is negative. Overlaps take away at most what they have and where they have most of it; each
@@ -118,27 +128,32 @@ class Stance:
         length = np.sqrt(edge[..., 0] ** 2 + edge[..., 1] ** 2)
         real = length > NEAR
         inward = np.stack([-edge[..., 1], edge[..., 0]], axis=-1) / np.where(real, length, 1.0)[..., None]
-        stands = real.any(axis=1)
+        stands, tips = real.any(axis=1), np.zeros(self.count, dtype=bool)
         stands[self.owner[self.link[~self.still.all(axis=1)]]] &= not whatever  # feet that move along
         for number in range(self.base.shape[1]):
             foot, normal = self.base[:, number], inward[:, number]
             for tilt in (TILT, 0.0):
                 own = normal[joints.owner][:, None]
                 gain = values[..., 0] * own[..., 0] + values[..., 1] * own[..., 1] - tilt * values[..., 2]
-                left = _beyond(center, foot, normal, self.floor, tilt)
-                left += np.bincount(joints.owner, gain.min(axis=1, initial=0.0), self.count)
+                rest = _beyond(center, foot, normal, self.floor, tilt)
+                left = rest + np.bincount(joints.owner, gain.min(axis=1, initial=0.0), self.count)
                 # of what rests in a box, no more than the box has; of what moves, all where it counts most
                 of = foot[whose], normal[whose], self.floor[whose]
                 middle = _beyond(place, *of, tilt)
                 wide = np.abs(of[1][:, 0]) * half[:, 0] + np.abs(of[1][:, 1]) * half[:, 1] + tilt * half[:, 2]
                 most = np.where(rests, middle + wide, _beyond(ball, *of, tilt) + _STEEP * radius)
-                lost = known.most * np.maximum(most, 0.0)
+                most = np.maximum(most, 0.0)
+                lost = known.most * most
                 whole = np.where(middle >= wide, middle, (middle + wide) ** 2 / np.maximum(4 * wide, 1e-300))
                 lost = np.where(rests & (most > 0.0), np.minimum(lost, known.full * (whole + SAMPLED * wide)), lost)
-                lost = np.bincount(whose, lost, self.count)
+                lost = np.bincount(whose, known.taken(lost, most), self.count)
                 left = left * self.total - lost - _STEEP * spare
                 stands &= ~real[:, number] | (left > _ROUNDING * self.total)
-        return stands
+                if tilt:  # what lies outside of the edge at rest may all be lost
+                    out = np.maximum(wide - middle, 0.0)
+                    lost = np.bincount(whose, known.taken(known.most * out, out), self.count)
+                    tips |= real[:, number] & (rest * self.total + lost < -_ROUNDING * self.total)
+        return tips, stands
 
     def _chord(self) -> np.ndarray:
         """How far (J,) a point that is one metre from the axis of a joint is turned at most."""
@@ -190,12 +205,15 @@ class Stance:
             points.append(corners[low])
         return np.concatenate(links), np.concatenate(points)
 
-    def _padded(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Points (n, 3) as (B, K, 2), and which of them stand on the floor (B, K)."""
-        most = int(self.place[1].max(initial=0)) + 1
-        flat, valid = np.zeros((self.count, most, 2)), np.zeros((self.count, most), dtype=bool)
-        flat[self.place] = points[:, :2]
-        valid[self.place] = points[:, 2] <= self.floor[self.place[0]] + _FLOOR
+    def _padded(self, points: np.ndarray, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Points (n, 3) of the objects ``chosen`` (B,) bool as (m, K, 2), and which of them stand on the floor (m, K)."""
+        at = np.flatnonzero(chosen[self.place[0]])
+        whose, rank = self.place[0][at], self.place[1][at]
+        place = (np.cumsum(chosen) - 1)[whose], rank
+        shape = int(chosen.sum()), int(rank.max(initial=0)) + 1
+        flat, valid = np.zeros((*shape, 2)), np.zeros(shape, dtype=bool)
+        flat[place] = points[at, :2]
+        valid[place] = points[at, 2] <= self.floor[whose] + _FLOOR
         return flat, valid
 
     def centers(self, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
@@ -204,44 +222,55 @@ class Stance:
         sums = np.stack([np.bincount(self.owner, placed[:, k], self.count) for k in range(3)], axis=-1)
         return sums / np.where(self.total > 0.0, self.total, 1.0)[:, None]
 
-    def margin(self, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
-        """By how much (B,) the centres of mass lie within what is asked for, negative where they do not."""
-        base = self.base
+    def margin(self, turn: np.ndarray, shift: np.ndarray, chosen: np.ndarray | None = None) -> np.ndarray:
+        """By how much (B,) the centres of mass lie within what is asked for, negative where they do not; 0 but for the objects
+        ``chosen`` (B,) bool, by default all."""
+        whose = np.arange(self.count) if chosen is None else np.flatnonzero(chosen)
+        base = self.base[whose]
         if not self.still.all():  # feet that move along
             back = multiply(turn, self.tree.turn.transpose(0, 2, 1))
             from_rest = shift - apply(back, self.tree.shift)
-            base = hulls(*self._padded(apply(back[self.link], self.point) + from_rest[self.link]))
-        return self._within(base, self.centers(turn, shift), np.arange(self.count))
+            points = apply(back[self.link], self.point) + from_rest[self.link]
+            base = hulls(*self._padded(points, np.isin(np.arange(self.count), whose)))
+        found = np.zeros(self.count)
+        found[whose] = self._within(base, self.centers(turn, shift)[whose], whose)
+        return found
 
     def _within(self, base: np.ndarray, center: np.ndarray, whose: np.ndarray) -> np.ndarray:
         height = np.maximum(center[:, 2] - self.floor[whose], 0.0)
         return depth(base, center[:, :2]) - TILT * height
 
-    def tipping(self) -> np.ndarray:
-        """(B,) which objects tip over for some state of their joints."""
+    def tipping(self, asked: np.ndarray) -> np.ndarray:
+        """Which of the objects ``asked`` (B,) bool tip over for some state of their joints."""
         tree, joints = self.tree, self.tree.joints
         rest = self.centers(tree.turn, tree.shift)
         bad = np.zeros(self.count, dtype=bool)
         values, moved = self._alone()
         moved = rest[joints.owner][:, None] + moved
+        own = np.flatnonzero(asked[joints.owner])
+        whose = joints.owner[own]
         for number in range(len(_SHARES)):
-            bad[joints.owner[self._within(self.base[joints.owner], moved[:, number], joints.owner) < 0.0]] = True
+            bad[whose[self._within(self.base[whose], moved[own, number], whose) < 0.0]] = True
         moves_feet = np.zeros(len(joints.owner), dtype=bool)
         above = tree.chain[self.link]
         above = tree.joint[above[above >= 0]]
         moves_feet[above[above >= 0]] = True
-        for lead, states, number in lead_states(tree, ~tree.alone | moves_feet, _SHARES):
+        leading = (~tree.alone | moves_feet) & (asked & ~bad)[joints.owner]
+        for lead, states, number in lead_states(tree, leading, _SHARES):
             turn, shift = tree.batch.pose(states)
-            bad |= (self.margin(turn, shift) < 0.0) & (lead >= 0)
-            some = np.flatnonzero(lead >= 0)
-            moved[lead[some], number] = self.centers(turn, shift)[some]
+            led = lead >= 0
+            bad |= self.margin(turn, shift, led & ~bad) < 0.0
+            moved[lead[led], number] = self.centers(turn, shift)[led]
         off = moved - rest[joints.owner][:, None]
         for x, y in _WAYS:
+            left = asked & ~bad
+            if not left.any():
+                break
             gain = off[..., 0] * x + off[..., 1] * y  # (J, S)
             best = np.argmax(gain, axis=1) if len(gain) else np.zeros(0, dtype=np.int64)
             rows = np.arange(len(best))
             states = np.where(gain[rows, best] > 0.0, values[rows, best], joints.rest)
-            bad |= self.margin(*tree.batch.pose(states)) < 0.0
+            bad |= self.margin(*tree.batch.pose(states), left) < 0.0
         return bad
 
     def _alone(self) -> tuple[np.ndarray, np.ndarray]:
