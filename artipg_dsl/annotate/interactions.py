@@ -108,7 +108,7 @@ def _found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Iter
     """For each label and target the rows of the target's site on whose visible surface the label holds.
 
     Only on links that are ``moving`` (L,), which says so by numbers from 0 on. Labels run from outer to inner ones.
-    What few points do not show is looked for at many.
+    What few points do not show is looked for at many, where it may be.
     """
     tables = batch.sites()
     first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
@@ -116,15 +116,15 @@ def _found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Iter
     wanted = [
         np.full(len(table), table.number in asked) & (moving[first[table.owner] + table.link] >= 0) for table in tables
     ]
-    pairs = [(label, target) for label in labels for target in label.targets]
-    held = {pair: np.zeros(len(tables[pair[1].site]), dtype=bool) for pair in pairs}
+    possible = _possible(batch, labels)
+    held = {pair: np.zeros(len(may), dtype=bool) for pair, may in possible.items()}
     for count in _LOOKS:
         points = _looks(batch, wanted, count)
         for label, target, at in select_holding(batch, tables, points, labels):
             held[label, target][points.row.ravel()[at]] = True
         missed = [np.zeros(len(table), dtype=bool) for table in tables]
-        for (_, target), found in held.items():
-            missed[target.site] |= ~found
+        for (label, target), found in held.items():
+            missed[target.site] |= possible[label, target] & ~found
         shown = [np.zeros(len(table), dtype=bool) for table in tables]
         for number in asked:
             shown[number][points.row[:, 0][points.site[:, 0] == number]] = True
@@ -132,6 +132,29 @@ def _found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Iter
     for (label, target), found in held.items():
         if found.any():
             yield label, target, np.flatnonzero(found)
+
+
+def _possible(batch: Batch, labels: Sequence[Label]) -> dict[tuple[Label, Target], np.ndarray]:
+    """For each label and target on which rows of the target's site the label may hold, as far as no point is needed to tell:
+    not where its condition is false of the whole row, nor where a deeper label of its vocabulary holds all over."""
+    tables = batch.sites()
+    found: dict[tuple[Label, Target], np.ndarray] = {}
+    over: dict[tuple[str, int], list[tuple[int, np.ndarray]]] = {}  # vocabulary, site: depth, where it holds all over
+    for label in labels:
+        whole = [formula for formula in label.formulas if not formula.reads]
+        for target in label.targets:
+            values = batch.read(whole, batch.program.sites[target.site].scope)
+            may = np.ones(len(tables[target.site]), dtype=bool)
+            for value in values:
+                may &= value > 0
+            found[label, target] = may
+            if len(whole) == len(label.formulas) and not target.surfaces:
+                over.setdefault((label.vocabulary, target.site), []).append((label.depth, may.copy()))
+    for (label, target), may in found.items():
+        for depth, where in over.get((label.vocabulary, target.site), ()):
+            if depth > label.depth:
+                may &= ~where
+    return found
 
 
 def _looks(batch: Batch, wanted: Sequence[np.ndarray], count: int) -> PointSet:
