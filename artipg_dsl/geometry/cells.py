@@ -115,10 +115,15 @@ class Cells:
         chosen = np.flatnonzero(shapes(shelf.primitive) == BENT).tolist()
         return [Bent(shelf, patch, self.first[shelf.start : shelf.stop] + patch) for patch in chosen]
 
-    def measure_bent(self) -> None:
-        """Enter the areas of the bent cells."""
+    def measure_bent(self, asked: np.ndarray | None = None) -> None:
+        """Enter the areas of the bent cells; where not all pools are ``asked`` (pools,) bool, the cells of others have none."""
+        mine = np.ones(len(self.area), dtype=bool) if asked is None else asked[self.pool]
+        self.area[~mine] = 0.0
         for bent in self.bent:
-            self.area[bent.cell] = patch_area(bent.shelf.primitive, bent.patch, bent.shelf.params)
+            at = np.flatnonzero(mine[bent.cell])
+            if len(at):
+                params = {name: value[at] for name, value in bent.shelf.params.items()}
+                self.area[bent.cell[at]] = patch_area(bent.shelf.primitive, bent.patch, params)
 
     def flat_position(self, cell: np.ndarray, u: np.ndarray, v: np.ndarray) -> Coordinates:
         """Positions on flat cells at fractions; what it gives on bent ones is void."""

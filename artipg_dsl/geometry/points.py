@@ -189,7 +189,7 @@ class _Sampler:
         self.rows, self.key, self.first, self.n = rows, key, first, n
         self.address = address
         self.cells = cells = Cells(rows, pool, len(address))
-        cells.measure_bent()
+        cells.measure_bent(None if outside else n > 0)  # what is seen from without depends on all surfaces
         together = max(1, _CANDIDATES // (int(n.max(initial=0)) + 32))
         self.groups = [(k, min(k + together, len(address))) for k in range(0, len(address), together)]
         self.occlusion = Occlusion(cells, scales(rows), np.arange(len(address)) // together, _RARELY / np.maximum(n, 1))

@@ -93,8 +93,8 @@ class Stance:
         center = self.centers(tree.turn, tree.shift)
         off = place - center[whose]
         far = np.sqrt(dot(off, off)) + known.radius
-        slack = np.bincount(whose, known.taken(known.most * far, far), self.count)
-        slack = _STEEP * slack / least + _ROUNDING
+        moved = np.bincount(whose, known.taken(known.most * far, far), self.count)
+        slack = _STEEP * moved / least + _ROUNDING
         margin = self.margin(tree.turn, tree.shift)
         falls, stands = margin < -slack, (margin > slack) & (not whatever)
         undecided = ~(falls | stands)
@@ -146,13 +146,13 @@ class Stance:
                 lost = known.most * most
                 whole = np.where(middle >= wide, middle, (middle + wide) ** 2 / np.maximum(4 * wide, 1e-300))
                 lost = np.where(rests & (most > 0.0), np.minimum(lost, known.full * (whole + SAMPLED * wide)), lost)
-                lost = np.bincount(whose, known.taken(lost, most), self.count)
-                left = left * self.total - lost - _STEEP * spare
+                gone = np.bincount(whose, known.taken(lost, most), self.count)
+                left = left * self.total - gone - _STEEP * spare
                 stands &= ~real[:, number] | (left > _ROUNDING * self.total)
                 if tilt:  # what lies outside of the edge at rest may all be lost
                     out = np.maximum(wide - middle, 0.0)
-                    lost = np.bincount(whose, known.taken(known.most * out, out), self.count)
-                    tips |= real[:, number] & (rest * self.total + lost < -_ROUNDING * self.total)
+                    gained = np.bincount(whose, known.taken(known.most * out, out), self.count)
+                    tips |= real[:, number] & (rest * self.total + gained < -_ROUNDING * self.total)
         return tips, stands
 
     def _chord(self) -> np.ndarray:
