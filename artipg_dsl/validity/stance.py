@@ -35,25 +35,26 @@ def find_falling(tree: Tree, body: Pieces) -> list[np.ndarray]:
     if not program.stable:
         return []
     whatever = any(statement.open for statement in program.stable)
-    everything = np.ones(len(batch), dtype=bool)
+    asked = np.zeros((len(program.stable), len(batch)), dtype=bool)
+    for own, statement in zip(asked, program.stable, strict=True):
+        own[batch.owner(statement.scope)] = True
+    left = asked.any(axis=0)
     if "masses" in batch.known:
-        still, tipped = Stance(tree, body, masses(batch)).verdicts(whatever, everything)
+        still, tipped = Stance(tree, body, masses(batch)).verdicts(whatever, left)
     else:
         weighing = Weighing(*weighing_of(batch))
         known = weighing.rough()
         stance = Stance(tree, body, known)
         still, stands = stance.decided(known, whatever)
-        tipped, left = still.copy(), ~(still | stands)
+        tipped, left = still.copy(), left & ~(still | stands)
         if left.any():
             stance.weigh(weighing.masses(left))
             found = stance.verdicts(whatever, left)
             still, tipped = still | found[0], tipped | found[1]
-    verdicts = []
-    for statement in program.stable:
-        asked = np.zeros(len(batch), dtype=bool)
-        asked[batch.owner(statement.scope)] = True
-        verdicts.append(np.flatnonzero(asked & (tipped if statement.open else still)))
-    return verdicts
+    return [
+        np.flatnonzero(own & (tipped if statement.open else still))
+        for own, statement in zip(asked, program.stable, strict=True)
+    ]
 
 
 class Stance:
@@ -147,8 +148,8 @@ class Stance:
                 whole = np.where(middle >= wide, middle, (middle + wide) ** 2 / np.maximum(4 * wide, 1e-300))
                 lost = np.where(rests & (most > 0.0), np.minimum(lost, known.full * (whole + SAMPLED * wide)), lost)
                 gone = np.bincount(whose, known.taken(lost, most), self.count)
-                left = left * self.total - gone - _STEEP * spare
-                stands &= ~real[:, number] | (left > _ROUNDING * self.total)
+                kept = left * self.total - gone - _STEEP * spare
+                stands &= ~real[:, number] | (kept > _ROUNDING * self.total)
                 if tilt:  # what lies outside of the edge at rest may all be lost
                     out = np.maximum(wide - middle, 0.0)
                     gained = np.bincount(whose, known.taken(known.most * out, out), self.count)

@@ -12,9 +12,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from artipg_dsl.annotate import interactions
+from artipg_dsl.geometry.overlap import Touching
 from artipg_dsl.native import backend
+from artipg_dsl.runtime import fields
 from artipg_dsl.session import Session
+from artipg_dsl.validity import stance
+from artipg_dsl.validity.bodies import gather
+from artipg_dsl.validity.tree import Tree
 
+FAN = Path(__file__).parents[1] / "data" / "newcomers" / "desk_fan.apg"
 WHOLE = Path(__file__).parents[2] / "benchmarks" / "whole.py"
 # of four objects, a tenth above what they were; where a change makes them fewer, they may be lowered
 MOST = {"Microwave": {"pairs": 740, "hulls": 8, "pieces": 10}, "Scissors": {"pairs": 890, "hulls": 0, "pieces": 10}}
@@ -48,3 +55,47 @@ def test_no_more_is_looked_at_than_before(category: str) -> None:
         assert few[name] <= most, name
     assert many["pieces"] <= few["pieces"] + 2, "pieces are made for all objects together"
     assert few["pairs"] < many["pairs"] <= 2.4 * few["pairs"], "the work goes with the number of objects"
+
+
+def test_overlaps_are_measured_where_bounds_do_not_decide(monkeypatch) -> None:
+    measured = []
+    monkeypatch.setattr(Touching, "measured", lambda *_: measured.append(1))
+    batch = Session.of(FAN).sampler.batch(np.arange(24), 7)
+    tree = Tree(batch)
+    stance.find_falling(tree, gather(batch, tree.first, tree.turn, tree.shift))
+    assert not measured, "hundreds of wires overlap one another, and cannot matter"
+
+
+def test_states_are_looked_at_for_objects_in_question(monkeypatch) -> None:
+    batch = Session.of("Table").sampler.batch(np.arange(1000, 1032), 7)
+    tree = Tree(batch)
+    body, sets = gather(batch, tree.first, tree.turn, tree.shift), []
+    plain = stance.hulls
+    monkeypatch.setattr(stance, "hulls", lambda points, valid: sets.append(len(points)) or plain(points, valid))
+    stance.find_falling(tree, body)
+    assert 32 < sum(sets) <= 270, "castors turn in a few of the tables only"
+
+
+def test_formulas_of_labels_are_split_once(monkeypatch) -> None:
+    sampler = Session.of("Microwave").sampler
+    interactions.find_interactions(sampler.batch(np.arange(4), 1))
+    split: list[int] = []
+    plain = fields.row_values
+    monkeypatch.setattr(fields, "row_values", lambda formulas: split.append(1) or plain(formulas))
+    interactions.find_interactions(sampler.batch(np.arange(4), 1))
+    assert not split
+
+
+def test_affordances_are_looked_for_where_they_may_be(monkeypatch) -> None:
+    looked: dict[int, int] = {}
+    plain = interactions._looks
+
+    def looks(batch, wanted, count):
+        looked[count] = sum(int(rows.sum()) for rows in wanted)
+        return plain(batch, wanted, count)
+
+    monkeypatch.setattr(interactions, "_looks", looks)
+    found = interactions.find_interactions(Session.of("Window").sampler.batch(np.arange(16), 7))
+    few, many = looked.values()
+    assert len(found.owner) and few > 0
+    assert many <= few // 20, "conditions of whole parts and deeper labels need no points"
