@@ -38,7 +38,7 @@ def find_falling(tree: Tree, body: Pieces) -> list[np.ndarray]:
     asked = np.zeros((len(program.stable), len(batch)), dtype=bool)
     for own, statement in zip(asked, program.stable, strict=True):
         own[batch.owner(statement.scope)] = True
-    left = asked.any(axis=0)
+    left = np.asarray(asked.any(axis=0))
     if "masses" in batch.known:
         still, tipped = Stance(tree, body, masses(batch)).verdicts(whatever, left)
     else:
