@@ -8,7 +8,7 @@ Both make the same microwaves: the tables, a closed mesh per primitive, n labell
   `labels` gives semantic classes and every label of the program.
 * loop: one object after the other. `resolve` is a batch of that one object with its tables: the formulas of the
   program, once per object, and what NumPy costs on arrays of a few rows; a program that computes with plain floats
-  would be quicker there, so the ratio is told without this stage too. `mesh` makes each primitive's mesh as one would
+  is quicker there (`plain.py`), so the ratio is told without this stage too. `mesh` makes each primitive's mesh as one would
   by hand (`trimesh.creation.box` and `cylinder` where the primitive is one, else a `Trimesh` from the arrays of that
   instance), places it and joins all. `points` samples the joined surface with trimesh and drops what lies in another
   primitive, by boxes first and then the inside functions, until n are left. `labels` gives semantic, instance and
