@@ -123,7 +123,7 @@ class Stance:
         if whatever:
             values = self._alone()[1]
             ball, radius = self._travel(known.link, place, known.radius)
-            spare = self._nested(np.sqrt(dot(values, values)).max(axis=1) * self.total[joints.owner])
+            spare = self._nested(values * self.total[joints.owner][:, None, None])
         rests = radius == known.radius
         edge = np.roll(self.base, -1, axis=1) - self.base
         length = np.sqrt(edge[..., 0] ** 2 + edge[..., 1] ** 2)
@@ -180,8 +180,8 @@ class Stance:
         return place, radius
 
     def _nested(self, moved: np.ndarray) -> np.ndarray:
-        """How much farther (B,), in kg m, joints may take what joints within, each by ``moved`` (J,), have moved; infinite for
-        objects with joints that move others."""
+        """How much farther (B,), in kg m, joints may take what joints within, each by ``moved`` (J, S, 3), have moved; infinite
+        for objects with joints that move others. What is moved along the axis of a turn stays where it is by that."""
         tree, joints, chord = self.tree, self.tree.joints, self._chord()
         wrong, within = np.zeros(len(chord)), np.zeros(len(chord))
         depth_of = (tree.chain[tree.child] >= 0).sum(axis=1)
@@ -190,7 +190,9 @@ class Stance:
             wrong[at] = chord[at] * within[at]
             for column in range(1, tree.chain.shape[1]):
                 above, on = _above(tree, tree.child[at], column)
-                within += np.bincount(above, (moved + wrong)[at[on]], len(chord))
+                own, axis = moved[at[on]], tree.axis[above][:, None]
+                own = own - axis * dot(own, axis)[..., None]
+                within += np.bincount(above, np.sqrt(dot(own, own)).max(axis=1) + wrong[at[on]], len(chord))
         wrong[~tree.alone] = np.inf
         return np.bincount(joints.owner, wrong, self.count)
 
