@@ -59,56 +59,100 @@ NAMED: dict[type, str] = {}
 """Words for classes of one's own, which are taken as they are."""
 
 
+Fitter = Callable[[Any, str], None]
+"""Raises Misfit where a value, at a place, is not of a structure."""
+
+
 def fit(value: Any, kind: Any, at: str = "") -> None:
     """Raises Misfit where ``value`` is not of the structure ``kind``."""
+    _fitter(kind)(value, at)
+
+
+def _fitter(kind: Any) -> Fitter:
+    """What tells whether values are of a structure: an annotation takes longer to read than most values."""
     origin = get_origin(kind)
     if kind is Any:
-        return
+        return lambda value, at: None
     if origin is Annotated:
-        plain, *notes = get_args(kind)
-        rules = [note for note in notes if isinstance(note, Rule)]
-        if rules and not _fits(value, plain):
-            if _within(value, plain):
-                fit(value, plain, at)
-            raise Misfit(at, rules[0].words, show_value(value))
-        fit(value, plain, at)
+        return _ruled(*get_args(kind))
+    if origin in (Required, NotRequired):
+        return _fitter(get_args(kind)[0])
+    if origin in (Union, UnionType):
+        return _one_of(get_args(kind))
+    if origin is Literal:
+        return _literal(kind)
+    if origin is dict:
+        return _mapping(*map(_fitter, get_args(kind)))
+    if origin in (list, tuple):
+        inner = get_args(kind)
+        one = origin is list or inner[-1:] == (Ellipsis,)
+        return _sequence(origin, _fitter(inner[0])) if one else _row(list(map(_fitter, inner)))
+    if is_typeddict(kind):
+        return lambda value, at: _keys(value, kind, at)
+    if kind is None or kind is NoneType:
+        return _nothing
+    return _number if kind is float else _plain(kind)
+
+
+def _nothing(value: Any, at: str) -> None:
+    if value is not None:
+        raise Misfit(at, "nothing", show_value(value))
+
+
+def _number(value: Any, at: str) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise Misfit(at, "a number", show_value(value))
+    if not abs(value) <= 1e300:
+        raise Misfit(at, "a finite number", show_value(value))
+
+
+def _plain(kind: Any) -> Fitter:
+    whole, text = kind is int, kind is str
+
+    def fitter(value: Any, at: str) -> None:
+        if not isinstance(value, kind) or whole and isinstance(value, bool):
+            raise Misfit(at, _describe_shape(kind), show_value(value))
+        if text and not _text(value):
+            raise Misfit(at, "text", show_value(value))
+        for name, inner in _record(value.__class__):
+            inner(getattr(value, name), f"{at}.{name}" if at else name)
+
+    return fitter
+
+
+@cache
+def _record(kind: type) -> tuple[tuple[str, Fitter], ...]:
+    """The fields of a record, and what their values have to be; nothing for any other class."""
+    if not is_dataclass(kind) or kind in NAMED:
+        return ()
+    return tuple([(name, _fitter(inner)) for name, inner in hints(kind).items()])
+
+
+def _literal(kind: Any) -> Fitter:
+    options = get_args(kind)
+
+    def fitter(value: Any, at: str) -> None:
+        if not any(value == option and type(value) is type(option) for option in options):
+            raise Misfit(at, _describe_shape(kind), show_value(value))
+
+    return fitter
+
+
+def _ruled(plain: Any, *notes: Any) -> Fitter:
+    inner, rules = _fitter(plain), [note for note in notes if isinstance(note, Rule)]
+
+    def fitter(value: Any, at: str) -> None:
+        try:
+            inner(value, at)
+        except Misfit:
+            if rules and not _within(value, plain):
+                raise Misfit(at, rules[0].words, show_value(value)) from None
+            raise
         for rule in rules:
             if not rule.holds(value):
                 raise Misfit(at, rule.words, show_value(value))
-    elif origin in (Required, NotRequired):
-        fit(value, get_args(kind)[0], at)
-    elif origin in (Union, UnionType):
-        _one_of(value, get_args(kind), at)
-    elif origin is Literal:
-        if not any(value == option and type(value) is type(option) for option in get_args(kind)):
-            raise Misfit(at, _describe_shape(kind), show_value(value))
-    elif origin in (list, tuple, dict):
-        _container(value, origin, get_args(kind), at)
-    elif is_typeddict(kind):
-        _keys(value, kind, at)
-    elif kind is None or kind is NoneType:
-        if value is not None:
-            raise Misfit(at, "nothing", show_value(value))
-    elif kind is float:
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise Misfit(at, "a number", show_value(value))
-        if not abs(value) <= 1e300:
-            raise Misfit(at, "a finite number", show_value(value))
-    elif not isinstance(value, kind) or kind is int and isinstance(value, bool):
-        raise Misfit(at, _describe_shape(kind), show_value(value))
-    elif kind is str and not _text(value):
-        raise Misfit(at, "text", show_value(value))
-    elif is_dataclass(value) and type(value) not in NAMED:
-        for name, inner in hints(value.__class__).items():
-            fit(getattr(value, name), inner, f"{at}.{name}" if at else name)
 
-
-def _fits(value: Any, kind: Any) -> bool:
-    try:
-        fit(value, kind)
-    except Misfit:
-        return False
-    return True
+    return fitter
 
 
 def _text(value: str) -> bool:
@@ -124,35 +168,56 @@ def _within(value: Any, kind: Any) -> bool:
     return isinstance(value, list | tuple | dict) and isinstance(value, get_origin(kind) or kind)
 
 
-def _one_of(value: Any, options: tuple[Any, ...], at: str) -> None:
-    inside: Misfit | None = None
-    for option in options:
-        try:
-            return fit(value, option, at)
-        except Misfit as wrong:
-            if wrong.at != at:
-                inside = wrong
-    raise inside or Misfit(
-        at, " or ".join(dict.fromkeys(_describe_shape(option) for option in options)), show_value(value)
-    )
+def _one_of(options: tuple[Any, ...]) -> Fitter:
+    fitters = list(map(_fitter, options))
+    likely = dict(zip(options, fitters, strict=True))  # what a value of just this class is first taken for
+
+    def fitter(value: Any, at: str) -> None:
+        inside: Misfit | None = None
+        first = likely.get(type(value))
+        for one in fitters if first is None else (first, *fitters):
+            try:
+                one(value, at)
+                return
+            except Misfit as wrong:
+                if wrong.at != at:
+                    inside = wrong
+        raise inside or Misfit(at, " or ".join(dict.fromkeys(map(_describe_shape, options))), show_value(value))
+
+    return fitter
 
 
-def _container(value: Any, origin: Any, inner: tuple[Any, ...], at: str) -> None:
-    if not isinstance(value, origin):
-        raise Misfit(at, _describe_shape(origin), show_value(value))
-    if origin is dict:
-        for key, item in value.items():
-            fit(key, inner[0], at)
-            fit(item, inner[1], f"{at}.{key}" if at else str(key))
-        return
-    if origin is tuple and inner[-1:] != (Ellipsis,):
+def _mapping(key: Fitter, item: Fitter) -> Fitter:
+    def fitter(value: Any, at: str) -> None:
+        if not isinstance(value, dict):
+            raise Misfit(at, _describe_shape(dict), show_value(value))
+        for name, one in value.items():
+            key(name, at)
+            item(one, f"{at}.{name}" if at else str(name))
+
+    return fitter
+
+
+def _sequence(kind: Any, inner: Fitter) -> Fitter:
+    def fitter(value: Any, at: str) -> None:
+        if not isinstance(value, kind):
+            raise Misfit(at, _describe_shape(kind), show_value(value))
+        for place, one in enumerate(value):
+            inner(one, f"{at}[{place}]")
+
+    return fitter
+
+
+def _row(inner: list[Fitter]) -> Fitter:
+    def fitter(value: Any, at: str) -> None:
+        if not isinstance(value, tuple):
+            raise Misfit(at, _describe_shape(tuple), show_value(value))
         if len(value) != len(inner):
             raise Misfit(at, f"a list of {len(inner)}", f"a list of {len(value)}")
-        for place, (item, one) in enumerate(zip(value, inner, strict=True)):
-            fit(item, one, f"{at}[{place}]")
-        return
-    for place, item in enumerate(value):
-        fit(item, inner[0], f"{at}[{place}]")
+        for place, (one, of) in enumerate(zip(value, inner, strict=True)):
+            of(one, f"{at}[{place}]")
+
+    return fitter
 
 
 def _keys(value: Any, kind: Any, at: str) -> None:

@@ -11,10 +11,10 @@ import functools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
-from weakref import WeakValueDictionary
 
 from .functions import FUNCTIONS, fold_constants
 from .functions import PREDICATES as PREDICATES
+from .interned import Interned
 from .scopes import Column as Column
 from .scopes import Scope as Scope
 from .scopes import ScopeError as ScopeError
@@ -70,7 +70,7 @@ class Expr:
         return neg(self)
 
 
-_interned: WeakValueDictionary[tuple[Any, ...], Expr] = WeakValueDictionary()
+_interned: Interned[Expr] = Interned()
 _bits: dict[Any, int] = {}  # free variable -> its bit
 
 # ops that read other tables: phi (value: child scopes; args: one per child, then the default), reduce (value: (kind, child)),
@@ -80,14 +80,15 @@ CROSSING = frozenset({"phi", "reduce", "element", "previous", "scan"})
 
 def _make(op: str, args: tuple[Expr, ...] = (), value: object = None, scope: Scope | None = None) -> Expr:
     key = (op, tuple(map(id, args)), (type(value), value) if not isinstance(value, tuple) else value)
-    found = _interned.get(key)
+    found = _interned.find(key)
     if found is None:
         found = Expr()
         found.op, found.args, found.value, found.scope = op, args, value, scope
-        found.reads = 1 << _bits.setdefault(value, len(_bits)) if op == "var" else 0
+        reads = 1 << _bits.setdefault(value, len(_bits)) if op == "var" else 0
         for arg in args:
-            found.reads |= arg.reads
-        _interned[key] = found
+            reads |= arg.reads
+        found.reads = reads
+        _interned.keep(key, found)
     return found
 
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
 from dataclasses import MISSING, fields, is_dataclass
+from functools import cache
 from hashlib import blake2b
 from typing import Any
 
@@ -222,26 +222,23 @@ def digest(program: P.Program) -> str:
 
 # ---------------------------------------------------------------- reading
 
-_TOKEN = re.compile(r'\s*(?:(#[^\n]*)|("(?:[^"\\]|\\.)*")|([()\[\]])|([^\s()\[\]#]+))')
-
-_JOINED = re.compile(r'["#()\[\]]')  # what ends a word without a blank
+_TOKEN = re.compile(r'#[^\n]*|"(?:[^"\\]|\\.)*"|[()\[\]]|[^\s()\[\]#]+')
 _REFERENCE = re.compile(r"[%@$][0-9]{1,9}")
-_EXPRESSION = re.compile(r"%[0-9]{1,9}")
 _WHOLE = re.compile(r"-?[0-9]{1,18}")
 
 
-def _tokens(line: str) -> Iterator[str]:
-    if _JOINED.search(line) is None:  # most lines are an operation on expressions before
-        yield from line.split()
-        return
-    at = 0
-    while at < len(line):
-        match = _TOKEN.match(line, at)
-        if match is None:
-            break
-        at = match.end()
-        if match.group(1) is None:
-            yield match.group().strip()
+def _tokens(line: str) -> list[str]:
+    words = _TOKEN.findall(line)
+    if words and words[-1][0] == "#":
+        words.pop()
+    return words
+
+
+@cache
+def _fields(kind: type) -> tuple[frozenset[str], tuple[str, ...]]:
+    """The fields of a record, and those that must be given."""
+    needed = [f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING]
+    return frozenset(f.name for f in fields(kind)), tuple(needed)
 
 
 class _Reader:
@@ -254,6 +251,7 @@ class _Reader:
         self.scopes: list[Scope] = []
         self.columns: list[Column] = []
         self.exprs: list[Expr] = []
+        self.named: dict[str, Expr] = {}  # the same as they are written: %0, %1
         self.known: dict[str, list[Any]] = {"%": self.exprs, "@": self.scopes, "$": self.columns}
         self.items: list[tuple[int, Any, int]] = []  # line, record, its number among those of its kind
         self.words: list[str] = []
@@ -293,22 +291,26 @@ class _Reader:
         cls = _RECORDS.get(name)
         if cls is None:
             raise NodeFault(f"there is no record {name[:40]!r}")
-        known = {field.name for field in fields(cls)}
+        known, needed = _fields(cls)
         found: dict[str, Any] = {}
         while not self.ends(")"):
             key = self.next()
-            require(key in known, f"{name} has no field {key[:40]!r}")
-            require(key not in found, f"the field {key} of {name} is given twice")
+            if key not in known:
+                raise NodeFault(f"{name} has no field {key[:40]!r}")
+            if key in found:
+                raise NodeFault(f"the field {key} of {name} is given twice")
             value = self.value(depth)
             as_list = cls is P.Draw and key in ("bounds", "unions", "limits") and isinstance(value, tuple)
             found[key] = list(value) if as_list else value
-        missing = [
-            f.name for f in fields(cls) if f.default is MISSING and f.default_factory is MISSING and f.name not in found
-        ]
-        require(not missing, f"{name} has no {', '.join(missing)}")
+        missing = [one for one in needed if one not in found]
+        if missing:
+            raise NodeFault(f"{name} has no {', '.join(missing)}")
         return cls(**found)
 
     def atom(self, word: str) -> Any:
+        known = self.named.get(word)
+        if known is not None:
+            return known
         if _REFERENCE.fullmatch(word):
             among, number = self.known[word[0]], int(word[1:])
             if number >= len(among):
@@ -344,16 +346,19 @@ class _Reader:
 
     def plain(self, line: str) -> bool:
         """Reads a line that is an operation on expressions before, as nearly all lines of a program are; False for any other."""
-        words = line.split(" ")
-        if len(words) < 4 or words[2] not in FUNCTIONS or words[1] != "=" or words[0] != f"%{len(self.exprs)}":
+        name, *words = line.split(" ")
+        if len(words) < 3 or words[1] not in FUNCTIONS or words[0] != "=" or name != f"%{len(self.exprs)}":
             return False
-        args = []
-        for word in words[3:]:
-            if _EXPRESSION.fullmatch(word) is None or (number := int(word[1:])) >= len(self.exprs):
-                return False
-            args.append(self.exprs[number])
-        self.exprs.append(self.nodes.plain(words[2], tuple(args)))
+        try:
+            args = tuple([self.named[word] for word in words[2:]])
+        except KeyError:
+            return False
+        self.add(self.nodes.plain(words[1], args))
         return True
+
+    def add(self, expr: Expr) -> None:
+        self.named[f"%{len(self.exprs)}"] = expr
+        self.exprs.append(expr)
 
     def item(self, line: int) -> None:
         """The item of a line."""
@@ -363,7 +368,10 @@ class _Reader:
             if word[1:] != str(len(among)):
                 raise NodeFault(f"expected {word[0]}{len(among)}, found {word[:40]}")
             self.expect("=")
-            among.append(self.expression() if word[0] == "%" else self.column() if word[0] == "$" else self.scope())
+            if word[0] == "%":
+                self.add(self.expression())
+            else:
+                among.append(self.column() if word[0] == "$" else self.scope())
         elif word in ("program", "doc"):
             text = self.value()
             require(isinstance(text, str), f"{word} is text")
@@ -422,7 +430,7 @@ def from_text(text: str, known: str = "") -> P.Program:
         for number, line in enumerate(lines[1:], 2):
             if line[:1] == "%" and reader.plain(line):
                 continue
-            reader.words, reader.at = list(_tokens(line)), 0
+            reader.words, reader.at = _tokens(line), 0
             if reader.words:
                 reader.item(number)
         for check in (reader.verifier.shape, reader.verifier.item):

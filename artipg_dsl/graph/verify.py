@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
+from functools import cache
 from typing import Any
 
 from .. import shapes
@@ -361,28 +362,32 @@ _FORMULAS = {  # fields that hold formulas, or that stand in other tables than t
 }
 
 
-def _cells(value: Any, kind: type | None = None) -> Iterator[Expr]:
+@cache
+def _fields(kind: type) -> tuple[str, ...]:
+    """What the records of a class hold; nothing for what is no record of a program, or only tells where something is."""
+    if not is_dataclass(kind) or issubclass(kind, (Scope, Column, *_REFERENCES)):
+        return ()
+    return tuple([field.name for field in fields(kind)])
+
+
+def _cells(value: Any, kind: type | None = None) -> list[Expr]:
     """The expressions of an item that have values in its rows."""
     if isinstance(value, Expr):
-        yield value
-    elif isinstance(value, tuple | list):
-        for one in value:
-            yield from _cells(one)
-    elif is_dataclass(value) and not isinstance(value, (Scope, Column, *_REFERENCES)):
-        for field in fields(value):
-            if kind is None or field.name not in _FORMULAS.get(kind, ()):
-                yield from _cells(getattr(value, field.name))
+        return [value]
+    if isinstance(value, tuple | list):
+        return [cell for one in value for cell in _cells(one)]
+    others = _FORMULAS.get(kind, ()) if kind else ()
+    return [cell for name in _fields(value.__class__) if name not in others for cell in _cells(getattr(value, name))]
 
 
 def _conditions(value: Any) -> Iterator[tuple[str, Expr]]:
     """The expressions of an item, and of the records in it, which must be true or false, with the names of their fields."""
-    for field in fields(value):
-        held = getattr(value, field.name)
-        if field.name in _CONDITIONS:
-            yield from ((field.name, cell) for cell in _cells(held))
+    for name in _fields(value.__class__):
+        held = getattr(value, name)
+        if name in _CONDITIONS:
+            yield from ((name, cell) for cell in _cells(held))
         for one in held if isinstance(held, tuple | list) else ():
-            if is_dataclass(one) and not isinstance(one, _REFERENCES):
-                yield from _conditions(one)
+            yield from _conditions(one)
 
 
 def _records(reference: Reference) -> Iterator[Under | Elsewhere | Onward]:
