@@ -8,7 +8,8 @@ same.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from math import prod
 from typing import Any
@@ -70,58 +71,53 @@ def source(exprs: Sequence[Expr], names: Sequence[str], name: str = "formula", g
     """Python source of a function, ``formula`` or of another name, that returns a tuple with one value per expression.
 
     The parameters are the values of the expressions ``given``, then the free variables ``names``. They are called ``v0``,
-    ``v1``, ...: no text of a program is ever part of the code. A name is used again once its value is: what a formula of
-    thousands of steps keeps in memory is what it still needs.
+    ``v1``, ...: no text of a program is ever part of the code.
     """
+    return _source(tape(exprs, names, given), name)
+
+
+def _source(tape: Tape, name: str) -> str:
+    """A tape as a Python function. A name is used again once its value is: what a formula of thousands of steps keeps in memory is
+    what it still needs."""
+    texts = [f"v{place}" for place in range(tape.variables)] + list(map(literal, tape.constants))
+    first = len(texts)
+    uses = Counter(tape.outputs)
+    for _, arguments in tape.steps:
+        uses.update(arguments)
     lines: list[str] = []
-    done = {id(node): f"v{place}" for place, node in enumerate(given)}
-    known = {variable: f"v{place}" for place, variable in enumerate(names, len(given))}
-    order, uses = _steps(exprs, done)
     free: list[str] = []
     made = 0
-    for node in order:
-        if node.op == "const":
-            done[id(node)] = literal(node.value)
-        elif node.op == "var":
-            if node.value not in known:
-                raise ValueError(f"a formula reads {node.value}, which is not among its variables {sorted(known)}")
-            done[id(node)] = known[node.value]
-        elif node.op in NUMPY:
-            text = NUMPY[node.op].format(*(done[id(a)] for a in node.args))
-            for arg in node.args:
-                uses[id(arg)] -= 1
-                if not uses[id(arg)] and done[id(arg)].startswith("t"):
-                    free.append(done[id(arg)])
-            if not free:
-                free.append(f"t{made}")
-                made += 1
-            done[id(node)] = free.pop()
-            lines.append(f"    {done[id(node)]} = {text}")
-        else:
-            raise ValueError(f"{show(node)} is not a formula over variables")
-    results = [done[id(e)] for e in exprs]
-    header = f"def {name}({', '.join(f'v{place}' for place in range(len(given) + len(names)))}):"
-    return "\n".join([header, *lines, f"    return ({''.join(r + ', ' for r in results)})"])
+    for operation, arguments in tape.steps:
+        text = NUMPY[operation].format(*[texts[k] for k in arguments])
+        for k in arguments:
+            uses[k] -= 1
+            if not uses[k] and k >= first:
+                free.append(texts[k])
+        if not free:
+            free.append(f"t{made}")
+            made += 1
+        texts.append(free.pop())
+        lines.append(f"    {texts[-1]} = {text}")
+    header = f"def {name}({', '.join(texts[: tape.variables])}):"
+    return "\n".join([header, *lines, f"    return ({''.join(texts[k] + ', ' for k in tape.outputs)})"])
 
 
-def _steps(exprs: Sequence[Expr], given: Container[int] = ()) -> tuple[list[Expr], dict[int, int]]:
-    """All nodes, arguments before what is made of them, and how often each is used; those ``given``, by identity, are left out."""
+def _steps(exprs: Sequence[Expr], given: Iterable[int] = ()) -> list[Expr]:
+    """All nodes, arguments before what is made of them; those ``given``, by identity, are left out."""
     order: list[Expr] = []
-    uses: dict[int, int] = {}
+    seen = set(given)
 
     def visit(node: Expr) -> None:
-        if id(node) not in uses:
-            uses[id(node)] = 0
-            if id(node) in given:
-                return
-            for arg in node.args:
+        seen.add(id(node))
+        for arg in node.args:
+            if id(arg) not in seen:
                 visit(arg)
-            order.append(node)
-        uses[id(node)] += 1
+        order.append(node)
 
     for expr in exprs:
-        visit(expr)
-    return order, uses
+        if id(expr) not in seen:
+            visit(expr)
+    return order
 
 
 # Formulas are computed everywhere and taken where they hold (the branches of `a if c else b`, points outside a `where`):
@@ -138,13 +134,12 @@ _WORTH = 10 * _CALL
 
 
 class Formula:
-    """A function of arrays or numbers that returns a tuple of values, one per expression."""
+    """A tape as a function of arrays or numbers that returns a tuple of values, one per output."""
 
-    __slots__ = ("_exprs", "_names", "_given", "_tape", "_code", "_calls", "_work")
+    __slots__ = ("_tape", "_code", "_calls", "_work")
 
-    def __init__(self, exprs: tuple[Expr, ...], names: tuple[str, ...], given: tuple[Expr, ...] = ()):
-        self._exprs, self._names, self._given = exprs, names, given
-        self._tape = tape(exprs, names, given)
+    def __init__(self, tape: Tape):
+        self._tape = tape
         self._code: Callable[..., tuple[Any, ...]] | None = None
         self._calls = 0
         self._work = 0  # what NumPy has had to do for each step
@@ -165,13 +160,12 @@ class Formula:
         """The same by generated NumPy code."""
         if self._code is None:
             namespace: dict[str, Any] = {"np": np}
-            text = source(self._exprs, self._names, given=self._given)
+            text = _source(self._tape, "formula")
             exec(compile(text, "<formula>", "exec"), namespace)  # noqa: S102 - no text of a program reaches it
             self._code = _quiet(namespace["formula"])
         return self._code
 
 
-_compile = lru_cache(maxsize=4096)(Formula)
 _stepwise = _quiet(Tape.stepwise)
 
 
@@ -179,7 +173,7 @@ def tape(exprs: Sequence[Expr], names: Sequence[str], given: Sequence[Expr] = ()
     """The expressions as operations on columns: the values of those ``given``, then ``names``, in this order."""
     number = {id(node): place for place, node in enumerate(given)}
     known = {variable: place for place, variable in enumerate(names, len(given))}
-    order = _steps(exprs, number)[0]
+    order = _steps(exprs, number)
     constants = [node for node in order if node.op == "const"]
     columns = len(given) + len(names)
     number |= {id(node): columns + place for place, node in enumerate(constants)}
@@ -203,6 +197,11 @@ def compile_formula(exprs: Sequence[Expr], names: Sequence[str], given: Sequence
     return _compile(tuple(exprs), tuple(names), tuple(given))
 
 
+@lru_cache(maxsize=4096)
+def _compile(exprs: tuple[Expr, ...], names: tuple[str, ...], given: tuple[Expr, ...]) -> Formula:
+    return Formula(tape(exprs, names, given))
+
+
 def evaluate(exprs: Sequence[Expr], values: dict[str, np.ndarray | float]) -> list[np.ndarray]:
     """Values of the expressions for the given variables, broadcast to one common shape, float64 or bool."""
     names = tuple(sorted(variables(exprs)))
@@ -215,7 +214,7 @@ def row_values(formulas: Iterable[Expr]) -> list[Expr]:
     """The largest subexpressions that read columns and no variable of a formula."""
     formulas = list(formulas)
     varies: dict[Expr, bool] = {}  # what reads a variable
-    for node in _steps(formulas)[0]:
+    for node in _steps(formulas):
         varies[node] = node.op == "var" or any(varies[arg] for arg in node.args)
     found: dict[Expr, None] = {}
     seen: set[Expr] = set()

@@ -4,6 +4,7 @@ In: a program (``graph.program``) and the draws to make or keep. Out: a ``Batch`
 columns, at rest and in motion. Knows neither text nor solids. Begin with ``plan`` and ``batch``.
 
     needs, plan               what has to be known, and straight-line NumPy code that computes it in order of dependence
+    lines                     that code as it is run: long runs of operations as tapes
     kernels, draws            what that code calls: tables and segments; values drawn per row
     laws, newton              distributions; roots of equations
     tables, referred, rooted  instances as columns, references between them, chains that end

@@ -10,9 +10,11 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from ..garbage import uncollected
 from ..graph.expr import Column, Expr, Scope, both, call, negate, show
-from ..graph.formula import NUMPY, literal, source
+from ..graph.formula import literal, source
 from ..graph.program import Bound, Draw, Program, Union
+from .lines import Line, Step, taped, whole
 
 
 class PlanError(Exception):
@@ -24,7 +26,9 @@ class Plan:
     """``source`` is the generated code; ``outputs`` the index of each (expression, scope) among its results."""
 
     program: Program
-    source: str
+    lines: list[Line]
+    tables: list[str]  # their names
+    values: list[str]  # of the outputs: names and numbers
     outputs: dict[tuple[Expr, Scope], int]
     scopes: dict[Scope, int]
     loose: tuple[
@@ -48,21 +52,30 @@ class Plan:
         return self._more[wanted]
 
     @property
+    def source(self) -> str:
+        """The whole as Python."""
+        return whole(self.lines, self.tables, self.values)
+
+    @property
     def function(self) -> Callable[..., Any]:
-        function = self._function
-        if function is None:
+        if self._function is None:
             from . import draws, kernels, newton  # start-up: a plan is made and shown without them
 
             namespace: dict[str, Any] = {**vars(kernels), **vars(draws), "solve_roots": newton.solve_roots}
-            exec(compile(self.source, "<plan>", "exec"), namespace)  # noqa: S102 - no text of a program but literals
-            function = self._function = namespace["evaluate"]
-        return function
+            lines, tapes = taped(self.lines, self.values)
+            text = whole(lines, self.tables, self.values)
+            with uncollected():
+                code = compile(text, "<plan>", "exec")
+            namespace |= tapes
+            exec(code, namespace)  # noqa: S102 - no text of a program but literals
+            self._function = namespace["evaluate"]
+        return self._function
 
 
 @dataclass(slots=True, eq=False)
 class _Emitter:
     program: Program
-    lines: list[str] = field(default_factory=list)
+    lines: list[Line] = field(default_factory=list)
     names: dict[Expr, str] = field(default_factory=dict)
     gathered: dict[tuple[str, Scope], str] = field(default_factory=dict)
     tables: dict[Scope, str] = field(default_factory=dict)
@@ -80,11 +93,18 @@ class _Emitter:
     def line(self, text: str) -> None:
         self.lines.append("    " + text)
 
+    def remark(self, text: str) -> None:
+        """A comment behind the last line, on that line whatever the text holds: names may come from a file that anyone wrote."""
+        self.lines[-1] = f"{self.lines[-1]}  # {ascii(text)[1:-1]}"
+
     def fresh(self, text: str, letter: str = "x") -> str:
-        name = f"{letter}{self.counter}"
-        self.counter += 1
+        name = self.name(letter)
         self.line(f"{name} = {text}")
         return name
+
+    def name(self, letter: str = "x") -> str:
+        self.counter += 1
+        return f"{letter}{self.counter - 1}"
 
     # ------------------------------------------------------------ tables
 
@@ -98,7 +118,7 @@ class _Emitter:
                 parent = self.table(scope.parent)
                 count = self.value(scope.count, scope.parent)
                 name = self.fresh(f"child_rows(state, {parent}, {count}, guard={scope.kind == 'guard'})", "T")
-            self.lines[-1] += _remark(scope.name)
+            self.remark(scope.name)
             self.tables[scope] = name
         return name
 
@@ -156,12 +176,12 @@ class _Emitter:
         if node.op == "var":
             raise PlanError(f"the variable {node.value} is outside a formula")
         arguments = [self.value(a, node.scope) for a in node.args]
-        text = NUMPY[node.op].format(*arguments)
         if node.scope is not None:
             self.table(node.scope)
-        name = self.fresh(text)
+        name = self.name()
         if all(map(self.scalar, arguments)):
             self.scalars.add(name)
+        self.lines.append(Step(name, node.op, tuple(arguments), None if name in self.scalars else node.scope))
         return name
 
     def phi(self, node: Expr) -> str:
@@ -251,7 +271,7 @@ class _Emitter:
             name = self.fresh(
                 f"{function}(state, {table}, {number}, {draw.address!r}, {low}, {high}, {draw.distribution!r}, ({arguments}), {default}{more})"
             )
-        self.lines[-1] += _remark(draw.column.path)
+        self.remark(draw.column.path)
         self.drawn[draw.column] = name
 
     def limited(self, draw: Draw, option: int, weight: str) -> str:
@@ -299,11 +319,6 @@ class _Emitter:
         self.line(f"narrow({low}, {high}, {bound.side!r}, {value}, {guard})")
 
 
-def _remark(text: str) -> str:
-    """A comment behind a line, on that line whatever the text holds: names may come from a file that anyone wrote."""
-    return "  # " + ascii(text)[1:-1]
-
-
 def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:
     """Plan the evaluation of a program with the given outputs."""
     emitter = _Emitter(program)
@@ -317,14 +332,14 @@ def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:
             holds = call("le", requirement.slack[0], requirement.slack[1] + 1e-9)
         holds = negate(both(requirement.guard, negate(holds)))
         value = emitter.value(holds, requirement.scope)
-        emitter.line(
-            f"demand(state, {emitter.table(requirement.scope)}, {number}, {value})" + _remark(str(requirement.where))
-        )
+        emitter.line(f"demand(state, {emitter.table(requirement.scope)}, {number}, {value})")
+        emitter.remark(str(requirement.where))
     for number, preference in enumerate(program.preferences):
         scope = preference.scope
         holds = negate(both(preference.guard, negate(preference.condition)))
         call_ = f"lean(state, {emitter.table(scope)}, {number}, {emitter.value(holds, scope)}, {emitter.value(preference.weight, scope)})"
-        emitter.line(call_ + _remark(str(preference.where)))
+        emitter.line(call_)
+        emitter.remark(str(preference.where))
     outputs: dict[tuple[Expr, Scope], int] = {}
     values: list[str] = []
     for expr, scope in wanted:
@@ -333,13 +348,9 @@ def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:
             values.append(emitter.value(expr, scope))
     for scope in program.scopes:
         emitter.table(scope)
-    tables = ", ".join(emitter.tables[s] for s in program.scopes)
-    head = ['@np.errstate(divide="ignore", invalid="ignore", over="ignore")', "def evaluate(state):"]
-    lines = [*head, *emitter.lines, "    crowded(state)", f"    tables = [{tables}]", "    values = ["]
-    lines += [f"        {v}," for v in values]
-    lines += ["    ]", "    return tables, values", ""]
+    tables = [emitter.tables[scope] for scope in program.scopes]
     scopes = {s: k for k, s in enumerate(program.scopes)}
-    return Plan(program, "\n".join(lines), outputs, scopes, tuple(emitter.loose))
+    return Plan(program, emitter.lines, tables, values, outputs, scopes, tuple(emitter.loose))
 
 
 __all__ = ["Plan", "PlanError", "make_plan", "show"]
