@@ -144,7 +144,8 @@ class Session:
         from .sampling.sample import Sampler
 
         program = None if "lowering" in self.__dict__ else self._recalled()
-        return self._compiled() if program is None else Sampler(program)
+        with uncollected():
+            return self._compiled() if program is None else Sampler(program)
 
     def _recalled(self) -> Program | None:
         """The program as it was kept, verified as any that is read from a file; its findings go to the report."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gc
 import importlib
 import os
 import re
@@ -16,6 +17,7 @@ from .options import COMMANDS
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 _DESCRIPTION = "Compile structure programs of articulated objects (.apg) and sample annotated objects from them."
+_MADE = 50_000, 20, 50  # objects between collections of garbage, of which hardly any is circular
 _EPILOG = "apgc COMMAND --help lists the options of a command. Exit codes: 0 success, 1 errors in a program or in data, 2 wrong usage."
 
 
@@ -75,6 +77,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit code."""
     from ..errors import InternalError, UsageError, UserError
 
+    gc.set_threshold(*_MADE)
     try:
         options = build_parser().parse(arguments)
     except SystemExit as stop:  # help was asked for, or the parser has said what is wrong
