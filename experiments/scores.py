@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 
 def mean_iou(found: np.ndarray, truth: np.ndarray) -> np.ndarray:
@@ -12,6 +13,22 @@ def mean_iou(found: np.ndarray, truth: np.ndarray) -> np.ndarray:
         both, either = (a & b).sum(axis=1), (a | b).sum(axis=1)
         each.append(np.where(either == 0, 1.0, both / np.maximum(either, 1)))
     return np.mean(each, axis=0)
+
+
+def _apart(found: np.ndarray, truth: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """For each of K pairs of clouds the distances of either's points from the nearest of the other."""
+    return [(cKDTree(b).query(a)[0], cKDTree(a).query(b)[0]) for a, b in zip(found, truth, strict=True)]
+
+
+def chamfer_l1(found: np.ndarray, truth: np.ndarray) -> np.ndarray:
+    """(K,) half the sum of both mean distances between clouds (K, n, 3), (K, m, 3), as SnowflakeNet and PoinTr have it without their factor."""
+    return np.array([(a.mean() + b.mean()) / 2 for a, b in _apart(found, truth)])
+
+
+def f_score(found: np.ndarray, truth: np.ndarray, near: float) -> np.ndarray:
+    """(K,) harmonic mean of the shares of found points near the truth and of true points near what was found."""
+    shares = [((a < near).mean(), (b < near).mean()) for a, b in _apart(found, truth)]
+    return np.array([2 * p * r / max(p + r, 1e-12) for p, r in shares])
 
 
 def paired_test(one: np.ndarray, other: np.ndarray, rounds: int = 100_000, seed: int = 0) -> float:

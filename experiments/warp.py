@@ -7,12 +7,21 @@ import numpy as np
 ANCHORS = 4
 
 
+def turn(points: np.ndarray, draws: np.random.Generator) -> np.ndarray:
+    """Clouds (B, n, 3), each turned about z."""
+    return _turned(points, draws.uniform(0, 2 * np.pi, len(points)))
+
+
+def _turned(points: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    x, y, z = np.moveaxis(points, -1, 0)
+    return np.stack([c * x - s * y, s * x + c * y, z], axis=-1)
+
+
 def turn_and_scale(points: np.ndarray, draws: np.random.Generator) -> np.ndarray:
     """Clouds (B, n, 3), each turned about z, its axes scaled by 0.8 to 1.25, with noise of 0.5 % of its radius."""
     angle, scale = draws.uniform(0, 2 * np.pi, len(points)), np.exp(draws.uniform(-0.22, 0.22, (len(points), 1, 3)))
-    c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    x, y, z = np.moveaxis(points * scale, -1, 0)
-    turned = np.stack([c * x - s * y, s * x + c * y, z], axis=-1)
+    turned = _turned(points * scale, angle)
     return turned + draws.normal(0.0, 0.005, turned.shape)
 
 

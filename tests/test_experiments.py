@@ -1,70 +1,216 @@
-"""The experiment on what moves: its clouds, its scores, and a short run of its networks."""
+"""The experiments: what they read, their folds, scores and tables, and a short run of each."""
 
 from __future__ import annotations
 
 import json
-import re
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import artipg_dsl as apg
 from artipg_dsl.errors import UserError
-from experiments.clouds import LEAST, normalise, read_real, sample_ours
-from experiments.scores import mean_iou, paired_test
+from experiments.clouds import Clouds, draw, normalise
+from experiments.ours import LEAST, our_motion, our_parts
+from experiments.page import written
+from experiments.part import Part, part_arrays
+from experiments.pose import Pose, box_iou, distance_of_lines, fit_pose, line_error, rotation_error
+from experiments.real import Real, read_real, real_motion, real_shapes
+from experiments.scores import chamfer_l1, f_score, mean_iou, paired_test
+from experiments.study import Arm, Metric, by_object, folds_of, run, summarise
 from experiments.warp import turn_and_scale, warp_locally
 
 REAL = Path(__file__).parents[1] / "experiments" / "real"
 
 
-def test_real_objects_say_what_moves_and_whose_they_are() -> None:
-    real = read_real(REAL)
-    assert len(real) == 15 and len(real.known) == 10
-    assert real.moves.any(axis=1).all() and not real.moves.all(axis=1).any()
-    assert np.abs(np.sqrt((real.points**2).sum(axis=2)).max(axis=1) - 1.0).max() < 1e-6
+@pytest.fixture(scope="module")
+def objects() -> list[Real]:
+    return read_real(REAL)
+
+
+# ---------------------------------------------------------------- real objects
+
+
+def test_real_objects_say_what_moves_and_whose_they_are(objects: list[Real]) -> None:
+    shapes, real = real_shapes(objects), real_motion(objects)
+    assert (len(shapes), len(shapes.known)) == (42, 23) and (len(real), len(real.known)) == (15, 10)
+    moves = real["moves"]
+    assert moves.any(axis=1).all() and not moves.all(axis=1).any()
+    assert np.abs(np.sqrt((real["points"] ** 2).sum(axis=2)).max(axis=1) - 1.0).max() < 1e-6
+    for one in objects:
+        assert one.normals is not None and np.abs((one.normals**2).sum(axis=1) - 1.0).max() < 1e-6
     for path in REAL.rglob("joints.json"):
         record = json.loads(path.read_text(encoding="utf-8"))
         assert record["licence"] and record["source"], path
 
 
+def write(place: Path, points: np.ndarray, link: np.ndarray, up: str = "z", joints: object = None) -> None:
+    place.mkdir(parents=True)
+    hinge = {
+        "type": "revolute",
+        "parent": "base",
+        "child": "lid",
+        "axis": [1, 0, 0],
+        "origin": [0, 0, 0],
+        "lower": -1.5,
+        "upper": 0,
+    }
+    np.savez(place / "cloud.npz", points=points, link_id=link, link_names=np.array(["base", "lid"]))
+    told = {"up": up, "joints": [hinge] if joints is None else joints}
+    (place / "joints.json").write_text(json.dumps(told), encoding="utf-8")
+
+
+def tall(n: int = 400) -> tuple[np.ndarray, np.ndarray]:
+    """A tall box whose top is another link."""
+    points = np.random.default_rng(0).uniform(-1, 1, (n, 3)) * [0.1, 0.2, 0.5]
+    return points, (points[:, 2] > 0.2).astype(np.int16)
+
+
 def test_the_up_axis_is_turned_to_z(tmp_path: Path) -> None:
-    """A tall box whose top moves, told with each axis up."""
-    points = np.random.default_rng(0).uniform(-1, 1, (400, 3)) * [0.1, 0.2, 0.5]
-    link = (points[:, 2] > 0.2).astype(np.int16)
-    joints = [{"type": "revolute", "parent": "base", "child": "lid"}]
+    points, link = tall()
     for up in ("x", "y", "z", "-z"):
-        place = tmp_path / up / "Box" / "tall"
-        place.mkdir(parents=True)
         turned = (
             points[:, [1, 0, 2]] * [1, 1, -1] if up == "-z" else np.roll(points, {"x": 1, "y": 2, "z": 0}[up], axis=1)
         )
-        np.savez(place / "cloud.npz", points=turned, link_id=link, link_names=np.array(["base", "lid"]))
-        (place / "joints.json").write_text(json.dumps({"up": up, "joints": joints}), encoding="utf-8")
-        found = read_real(tmp_path / up)
-        assert found.points[0][found.moves[0]][:, 2].min() > found.points[0][~found.moves[0]][:, 2].max()
-        order = np.random.default_rng(0).permutation(len(points))
-        matrix = np.linalg.lstsq(np.c_[points[order], np.ones(400)], found.points[0], rcond=None)[0][:3]
+        write(tmp_path / up / "Box" / "tall", turned, link, up)
+        (one,) = read_real(tmp_path / up)
+        assert one.points[one.link == 1][:, 2].min() > one.points[one.link == 0][:, 2].max()
+        matrix = np.linalg.lstsq(np.c_[turned, np.ones(400)], one.points, rcond=None)[0][:3]
         assert np.linalg.det(matrix) > 0.0  # turned, not mirrored
+        assert one.joints[0].axis == pytest.approx(-matrix[0], abs=1e-9)
+        assert list(one.moved_by()) == [-1, 0]
+
+
+def test_joints_open_along_their_axis(tmp_path: Path) -> None:
+    """The range of the hinge goes from -1.5 to 0, so it opens against the axis that the file tells."""
+    write(tmp_path / "Box" / "tall", *tall())
+    (one,) = read_real(tmp_path)
+    assert one.joints[0].axis.tolist() == [-1.0, 0.0, 0.0] and one.joints[0].kind == "revolute"
+
+
+def test_names_of_categories_are_mapped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    points, link = tall()
+    write(tmp_path / "real" / "Cupboard" / "one", points, link)
+    with pytest.raises(UserError, match="no category .* is shipped: Cupboard .*--map"):
+        read_real(tmp_path / "real")
+    told = tmp_path / "map.json"
+    told.write_text('{"cupboard": "storagefurniture"}', encoding="utf-8")
+    assert read_real(tmp_path / "real", told)[0].title == "StorageFurniture one"
+    write(tmp_path / "real" / "Camera" / "two", points, link)
+    assert len(read_real(tmp_path / "real", told)) == 1
+    assert "left out: 1 of Camera" in capsys.readouterr().out
+    for text, wrong in (
+        ("{", "is not JSON"),
+        ("[1]", "no map of names"),
+        ('{"a": "Spaceship"}', "a is mapped to Spaceship"),
+    ):
+        told.write_text(text, encoding="utf-8")
+        with pytest.raises(UserError, match=wrong):
+            read_real(tmp_path / "real", told)
+    with pytest.raises(UserError, match="cannot be read"):
+        read_real(tmp_path / "real", tmp_path / "none.json")
 
 
 def test_a_wrong_folder_is_told(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="no object with a joint"):
+    with pytest.raises(UserError, match="has no objects"):
         read_real(tmp_path)
-    place = tmp_path / "Box" / "one"
-    place.mkdir(parents=True)
-    np.savez(place / "cloud.npz", points=np.zeros((4, 3)))
-    (place / "joints.json").write_text('{"up": "z", "joints": []}', encoding="utf-8")
-    with pytest.raises(UserError, match="cloud.npz: .*link_id"):
+    with pytest.raises(UserError, match="there is no folder"):
+        read_real(tmp_path / "none")
+    points, link = tall()
+    for name, (p, k, joints), wrong in (
+        ("few", (points[:9], link[:9], []), "256 or more"),
+        ("links", (points, link + 1, []), "one of 2 links"),
+        ("short", (points, link[:9], []), "for each of 400 points"),
+        ("nan", (points * np.nan, link, []), "no numbers"),
+        ("joint", (points, link, [{"type": "revolute", "parent": "base", "child": "door"}]), "door"),
+        (
+            "axis",
+            (
+                points,
+                link,
+                [{"type": "revolute", "parent": "base", "child": "lid", "axis": [0, 0, 0], "origin": [0, 0, 0]}],
+            ),
+            "axis",
+        ),
+    ):
+        write(tmp_path / name / "Box" / "one", p, k, "z", joints)
+        with pytest.raises(UserError, match=wrong):
+            read_real(tmp_path / name)
+    write(tmp_path / "up" / "Box" / "one", points, link, "as in source")
+    with pytest.raises(UserError, match="as in source.* is missing or wrong"):
+        read_real(tmp_path / "up")
+    write(tmp_path / "zip" / "Box" / "one", points, link)
+    (tmp_path / "zip" / "Box" / "one" / "cloud.npz").write_bytes(b"PK nothing")
+    with pytest.raises(UserError, match="cloud.npz and joints.json are read"):
+        read_real(tmp_path / "zip")
+    write(tmp_path / "still" / "Box" / "one", points, link, "z", [])
+    with pytest.raises(UserError, match="link that a joint moves"):
+        real_motion(read_real(tmp_path / "still"))
+
+
+def test_folders_of_partnet_mobility_are_read(tmp_path: Path) -> None:
+    """Those that we write: the door of a microwave turns about the same line as in our own frame, up to scale."""
+    ours = apg.sample("Microwave", n=1, seed=3)
+    (place,) = ours.export(tmp_path, "partnet-mobility")
+    found = read_real(tmp_path)
+    assert [one.category for one in found] == ["Microwave"]
+    (one,) = found
+    assert one.normals is not None and len(one.points) == 10_000 and np.ptp(one.points, axis=0)[2] > 0.1
+    door = next(joint for joint in one.joints if joint.kind == "revolute" and (one.link == joint.child).mean() > LEAST)
+    assert abs(door.axis[2]) > 0.99
+    part = one.points[one.moved_by()[one.link] == one.joints.index(door)]
+    away = np.sqrt(((part - door.origin)[:, :2] ** 2).sum(axis=1))
+    assert away.min() < 0.2 * away.max()  # the part reaches to its hinge
+    mobility = next(tmp_path.rglob("mobility_v2.json"))
+    mobility.write_text("[{}]", encoding="utf-8")
+    with pytest.raises(UserError, match="mobility_v2.json: .* is missing or wrong"):
         read_real(tmp_path)
+    (mobility.parent / "meta.json").unlink()
+    with pytest.raises(UserError, match="model_cat"):
+        read_real(tmp_path)
+
+
+# ---------------------------------------------------------------- ours
 
 
 def test_small_parts_go_with_what_they_are_on() -> None:
     """The keys of a microwave are too small to count, its door is not; at rest and open the same points move."""
-    ours = sample_ours(["Microwave"], 3, 512, seed=2)
+    ours = our_motion(("Microwave",), 3, 512, seed=2)
     assert len(ours) == 6 and ours.names[3] == "Microwave 0 open"
-    share = ours.moves.mean(axis=1)
+    share = ours["moves"].mean(axis=1)
     assert (share > LEAST).all() and (share < 0.7).all()
-    assert (ours.moves[:3] == ours.moves[3:]).all()
+    assert (ours["moves"][:3] == ours["moves"][3:]).all()
+
+
+def test_canonical_places_give_the_pose_the_box_and_the_joint() -> None:
+    """Of doors at rest and open; the hinge is at one edge."""
+    parts = our_parts(("Microwave",), 2, 512, seed=2)
+    assert len(parts) >= 4 and not parts.of_real
+    for k in range(len(parts)):
+        own, points, npcs = (parts[name][k] for name in ("own", "points", "npcs"))
+        pose = fit_pose(npcs[own], points[own], np.random.default_rng(0))
+        assert np.abs(pose.scale * npcs @ pose.rotation.T + pose.shift - points).max() < 1e-4
+        assert np.abs(npcs[own]).max() <= 0.5 and abs(2 * np.sqrt((pose.half**2).sum()) - 1.0) < 0.1
+        assert parts["hinged"][k].all() and parts["hinge"][k, 0, 0] < -0.3
+
+
+def test_frames_of_parts() -> None:
+    """x along the joint, y from the hinge to the part or as far up as can be."""
+    points, link = tall()
+    door = Part(points, link == 1, np.array([0.0, 1.0, 0.0]), np.array([-0.1, 0.0, 0.3]))
+    x, y, z = door.frame().T
+    assert x.tolist() == [0, 1, 0] and y[0] > 0.5 and np.allclose(np.cross(x, y), z)
+    drawer = Part(points, link == 1, np.array([1.0, 0.0, 0.0]), None)
+    assert np.allclose(drawer.frame()[:, 1], [0, 0, 1])
+    sash = Part(points, link == 1, np.array([0.0, 0.0, 1.0]), None)
+    assert np.allclose(np.linalg.det(sash.frame()), 1.0)
+    arrays = part_arrays([door, drawer])
+    assert arrays["points"].shape == (2, 512, 3) and arrays["own"].sum(axis=1).min() > 256
+    assert arrays["hinged"].any(axis=1).tolist() == [True, False]
+
+
+# ---------------------------------------------------------------- scores
 
 
 def test_scores() -> None:
@@ -77,6 +223,92 @@ def test_scores() -> None:
     assert paired_test(same + np.tile([0.1, -0.1], 6), same, rounds=20_000) > 0.5
 
 
+def test_distances_of_clouds() -> None:
+    square = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]])
+    assert chamfer_l1(square + [0, 0, 0.25], square) == pytest.approx([0.25])
+    assert chamfer_l1(square[:, :2], square) == pytest.approx([(0.0 + 0.5) / 2])
+    assert f_score(square[:, :2], square, 0.01) == pytest.approx([2 * 1.0 * 0.5 / 1.5])
+    assert f_score(square + 9.0, square, 0.01) == pytest.approx([0.0])
+
+
+def test_poses() -> None:
+    draws = np.random.default_rng(4)
+    npcs = draws.uniform(-0.3, 0.3, (200, 3))
+    rotation = np.linalg.qr(draws.normal(size=(3, 3)))[0]
+    rotation *= np.sign(np.linalg.det(rotation))
+    points = 0.7 * npcs @ rotation.T + [1.0, 2.0, 3.0]
+    said = npcs + np.where(np.arange(200)[:, None] < 40, draws.normal(0.0, 0.5, (200, 3)), 0.0)  # a fifth is wrong
+    pose = fit_pose(said, points, np.random.default_rng(0))
+    assert rotation_error(pose.rotation, rotation) < 1e-3 and pose.scale == pytest.approx(0.7)
+    assert pose.shift == pytest.approx([1.0, 2.0, 3.0])
+    whole, half = (
+        Pose(rotation, pose.shift, 1.0, np.full(3, 0.5)),
+        Pose(rotation, pose.shift, 1.0, np.array([0.25, 0.5, 0.5])),
+    )
+    assert box_iou(whole, whole) == 1.0 and box_iou(half, whole) == pytest.approx(0.5, abs=0.03)
+    assert box_iou(whole, Pose(rotation, pose.shift + 9.0, 1.0, whole.half)) == 0.0
+    x, y = np.eye(3)[:2]
+    assert line_error(x, -x) == 0.0 and line_error(x, y) == pytest.approx(90.0)
+    assert distance_of_lines(np.zeros(3), x, np.array([5.0, 0, 2]), x) == pytest.approx(2.0)
+    assert distance_of_lines(np.zeros(3), x, np.array([5.0, 3, 2]), y) == pytest.approx(2.0)
+
+
+# ---------------------------------------------------------------- folds
+
+
+def clouds(origin: list[int], known: tuple[str, ...] = ("Box",)) -> Clouds:
+    count = len(origin)
+    points = np.arange(count, dtype=np.float32)[:, None, None] * np.ones((1, 8, 3), dtype=np.float32)
+    names = tuple(f"{of}:{k}" for k, of in enumerate(origin))
+    return Clouds({"points": points}, np.zeros(count, dtype=np.int64), known, names, np.array(origin))
+
+
+def test_no_network_sees_what_it_is_judged_on_or_what_was_made_from_it() -> None:
+    """Objects 0 to 4, of which 1 has two clouds; mutants of them; and objects of ours."""
+    real, mutants, ours = clouds([0, 1, 1, 2, 3, 4]), clouds([0, 0, 1, 2, 3, 4, 4]), clouds([-1, -1, -1])
+    arms = {
+        "ours": Arm(("ours",), 1),
+        "real": Arm(("real",), 2),
+        "mutants": Arm(("mutants", "ours"), 3),
+        "both": Arm(("ours",), 4, after="mutants"),
+    }
+    trained: list[tuple[int, list[int]]] = []
+
+    def train(arm: Arm, sources: object, before: set[int] | None, seed: list[int]) -> set[int]:
+        trained.append((arm.steps, seed))
+        assert (before is not None) == bool(arm.after)
+        return {int(of) for source in sources for of in source.origin} | (before or set())
+
+    def judge(seen: set[int], tested: Clouds, seed: int) -> dict[str, np.ndarray]:
+        assert not seen & set(tested.origin.tolist())
+        return {"score": tested.origin + 10.0 * seed}
+
+    found = run(real, {"real": real, "mutants": mutants, "ours": ours}, arms, train, judge, 2, 3, lambda line: None)
+    assert [seed for steps, seed in trained if steps == 1] == [[0], [1]]  # has seen no real object: once a seed
+    assert [seed for steps, seed in trained if steps == 4] == [[s, k] for s in (0, 1) for k in (0, 1, 2)]
+    fold = folds_of(real, 3)
+    assert fold[1] == fold[2] and set(fold) == {0, 1, 2}
+    for scores in found.values():
+        assert scores["score"].tolist() == [[0, 1, 1, 2, 3, 4], [10, 11, 11, 12, 13, 14]]
+    names, means = by_object(real, found)
+    assert len(names) == 5 and means["real"]["score"].tolist() == [[0, 1, 2, 3, 4], [10, 11, 12, 13, 14]]
+
+
+def test_pairs_are_compared_object_by_object() -> None:
+    one = np.array([[0.5, 0.6, 0.7], [0.7, 0.8, 0.9]])
+    found = {"a": {"cd": one}, "b": {"cd": one + np.array([0.1, 0.1, -0.05])}}
+    told = summarise(["x", "y", "z"], found, {"cd": Metric("CD", "lower")}, [("a", "b")])
+    assert told["arms"]["a"]["cd"] == {"mean": 0.7, "over_seeds": [0.6, 0.8], "objects": {"x": 0.6, "y": 0.7, "z": 0.8}}
+    (pair,) = told["pairs"]
+    assert (pair["difference"], pair["better_on"], pair["of"]) == (-0.05, 2, 3)
+
+
+def test_drawn_batches_take_as_many_of_each_source() -> None:
+    made = draw([clouds([0, 1, 2]), clouds([-1] * 5)], 6, 4, np.random.default_rng(0))
+    assert made["points"].shape == (6, 4, 3) and made["category"].tolist() == [0] * 6
+    assert (made["points"][:3] <= 2).all()
+
+
 def test_changed_clouds_are_other_shapes_of_the_same_points() -> None:
     points = normalise(np.random.default_rng(1).normal(size=(3, 200, 3)))
     for change in (turn_and_scale, warp_locally):
@@ -85,28 +317,62 @@ def test_changed_clouds_are_other_shapes_of_the_same_points() -> None:
         assert np.isfinite(one).all() and np.abs(one).max() < 5.0
 
 
-def test_a_network_learns_what_moves() -> None:
-    torch = pytest.importorskip(
-        "torch", reason="PyTorch is large and not in the extra `test`: pip install 'artipg_dsl[torch]'"
-    )
-    from experiments.moving import judge, train
-    from experiments.network import Segmenter
-
-    torch.manual_seed(0)
-    torch.set_num_threads(1)
-    ours = sample_ours(["Laptop"], 4, 512, seed=2)
-    network = Segmenter(1)
-    before = judge(network, ours, 0).mean()
-    train(network, [ours], 60, np.random.default_rng(0), turn_and_scale)
-    assert judge(network, ours, 0).mean() > before + 0.1
-
-
 def test_the_page_says_what_was_found() -> None:
     page = (REAL.parent / "README.md").read_text(encoding="utf-8")
-    found = json.loads((REAL.parent / "results" / "moving.json").read_text(encoding="utf-8"))
-    for arm in found["arms"].values():
-        seeds = ", ".join(f"{100 * value:.1f}" for value in arm["over_seeds"])
-        assert re.search(rf"\| \**{100 * arm['mean_iou']:.1f}\** \| {re.escape(seeds)} \|", page), seeds
-    for pair in found["pairs"]:
-        row = f"| {100 * pair['difference']:+.1f} | {pair['better_on']} of {pair['of']} | {pair['p']:.2f} |"
-        assert row in page, row
+    assert written(page, REAL.parent / "results") == page, "python -m experiments.page writes it anew"
+    for path in (REAL.parent / "results").glob("*.json"):
+        assert f"<!-- {path.stem}: arms -->" in page and json.loads(path.read_text(encoding="utf-8"))["seeds"] >= 3
+
+
+# ---------------------------------------------------------------- networks
+
+TORCH = "PyTorch is large and not in the extra `test`: pip install 'artipg_dsl[torch]'"
+
+
+@pytest.fixture
+def few(tmp_path: Path) -> Path:
+    """A folder of three real objects."""
+    for name in ("Laptop", "Microwave", "Oven"):
+        shutil.copytree(REAL / name, tmp_path / "few" / name)
+    return tmp_path / "few"
+
+
+@pytest.mark.parametrize("name", ["moving", "completion", "parts"])
+def test_an_experiment_runs_and_repeats(name: str, few: Path, tmp_path: Path) -> None:
+    torch = pytest.importorskip("torch", reason=TORCH)
+    from importlib import import_module
+
+    from experiments.training import perform
+
+    torch.set_num_threads(1)
+    experiment = getattr(import_module(f"experiments.{name}"), name.title())()
+    one, again = (perform(experiment, few, None, 1, 1, 2, 0.005, tmp_path / f"{k}.json") for k in "ab")
+    for told in (one, again):
+        del told["cpu_minutes"]
+    assert one == again and json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))["arms"] == one["arms"]
+    assert set(one["arms"]) == set(experiment.arms) and set(one["metrics"]) == set(experiment.metrics)
+    assert {pair["of"] for pair in one["pairs"]} == {4 if name == "completion" else 3}
+    with pytest.raises(UserError, match="cannot be held out in 9 folds"):
+        perform(experiment, few, None, 1, 1, 9, 0.005, tmp_path / "c.json")
+
+
+def test_networks_learn() -> None:
+    torch = pytest.importorskip("torch", reason=TORCH)
+    from experiments.moving import Moving
+
+    torch.set_num_threads(1)
+    ours, moving = our_motion(("Laptop",), 4, 512, seed=2), Moving()
+    before, after = (
+        moving.judge(moving.train(Arm(("ours",), steps), [ours], None, [0]), ours, 0)["mean_iou"].mean()
+        for steps in (5, 60)
+    )
+    assert after > before + 0.1
+
+
+def test_a_completed_cloud_is_as_far_off_as_said() -> None:
+    torch = pytest.importorskip("torch", reason=TORCH)
+    from experiments.network import chamfer
+
+    one, other = (np.random.default_rng(k).normal(size=(2, n, 3)) for k, n in ((0, 30), (1, 50)))
+    told = chamfer(torch.from_numpy(one), torch.from_numpy(other)).item()
+    assert told == pytest.approx(chamfer_l1(one, other).mean())
