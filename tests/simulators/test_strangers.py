@@ -38,8 +38,9 @@ SOFT = {"laptop": {"mujoco-urdf", "pybullet-geared"}, "foldingrack": {"mujoco-co
 
 @cache
 def robot(category: str) -> Robot:
-    """The first object that moves."""
-    return next(one.robot for one in objects(category, 3, 1) if one.robot.joints)
+    """The first object that closes one loop, else the first that moves: PyBullet sticks at the knee of a second, a rack's stay."""
+    moving = [one.robot for one in objects(category, 6, 1) if one.robot.joints]
+    return next((one for one in moving if len(one.closures) == 1), moving[0])
 
 
 def driven(robot: Robot, way: Way, folder: Path) -> list[Move]:
