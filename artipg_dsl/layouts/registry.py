@@ -12,7 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from ..diagnostics.suggest import did_you_mean
+from ..diagnostics.suggest import any_of, did_you_mean
 from ..errors import UserError
 from .words import Term, check_words, vocabulary
 
@@ -85,10 +85,11 @@ class Layout:
         parts = own[program.name].get("parts", {})
         if parts and not self.judge_by:
             raise UserError(f"{self.name} has no parts, only a class", f"leave `parts` of {program.name} out of --map")
-        check_words(parts, program)
+        check_words(parts, program, divides=self.divides)
         formulas = [key for key in parts if "." in key]
         if formulas and not self.divides:
-            hint = "`shapenetpart` and `shapenetpart-h5` take words of other vocabularies than semantic"
+            takes = any_of([entry.name for entry in LAYOUTS.values() if entry.divides], "and")
+            hint = f"{takes} take words of other vocabularies than semantic"
             raise UserError(f"{self.name} takes whole parts, which `{formulas[0]}` may divide", hint)
 
     def files(self, batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:

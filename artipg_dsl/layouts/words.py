@@ -2,7 +2,8 @@
 
 A vocabulary has ``classes``, each with what the layout needs of it (a synset, numbers of parts). A category is mapped to
 one of them, and its words to the parts that the class has: ``"leg": "leg"``, ``"drawer/handle": ...`` for a handle on a link
-that is a drawer, ``"*"`` for every other word.
+that is a drawer, ``"door/revolute"`` for a link that moves so, ``"*"`` for every other word. ``"drawn.base"`` is a word of another vocabulary
+than ``semantic``: where its labels hold it goes before all others, so that formulas of a program say where parts end.
 """
 
 from __future__ import annotations
@@ -84,26 +85,28 @@ class Vocabulary:
         return "; ".join(filter(None, (have, form, self.instead)))
 
 
-def check_words(parts: Iterable[str], program: Program) -> None:
-    """Every key of a user's map is a word of the program's: a mistyped one would map nothing. Raises UserError."""
+def check_words(parts: Iterable[str], program: Program, *, divides: bool) -> None:
+    """Every key of a user's map says something of the program: a mistyped one would map nothing. ``divides``: points are
+    labelled one by one, so that words of other vocabularies count, and how links move does not. Raises UserError."""
     semantic = program.vocabularies.get("semantic", ())
+    others = [f"{v}.{w}" for v, words in program.vocabularies.items() if v != "semantic" for w in words[1:]]
     for key in parts:
-        name, dot, word = key.partition(".")
+        name, dot, _ = key.partition(".")
+        link, slash, rest = key.partition("/")
         if dot:
-            said = [f"{v}.{w}" for v, words in program.vocabularies.items() if v != "semantic" for w in words[1:]]
-            if key not in said:
-                form = f"`{word}` alone is the word of semantic" if name == "semantic" else None
-                raise _no_word(key, program.name, form or did_you_mean(key, said))
-            continue
-        link, _, rest = key.partition("/")
-        for part, known in ((link, [*semantic, REST]), (rest, ["", *semantic, *JOINTS])):
-            if part not in known:
-                hint = did_you_mean(part, known) or f"its words are {', '.join(semantic)}"
-                raise _no_word(part, program.name, hint)
+            form = f"`{key.partition('.')[2]}` alone is the word of semantic" if name == "semantic" else None
+            _find(key, others, program.name, form)
+        elif key != REST:
+            _find(link, semantic, program.name)
+            if slash:
+                _find(rest, [*semantic, *([] if divides else JOINTS)], program.name)
 
 
-def _no_word(word: str, category: str, hint: str | None) -> UserError:
-    return UserError(f"--map names `{word}`, which is no word of {category}", hint)
+def _find(word: str, known: Sequence[str], category: str, form: str | None = None) -> None:
+    """A word is a known one. Raises UserError, with the hint ``form`` if there is one."""
+    if word not in known:
+        hint = form or did_you_mean(word, known) or f"its words are {', '.join(known)}"
+        raise UserError(f"--map names `{word}`, which is no word of {category}", hint)
 
 
 @lru_cache

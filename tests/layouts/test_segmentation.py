@@ -202,7 +202,13 @@ def test_a_formula_of_the_program_divides_a_part(tmp_path: Path, lay: Lay) -> No
     ("parts", "wrong", "hint"),
     [
         ({"handel": "handle", "*": "cup"}, "`handel`, which is no word of Kettle", "did you mean `handle`"),
-        ({"handle/revolut": "handle", "*": "cup"}, "`revolut`, which is no word", "did you mean `revolute`"),
+        ({"body/handel": "handle", "*": "cup"}, "`handel`, which is no word", "did you mean `handle`"),
+        (
+            {"handle/revolute": "handle", "*": "cup"},
+            "`revolute`, which is no word",
+            "its words are",
+        ),  # points do not move
+        ({"*/handle": "handle", "*": "cup"}, r"`\*`, which is no word", "its words are"),
         (
             {"affordance.grap": "handle", "*": "cup"},
             "`affordance.grap`, which is no word",
@@ -225,6 +231,9 @@ def test_a_map_that_would_change_nothing_is_refused(lay: Lay) -> None:
         lay("pcn", "Kettle", n=1, own={"Kettle": {"class": "mug", "parts": {"*": "cup"}}})
     with pytest.raises(UserError, match="takes whole parts, which `affordance.grasp` may divide"):
         lay("cage", "Kettle", n=1, own={"Kettle": {"class": "Table", "parts": {"affordance.grasp": "handle"}}})
+    with pytest.raises(UserError, match="`revolut`, which is no word of Kettle") as refused:
+        lay("cage", "Kettle", n=1, own={"Kettle": {"class": "Table", "parts": {"lid/revolut": "door"}}})
+    assert refused.value.hint == "did you mean `revolute`?"
 
 
 def test_a_word_without_a_part_is_refused(lay: Lay) -> None:
