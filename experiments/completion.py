@@ -33,8 +33,8 @@ class Completion(Experiment):
     what = "From one view of real objects, turned about the vertical, to their whole surface, in units of the diagonal of their box."
     metrics = {"cd_l1": Metric("CD-l1 x 1000", "lower", 1000.0), "f_score": Metric("F-score at 0.01, %", "higher")}
     arms = {
-        "real": Arm(("real",), 250),
-        "real, warped": Arm(("real",), 250, warped=True),
+        "real": Arm(("real",), 400),
+        "real, warped": Arm(("real",), 400, warped=True),
         "ours": Arm(("ours",), 400),
         "ours, then both": Arm(("real", "ours"), 100, after="ours"),
     }
