@@ -38,7 +38,7 @@ class Parts(Experiment):
         "joint": Metric("joint found, %", "higher"),
     }
     arms = {
-        "real": Arm(("real",), 250),
+        "real": Arm(("real",), 500),
         "ours": Arm(("ours",), 500),
         "ours, then both": Arm(("real", "ours"), 100, after="ours"),
     }
