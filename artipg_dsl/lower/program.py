@@ -19,7 +19,7 @@ from .elaborate import drives, gates, labels, mimic, motions, rings
 from .elaborate.body import enter_when, lower_statements
 from .elaborate.drives import driven
 from .elaborate.legal import legalize
-from .elaborate.links import Links, first_part
+from .elaborate.links import Links, first_parts
 from .elaborate.part import Component
 from .elaborate.slots import slots
 from .elaborate.statements import carry_out
@@ -50,7 +50,7 @@ class Lowering:
             if axes < 3 or part.span.source is not self.root.module.source:
                 continue
             owner = part.env.root.instance
-            if part.env.element is None and (owner is None or first_part(owner) is not part):
+            if part.env.element is None and (owner is None or part not in first_parts(owner)):
                 yield part
 
 

@@ -273,3 +273,53 @@ def test_an_element_by_the_rank_of_another_repeat_is_a_mistake_with_words() -> N
     session = Session(Source("arm.apg", arm(BEND, after=pins)), None)
     assert session.lowering is None
     assert {d.code for d in session.report.diagnostics} == {"unrelated-rows"}
+
+
+def carriers(body: str) -> dict[str, dict[str, str]]:
+    """What carries the arm of a template with this body, and the template itself, by its shape."""
+    text = f"""apg 1
+use primitives {{ Cuboid, Cylinder }}
+template Turner {{
+  param shape : choice round | square | bare
+  {body}
+}}
+category Tool {{
+  root part foot : Cuboid(size = [20cm, 20cm, 4cm])
+  part turner : Turner
+  connect turner to foot
+}}
+"""
+    batch = Session.of_text(text, "tool.apg").sampler.batch(np.arange(60), seed=0)
+    parts, links = batch.parts(), batch.links()
+    names = dict(zip(zip(links.owner, links.number, strict=True), links.name, strict=True))
+    found: dict[str, dict[str, str]] = {"turner": {}, "turner.arm": {}}
+    for path, owner, link in zip(parts.path, parts.owner, parts.link, strict=True):
+        if path in found:
+            shape = str(batch.drawn(int(owner))["turner.shape"])
+            assert found[path].setdefault(shape, names[owner, link]) == names[owner, link]
+    return found
+
+
+ROUND = "part nut : Cylinder(radius = 1cm, height = 2cm)  joint turn : revolute base -> nut about nut.left.back range 0deg .. 90deg"
+SQUARE = "part pin : Cuboid(size = [2cm, 2cm, 2cm])  joint turn : revolute base -> pin about pin.left.back range 0deg .. 90deg"
+ARM = "part arm : Cuboid(size = [10cm, 1cm, 1cm])  align arm.center = [0m, 0m, 3cm]"
+
+
+def test_the_first_part_may_be_another_in_each_branch() -> None:
+    """What is not attached goes with the first part that exists, as the text has them; without one, with the base."""
+    branches = f"when shape == round {{ {ROUND} }} else {{ {SQUARE} }}"
+    expected = {"round": "turner.nut", "square": "turner.pin", "bare": "turner.pin"}
+    assert carriers(f"{branches}\n{ARM}") == {"turner": expected, "turner.arm": expected}
+
+    some = f"when shape == round {{ {ROUND} }} when shape == square {{ {SQUARE} }}"
+    expected["bare"] = "foot"
+    assert carriers(f"{some}\n{ARM}") == {"turner": expected, "turner.arm": expected}
+
+    base = dict.fromkeys(expected, "foot")  # before the others in the text, the arm is the first part itself
+    assert carriers(f"{ARM}\n{some}") == {"turner": base, "turner.arm": base}
+
+
+def test_a_part_of_a_branch_that_hangs_on_another_is_not_the_first() -> None:
+    hung = "when shape == round { part nut : Cylinder(radius = 1cm, height = 2cm)  connect nut.bottom on arm.top at center }"
+    base = {"round": "foot", "square": "foot", "bare": "foot"}
+    assert carriers(f"{hung}\n{ARM}") == {"turner": base, "turner.arm": base}

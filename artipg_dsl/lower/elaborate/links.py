@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from itertools import takewhile
 
 from ...graph import expr as E
-from ...graph.expr import Scope
+from ...graph.expr import Expr, Scope
 from ...graph.program import Link, Part, Pose, Site
 from ...graph.reference import Elsewhere, Onward, Reference, Under
 from ...source import Span
@@ -110,8 +111,8 @@ class Links:
             found.append((attachment.env.scope, links))
         if not self.everywhere(part, attachments):
             owner = part.env.root.instance
-            first = None if owner is None else first_part(owner)
-            found.append((part.env.scope, self.base(part.env) if first is None or first is part else self.of(first)))
+            rest = [(part.env.scope, self.base(part.env))] if owner is None else self.first(owner, part)
+            found.extend(rest)
         links = self.whichever(found)
         return links if repeat is None or self.outside(links, repeat) else (Onward(repeat, tuple(onward), links),)
 
@@ -129,8 +130,10 @@ class Links:
                     return False
                 at = attachments[0].to[0]
             elif owner is not None and all(a.base and a.joint is None for a in attachments):
-                first = first_part(owner)
-                at = owner.part if attachments or first is None or first is at else first
+                first = [] if attachments else first_parts(owner)
+                if len(first) > 1:
+                    return False
+                at = owner.part if first in ([], [at]) else first[0]
             else:
                 return False
         return False
@@ -143,9 +146,7 @@ class Links:
             not attachments or part.env.root.instance is None
         ):  # in a category each part is attached: it has been checked
             return bool(attachments)
-        home = part.env.scope
-        inside = ([s for s in a.env.scope.ancestors() if s is not home and s.within(home)] for a in attachments)
-        guards = [E.all_of(s.count for s in scopes if s.count is not None) for scopes in inside]
+        guards = [_condition(a.env.scope, part.env.scope) for a in attachments]
         return covered(guards, self.context.draws, part.exists)
 
     def whichever(self, found: list[tuple[Scope, Reference]]) -> Reference:
@@ -162,6 +163,20 @@ class Links:
         """Whether a reference comes to the same link in all elements of a repeat."""
         scopes = (self.context.program.links[k].scope if isinstance(k, int) else None for k in reference)
         return all(scope is not None and repeat.within(scope) and repeat is not scope for scope in scopes)
+
+    def first(self, instance: Instance, below: Component | None = None) -> list[tuple[Scope, Reference]]:
+        """The links of a template's first parts, those before ``below``, and where each counts; then that of its base, unless
+        one of them exists everywhere."""
+        if instance.env is None:
+            return [(instance.scope, self.of(instance.part))]
+        found: list[tuple[Scope, Reference]] = []
+        guards: list[Expr] = []
+        for part in takewhile(lambda part: part is not below, first_parts(instance)):
+            found.append((self.context.guard(part.env.scope, part.exists, f"{part.path} exists"), self.of(part)))
+            guards.append(E.both(_condition(part.env.scope, instance.env.scope), part.exists))
+            if covered(guards, self.context.draws):
+                return found
+        return [*found, (instance.env.scope, self.base(instance.env))]
 
     def base(self, env: Env) -> Reference:
         """What carries a template as a whole; the object's root link in a category."""
@@ -211,8 +226,7 @@ class Links:
             )
         found: list[int | Under | Elsewhere | Onward] = []
         for instance in part.instances:
-            first = first_part(instance)
-            found.extend(self.of(part) if first is None else self.of(first))
+            found.extend(self.whichever(self.first(instance)))
         return self.ordered(found) or self.of(part)
 
     # ------------------------------------------------------------ the tree
@@ -233,8 +247,7 @@ class Links:
             box = instance.box()
             number = len(program.parts)
             self.nodes[part, instance.symbol.name] = number
-            first = first_part(instance)
-            carried = links if first is None else self.of(first)
+            carried = self.whichever(self.first(instance))
             program.parts.append(
                 Part(
                     part.path, part.name, instance.scope, parent, instance.symbol.name, pose, box.low, box.high, carried
@@ -279,10 +292,28 @@ class Links:
                 program.parts[number] = replace(program.parts[number], holder=tuple(holders))
 
 
-def first_part(instance: Instance) -> Component | None:
-    """The first part of a template's body; None for a primitive."""
-    parts = instance.parts()
-    return parts[0] if parts else None
+def first_parts(instance: Instance) -> list[Component]:
+    """The parts of a template's body of which the first that exists is its first part; empty for a primitive.
+
+    That is the first part of the text; one that a ``when`` declares counts where it exists, if it hangs on no part beside
+    it. In a body all of whose parts are repeated it is the first of these.
+    """
+    if instance.env is None:
+        return []
+    parts, body = instance.parts(), instance.env
+    found: list[Component] = []
+    for part in sorted((p for p in parts if p.env.depth == body.depth), key=lambda p: p.span.start):
+        if part.env is body or all(a.base for a in part.attachments):
+            found.append(part)
+        if part.env is body and part.exists is E.TRUE:
+            break
+    return found or parts[:1]
+
+
+def _condition(scope: Scope, home: Scope) -> Expr:
+    """The condition on which a row of ``home`` has one in a table of a ``when`` in it."""
+    inside = (s for s in scope.ancestors() if s is not home and s.within(home))
+    return E.all_of(s.count for s in inside if s.count is not None)
 
 
 def _exclusive(parts: tuple[Carrier, ...]) -> bool:

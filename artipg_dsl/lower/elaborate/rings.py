@@ -19,7 +19,7 @@ from ...graph.reference import Elsewhere, Onward, Reference, Under, definitions_
 from ...source import Span
 from ..solve.cases import TooManyCases, combinations
 from ..values.kinds import part_of
-from .links import Links, first_part
+from .links import Links, first_parts
 
 _LONGEST = 12  # links of a chain that is followed from element to element of a repeat
 _COUNTS = 5  # values of a count, and ranks, that are tried
@@ -255,7 +255,7 @@ def between(links: Links, number: int) -> Iterator[tuple[Span, str]]:
             parts = attachments[0].to
         else:
             instance = part.env.root.instance
-            first = None if instance is None else first_part(instance)
+            first = None if instance is None else next(iter(first_parts(instance)), part)
             if first is None or first is part:
                 return
             yield part.span, f"`{part.name}` is not attached: it moves with `{first.name}`, the first part"
