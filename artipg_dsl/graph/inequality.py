@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from . import expr as E
 from .expr import ONE, ZERO, Column, Expr, Scope
@@ -31,27 +31,18 @@ class Half:
     scope: Scope
 
 
-def bounds_of(
-    low: Expr,
-    high: Expr,
-    guard: Expr,
-    scope: Scope,
-    column: Column,
-    intervals: Intervals,
-    definitions: Mapping[Column, Expr],
-) -> list[Half]:
-    """What ``low <= high`` (where ``guard`` holds, in the rows of ``scope``) says of a column."""
-    alone = Linear(lambda c: c is column, definitions, through=True)
-    if alone.reads(guard):
+def bounds_of(low: Expr, high: Expr, guard: Expr, scope: Scope, ends: Ends) -> list[Half]:
+    """What ``low <= high`` (where ``guard`` holds, in the rows of ``scope``) says of the column of ``ends``."""
+    if ends.linear.reads(guard):
         return []
-    solver = _Solver(column, alone, intervals, _Ends(column, alone, intervals))
+    solver = _Solver(ends)
     solver.solve(E.sub(low, high), "high", ZERO, guard, scope, 0)
     return solver.found[:_MOST]
 
 
-def least_of(node: Expr, column: Column, intervals: Intervals, definitions: Mapping[Column, Expr]) -> Expr | None:
+def least_of(node: Expr, ends: Ends) -> Expr | None:
     """The least that an expression can be over the domain of a column, in terms of the others; None without a bound."""
-    low, _ = _Ends(column, Linear(lambda c: c is column, definitions, through=True), intervals).of(node)
+    low, _ = ends.of(node)
     return None if low.constant is not None and not math.isfinite(low.constant) else low
 
 
@@ -59,14 +50,16 @@ def _other(side: str) -> str:
     return "low" if side == "high" else "high"
 
 
-@dataclass(slots=True)
-class _Ends:
-    """Symbolic intervals: what an expression can be while one column runs through its domain and the others stand still."""
+class Ends:
+    """Symbolic intervals: what an expression can be while one column runs through its domain and the others stand still.
 
-    column: Column
-    linear: Linear
-    intervals: Intervals
-    memo: dict[Expr, tuple[Expr, Expr]] = field(default_factory=dict)
+    What was asked before is kept, in ``linear`` (forms in the column alone) and in ``intervals`` (shared by all columns) too.
+    """
+
+    def __init__(self, column: Column, intervals: Intervals, definitions: Mapping[Column, Expr]):
+        self.column, self.intervals = column, intervals
+        self.linear = Linear(lambda c: c is column, definitions, through=True)
+        self.memo: dict[Expr, tuple[Expr, Expr]] = {}
 
     def of(self, node: Expr) -> tuple[Expr, Expr]:
         found = self.memo.get(node)
@@ -143,13 +136,10 @@ def _completed(a: Expr, b: Expr, column: Column, linear: Linear) -> Expr | None:
     return E.mul(factor, E.sub(E.mul(root, root), E.mul(half, half)))
 
 
-@dataclass(slots=True)
 class _Solver:
-    column: Column
-    linear: Linear
-    intervals: Intervals
-    ends: _Ends
-    found: list[Half] = field(default_factory=list)
+    def __init__(self, ends: Ends):
+        self.column, self.linear, self.intervals, self.ends = ends.column, ends.linear, ends.intervals, ends
+        self.found: list[Half] = []
 
     def solve(self, node: Expr, side: str, value: Expr, guard: Expr, scope: Scope, depth: int) -> None:
         """Note what ``node <= value`` (side "high") or ``node >= value`` says of the column."""
@@ -325,4 +315,4 @@ class _Solver:
             self.solve(inner, side, E.sub(value, E.mul(count, E.const(end))), guard, child, depth)
 
 
-__all__ = ["Half", "bounds_of", "least_of"]
+__all__ = ["Ends", "Half", "bounds_of", "least_of"]

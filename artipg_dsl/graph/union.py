@@ -7,11 +7,11 @@ be solved for the column, nothing is said.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from . import expr as E
 from .expr import Column, Expr
+from .inequality import Ends
 from .interval import Intervals
 from .linear import Linear
 
@@ -24,12 +24,10 @@ LEAST, MOST_OF_ALL = E.const(-math.inf), E.const(math.inf)
 EVERYTHING: Region = ((LEAST, MOST_OF_ALL),)
 
 
-def region_of(
-    condition: Expr, column: Column, intervals: Intervals, definitions: Mapping[Column, Expr], *, discrete: bool
-) -> Region | None:
-    """The intervals in which a condition can hold; None where that cannot be told. ``discrete``: of single values."""
-    alone = Linear(lambda c: c is column, definitions, through=True)
-    return _Regions(column, alone, intervals, discrete).of(condition, True, 0)
+def region_of(condition: Expr, ends: Ends, *, discrete: bool) -> Region | None:
+    """The intervals of the column of ``ends`` in which a condition can hold; None where that cannot be told. ``discrete``: of
+    single values."""
+    return _Regions(ends.column, ends.linear, ends.intervals, discrete).of(condition, True, 0)
 
 
 def _lower(a: Expr, b: Expr) -> Expr:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.expr import TRUE, Column, Expr, Scope
-from artipg_dsl.graph.inequality import Half, bounds_of, least_of
+from artipg_dsl.graph.inequality import Ends, Half, bounds_of, least_of
 from artipg_dsl.graph.interval import Intervals
 from artipg_dsl.graph.program import Draw
 
@@ -22,7 +22,7 @@ INTERVALS = Intervals(DRAWS, {})
 
 def of(low: Expr, high: Expr, guard: Expr = TRUE) -> list[Half]:
     read = X in E.leaves(E.sub(low, high))
-    return bounds_of(low, high, guard, ROOT, X, INTERVALS, {}) if read else []
+    return bounds_of(low, high, guard, ROOT, Ends(X, INTERVALS, {})) if read else []
 
 
 def kept(halves: list[Half], a: float, b: float, slack: float) -> bool:
@@ -85,14 +85,14 @@ def test_of_a_value_that_stands_once_the_bounds_say_all(inner, steps, high, a, b
 @settings(max_examples=EXAMPLES, deadline=None)
 @given(anything, within(X), within(Y))
 def test_the_least_is_never_above_a_value(node: Expr, a: float, b: float) -> None:
-    least = least_of(node, X, INTERVALS, {})
+    least = least_of(node, Ends(X, INTERVALS, {}))
     value = float(evaluate(node, {X: a, Y: b}))
     assert least is None or evaluate(least, {Y: b}) <= value + HAIR * (1.0 + abs(value))
 
 
 @given(linear, within(Y))
 def test_the_least_of_a_linear_form_is_that_at_an_end(node: Expr, b: float) -> None:
-    least = least_of(node, X, INTERVALS, {})
+    least = least_of(node, Ends(X, INTERVALS, {}))
     at_ends = [evaluate(node, {X: end, Y: b}) for end in (LEAST[X], MOST[X])]
     assert least is not None and math.isclose(evaluate(least, {Y: b}), min(at_ends), abs_tol=1e-12)
 
@@ -103,7 +103,7 @@ def test_a_guard_that_reads_the_value_leaves_it_alone() -> None:
 
 def test_a_definition_is_read_through() -> None:
     double = Column(ROOT, "double")
-    (half,) = bounds_of(E.col(double), y, TRUE, ROOT, X, INTERVALS, {double: E.mul(x, E.const(2.0))})
+    (half,) = bounds_of(E.col(double), y, TRUE, ROOT, Ends(X, INTERVALS, {double: E.mul(x, E.const(2.0))}))
     assert half.side == "high" and evaluate(half.value, {Y: 3.0}) == 1.5
 
 
@@ -118,14 +118,14 @@ rows = st.lists(st.integers(-16, 32).map(lambda k: k / 16), min_size=3, max_size
 
 @given(rows, within(Y))
 def test_the_greatest_of_some_rows_binds_each(values: np.ndarray, b: float) -> None:
-    (half,) = bounds_of(E.reduce("max", CHILD, z), y, TRUE, ROOT, Z, TABLES, {})
+    (half,) = bounds_of(E.reduce("max", CHILD, z), y, TRUE, ROOT, Ends(Z, TABLES, {}))
     bound = evaluate(half.value, {Y: b})
     assert half.scope is CHILD and (values <= bound).all() == (values.max() <= b)
 
 
 @given(rows, within(Y))
 def test_a_sum_binds_each_row_beside_the_least_of_the_others(values: np.ndarray, b: float) -> None:
-    (half,) = bounds_of(E.reduce("sum", CHILD, z), y, TRUE, ROOT, Z, TABLES, {})
+    (half,) = bounds_of(E.reduce("sum", CHILD, z), y, TRUE, ROOT, Ends(Z, TABLES, {}))
     bound = evaluate(half.value, {Y: b}, rows=3)
     assert half.scope is CHILD and bound == b + 2.0
     if values.sum() <= b:
@@ -134,7 +134,7 @@ def test_a_sum_binds_each_row_beside_the_least_of_the_others(values: np.ndarray,
 
 @given(within(X), within(Y))
 def test_a_sum_binds_what_its_rows_share(a: float, b: float) -> None:
-    halves = bounds_of(E.reduce("sum", CHILD, E.add(x, E.const(0.5))), y, TRUE, ROOT, X, TABLES, {})
+    halves = bounds_of(E.reduce("sum", CHILD, E.add(x, E.const(0.5))), y, TRUE, ROOT, Ends(X, TABLES, {}))
     (half,) = [half for half in halves if evaluate(half.guard, {Y: b}, rows=3)]
     assert half.scope is ROOT and half.side == "high"
     assert (a <= evaluate(half.value, {Y: b}, rows=3)) == (a <= (b - 1.5) / 3.0)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.expr import TRUE, Column, Expr, Scope
 from artipg_dsl.graph.feasible import find_conflicts, find_idle, find_ranges, is_certain
-from artipg_dsl.graph.inequality import bounds_of
+from artipg_dsl.graph.inequality import Ends, bounds_of
 from artipg_dsl.graph.interval import Intervals
 from artipg_dsl.graph.program import Bound, Draw, Program, Requirement, Union
 
@@ -45,7 +45,7 @@ def program(spans: Domains, stated: Sequence[Inequality]) -> Program:
         made.requirements.append(Requirement(ROOT, E.call("le", low, high), guard, "", None, slack=(low, high)))
         read = E.leaves(E.sub(low, high))
         for draw in (draw for draw in made.draws if draw.column in read):
-            for half in bounds_of(low, high, guard, ROOT, draw.column, intervals, {}):
+            for half in bounds_of(low, high, guard, ROOT, Ends(draw.column, intervals, {})):
                 draw.bounds.append(Bound(half.side, half.value, half.guard, number))
     return made
 

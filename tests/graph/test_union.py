@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.expr import Expr
+from artipg_dsl.graph.inequality import Ends
 from artipg_dsl.graph.interval import Intervals
 from artipg_dsl.graph.union import BESIDE, EVERYTHING, LEAST, MOST, MOST_OF_ALL, Region, intersect_regions, region_of
 
@@ -20,7 +21,7 @@ regions = st.lists(ends, max_size=4).map(tuple)
 
 
 def of(condition: Expr, discrete: bool = False) -> Region | None:
-    return region_of(condition, X, Intervals(DRAWS, {}), {}, discrete=discrete)
+    return region_of(condition, Ends(X, Intervals(DRAWS, {}), {}), discrete=discrete)
 
 
 def contains(region: Region, at: float, other: float, slack: float = 0.0) -> bool:

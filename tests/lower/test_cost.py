@@ -1,11 +1,16 @@
 """What lowering costs goes with the length of the text: counts, not times."""
 
+from collections import Counter
+
 import numpy as np
 import pytest
 
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph import formula
+from artipg_dsl.graph.inequality import Ends
+from artipg_dsl.graph.linear import Linear
 from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.lower import program as lowering
 from artipg_dsl.lower.solids.probe import Probe
 from artipg_dsl.session import Session
 
@@ -60,3 +65,30 @@ def test_substitution_in_several_expressions_is_that_in_each():
     shared = E.call("sin", E.mul(x, y))
     held = [E.add(shared, x), E.mul(shared, shared), y]
     assert E.substitute_all(held, {x: E.const(2.0)}) == [E.substitute(e, {x: E.const(2.0)}) for e in held]
+
+
+def test_requirements_are_read_once_for_each_column(monkeypatch):
+    """Bounds come back to the same expressions for every draw and every bound that is derived: they have been read by then."""
+    read: Counter[tuple[object, E.Expr]] = Counter()
+
+    def counted(kind, name):
+        plain = getattr(kind, name)
+
+        def method(self, node):
+            read[self, node] += 1
+            return plain(self, node)
+
+        monkeypatch.setattr(kind, name, method)
+
+    counted(Linear, "_parts")
+    counted(Ends, "_of")
+    bounds = lowering.attach_bounds
+
+    def attach(program):
+        read.clear()
+        found = bounds(program)
+        assert max(read.values()) == 1 and sum(read.values()) < 3000, "a tenth above what it was: it may be lowered"
+        return found
+
+    monkeypatch.setattr(lowering, "attach_bounds", attach)
+    assert Session.of("StorageFurniture").lowering is not None

@@ -7,17 +7,15 @@ bounds of one variable could exclude one another, that they do not is a new requ
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 from ...graph import expr as E
-from ...graph.depend import columns_behind
 from ...graph.expr import Column, Expr, Scope
-from ...graph.inequality import Half, bounds_of, least_of
-from ...graph.interval import Intervals
-from ...graph.linear import Linear, LinearForm
+from ...graph.inequality import Ends, Half, bounds_of, least_of
+from ...graph.linear import LinearForm
 from ...graph.program import Bound, Draw, Limit, Program
 from .inline import inline
+from .readers import Readers
 from .unions import unite
 
 _MOST_DERIVED = 400
@@ -31,60 +29,57 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
     """
     hollow: list[tuple[Scope, tuple[int, ...]]] = []
     draws = {d.column: d for d in program.draws}
-    order = {d.column: k for k, d in enumerate(program.draws)}
-    intervals = Intervals(program.draws, program.definitions)
-    reader = Linear(lambda c: c in draws, program.definitions, through=True)
+    readers = Readers(program)
     pending: list[tuple[Scope, Expr, Expr, Expr, int, int, tuple[int, ...]]] = []
     for number, requirement in enumerate(program.requirements):
         if requirement.slack is not None:
             low, high = requirement.slack
             pending.append((requirement.scope, low, high, requirement.guard, number, 0, ()))
             continue
-        last = _last_drawn(reader, order, requirement.scope, requirement.condition, requirement.guard)
+        last = readers.last(requirement.scope, requirement.condition, requirement.guard)
         if last is None:
             continue
         if draws[last].kind == "choice":
-            _limit_choice(
-                program, reader, draws[last], requirement.scope, requirement.condition, requirement.guard, number
-            )
+            _limit_choice(readers, draws[last], requirement.scope, requirement.condition, requirement.guard, number)
             continue
         whole = E.either(E.negate(requirement.guard), requirement.condition)
-        rest = unite(program, order, draws[last], requirement.scope, whole, number)
+        rest = unite(readers, draws[last], requirement.scope, whole, number)
         if rest is not None:
             pending.append((requirement.scope, *rest, E.TRUE, number, 1, ()))
     made = {False: 0, True: 0}  # derived from linear bounds, and from others
     told: dict[object, float] = {}
     while pending:
         scope, low, high, guard, number, depth, also = pending.pop(0)
-        if intervals.of(E.call("le", low, high))[0] >= 1.0:
+        if readers.intervals.of(E.call("le", low, high))[0] >= 1.0:
             continue
-        last = _last_drawn(reader, order, scope, E.sub(low, high), guard)
+        difference = E.sub(low, high)
+        last = readers.last(scope, difference, guard)
         if last is None:
             continue
         if draws[last].kind == "choice":
-            _limit_choice(program, reader, draws[last], scope, E.call("le", low, high), guard, number)
+            _limit_choice(readers, draws[last], scope, E.call("le", low, high), guard, number)
             continue
-        form = reader.form(E.sub(low, high))
+        form = readers.drawn.form(difference)
         if depth and guard is E.TRUE and form is not None and not form[0] and form[1].constant is not None:
             if form[1].constant > 1e-9:
                 hollow.append((scope, (number, *also)))
             continue
         if form is not None and _weaker(form, scope, guard, last, told) and depth:
             continue
-        if parted(low, high, guard, last, program):
-            rest = unite(
-                program, order, draws[last], scope, E.either(E.negate(guard), E.call("le", low, high)), number, also
-            )
+        alone = readers.ends(last)
+        if alone.linear.reads(guard) or alone.linear.form(difference) is None:  # it may leave several intervals
+            whole = E.either(E.negate(guard), E.call("le", low, high))
+            rest = unite(readers, draws[last], scope, whole, number, also)
             if rest is not None and depth < DEPTH and made[True] < _MOST_DERIVED:
                 made[True] += 1
                 pending.append((scope, *rest, E.TRUE, number, depth + 1, also))
-        bent = linear(program, last, scope, low, high, guard) is None and not _open_ended(E.sub(low, high))
+        bent = linear(alone, scope, difference, guard) is None and not readers.open_ended(difference)
         if bent and depth < DEPTH and made[bent] < _MOST_DERIVED:  # that the value drawn last has a chance at all
-            least = least_of(E.sub(low, high), last, intervals, program.definitions)
-            if least is not None and scope.within(least.scope) and not _late(program, order, last, [least, guard]):
+            least = least_of(difference, alone)
+            if least is not None and scope.within(least.scope) and not readers.late(last, [least, guard]):
                 made[bent] += 1
                 pending.append((scope, least, E.ZERO, guard, number, depth + 1, also))
-        for draw, bound, stated, inner in bind(program, order, draws[last], scope, low, high, guard, number, also):
+        for draw, bound, stated, inner in bind(readers, draws[last], scope, low, high, guard, number, also):
             if depth >= DEPTH or made[bent] >= _MOST_DERIVED:
                 break
             for other in _opposite(draw, bound):
@@ -117,22 +112,7 @@ def _weaker(form: LinearForm, scope: Scope, guard: Expr, last: Column, told: dic
     return False
 
 
-def parted(low: Expr, high: Expr, guard: Expr, column: Column, program: Program) -> bool:
-    """Whether an inequality may leave a variable several intervals: its guard reads it, or it is not linear in it."""
-    alone = _reader_of(column, program)
-    return alone.reads(guard) or alone.form(E.sub(low, high)) is None
-
-
-def _last_drawn(reader: Linear, order: dict[Column, int], scope: Scope, *nodes: Expr) -> Column | None:
-    """Of all that a requirement names, the choices that its table stands under included, what is drawn last."""
-    guards = [s.count for s in scope.ancestors() if s.kind == "guard" and s.count is not None]
-    names = set().union(*(reader.columns(node) for node in [*nodes, *guards]))
-    return max(names, key=order.__getitem__, default=None)
-
-
-def _limit_choice(
-    program: Program, reader: Linear, draw: Draw, scope: Scope, condition: Expr, guard: Expr, number: int
-) -> None:
+def _limit_choice(readers: Readers, draw: Draw, scope: Scope, condition: Expr, guard: Expr, number: int) -> None:
     """A requirement whose names are all known but a choice removes alternatives of it."""
     last = draw.column
     holds = E.either(E.negate(guard), condition)
@@ -143,14 +123,14 @@ def _limit_choice(
             holds = E.reduce("all", scope, holds)
         elif scope.parent.within(holds.scope):
             holds = E.either(E.negate(scope.count), holds)
-        elif last not in reader.columns(scope.count):
+        elif not readers.ends(last).linear.reads(scope.count):
             holds = E.phi(scope.parent, [(scope, holds)], E.TRUE)
         else:
             return
         scope = scope.parent
     if not last.scope.within(holds.scope):
         return
-    holds = inline(holds, [last], program.definitions)
+    holds = inline(holds, [last], readers.definitions)
     for code in range(len(draw.options)):
         allowed = E.substitute(holds, {E.col(last): E.const(float(code))})
         if allowed is not E.TRUE:
@@ -168,8 +148,7 @@ def _opposite(draw: Draw, bound: Bound) -> Iterator[Bound]:
 
 
 def bind(
-    program: Program,
-    order: dict[Column, int],
+    readers: Readers,
     draw: Draw,
     scope: Scope,
     low: Expr,
@@ -182,20 +161,20 @@ def bind(
 
     Each is returned twice: as one of the variable's table, and as stated in the rows of the scope that follows.
     """
-    column = draw.column
-    halves = linear(program, column, scope, low, high, guard)
+    column, difference = draw.column, E.sub(low, high)
+    alone = readers.ends(column)
+    halves = linear(alone, scope, difference, guard)
     bent = None
     if halves is None:
-        if _open_ended(E.sub(low, high)):
+        if readers.open_ended(difference):
             return []
-        intervals = Intervals(program.draws, program.definitions)
-        halves = bent = bounds_of(low, high, guard, scope, column, intervals, program.definitions)
+        halves = bent = bounds_of(low, high, guard, scope, alone)
     found = []
     for half in halves:
         lifted = lift(half.scope, column.scope, half.value, half.guard, half.side)
         if lifted is None or not column.scope.within(lifted[0].scope) or not column.scope.within(lifted[1].scope):
             continue
-        if halves is bent and _late(program, order, column, [*lifted]):
+        if halves is bent and readers.late(column, lifted):
             continue
         bound = Bound(half.side, lifted[0], lifted[1], number, also)
         if any(b.side == bound.side and b.value is bound.value and b.guard is bound.guard for b in draw.bounds):
@@ -205,37 +184,16 @@ def bind(
     return found
 
 
-def _open_ended(root: Expr) -> bool:
-    """Whether an expression says "no bound" in some rows: it comes from bounds of other alternatives."""
-    return any(node.op == "const" and math.isinf(node.value) for node in E.nodes(root))
-
-
-def _late(program: Program, order: dict[Column, int], column: Column, roots: list[Expr]) -> bool:
-    """Whether expressions need the column itself or what is drawn after it, be it to count the rows they stand in."""
-    return any(order.get(c, -1) >= order[column] for c in columns_behind(program, roots))
-
-
-def _reader_of(column: Column, program: Program) -> Linear:
-    """Linear forms in one column, read through the definitions."""
-    return Linear(lambda c: c is column, program.definitions, through=True)
-
-
-def linear(program: Program, column: Column, scope: Scope, low: Expr, high: Expr, guard: Expr) -> list[Half] | None:
-    """The bound of an inequality that is linear in the variable, with a factor of one sign; None where it is not."""
-    alone = _reader_of(column, program)
-    form = alone.form(E.sub(low, high))
-    if form is None or column not in form[0] or alone.reads(guard):
+def linear(alone: Ends, scope: Scope, difference: Expr, guard: Expr) -> list[Half] | None:
+    """The bound of ``difference <= 0`` that is linear in the variable, with a factor of one sign; None where it is not."""
+    form = alone.linear.form(difference)
+    if form is None or alone.column not in form[0] or alone.linear.reads(guard):
         return None
-    factor = form[0][column]
-    sign = _sign_of(program, factor)
-    if sign == 0:
+    factor = form[0][alone.column]
+    low, high = alone.intervals.of(factor)
+    if low <= 0 <= high:
         return None
-    return [Half("high" if sign > 0 else "low", E.div(E.neg(form[1]), factor), guard, scope)]
-
-
-def _sign_of(program: Program, factor: Expr) -> int:
-    low, high = Intervals(program.draws, program.definitions).of(factor)
-    return 1 if low > 0 else -1 if high < 0 else 0
+    return [Half("high" if low > 0 else "low", E.div(E.neg(form[1]), factor), guard, scope)]
 
 
 def lift(scope: Scope, target: Scope, value: Expr, guard: Expr, side: str) -> tuple[Expr, Expr] | None:

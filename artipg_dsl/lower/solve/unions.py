@@ -3,21 +3,14 @@
 from __future__ import annotations
 
 from ...graph import expr as E
-from ...graph.depend import columns_behind
-from ...graph.expr import Column, Expr, Scope
-from ...graph.interval import Intervals
-from ...graph.program import Draw, Program, Union
+from ...graph.expr import Expr, Scope
+from ...graph.program import Draw, Union
 from ...graph.union import LEAST, MOST_OF_ALL, Region, region_of
+from .readers import Readers
 
 
 def unite(
-    program: Program,
-    order: dict[Column, int],
-    draw: Draw,
-    scope: Scope,
-    condition: Expr,
-    number: int,
-    also: tuple[int, ...] = (),
+    readers: Readers, draw: Draw, scope: Scope, condition: Expr, number: int, also: tuple[int, ...] = ()
 ) -> tuple[Expr, Expr] | None:
     """Turn a condition into a union of intervals of the variable that is drawn last, where it can be solved for it.
 
@@ -26,15 +19,14 @@ def unite(
     column = draw.column
     if not column.scope.within(scope) or draw.low is None or draw.high is None:
         return None  # its rows have more rows each: what holds in all of them is no union of so few
-    intervals = Intervals(program.draws, program.definitions)
     discrete = draw.kind == "count" or draw.distribution == "values"
-    region = region_of(condition, column, intervals, program.definitions, discrete=discrete)
+    region = region_of(condition, readers.ends(column), discrete=discrete)
     if region is None or not _useful(region):
         return None
     ends = [end for pair in region for end in pair]
     if not all(column.scope.within(end.scope) for end in ends):
         return None
-    if any(order.get(c, -1) >= order[column] for c in columns_behind(program, ends)):
+    if readers.late(column, ends):
         return None
     draw.unions.append(Union(region, E.TRUE, number, also))
     rooms = [room(pair, draw.low, draw.high) for pair in region]
