@@ -11,6 +11,7 @@ from .messages import plural
 _KINDS = {
     "check": "findings",
     "tree": "syntax trees",
+    "tables": "tables of the parser",
     "program": "compiled programs",
     "facts": "what surfaces and pieces are like",
     "machine": "the compiled backend",

@@ -12,11 +12,10 @@ from functools import partial
 from keyword import iskeyword
 from typing import Any, NamedTuple
 
-from lark import Token
-
 from ..source import Source, Span
 from . import ast
 from .layout import Layout
+from .token import Token
 
 
 class Piece(NamedTuple):
@@ -42,13 +41,13 @@ class Problem(NamedTuple):
 def _start_of(child: Any) -> int:
     if isinstance(child, ast.Node):
         return child.span.start
-    return child.start_pos or 0 if isinstance(child, Token) else child.start
+    return child.start_pos if isinstance(child, Token) else child.start
 
 
 def _end_of(child: Any) -> int:
     if isinstance(child, ast.Node):
         return child.span.end
-    return child.end_pos or 0 if isinstance(child, Token) else child.end
+    return child.end_pos if isinstance(child, Token) else child.end
 
 
 def split_number(text: str) -> tuple[str, str]:

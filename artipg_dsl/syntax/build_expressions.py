@@ -7,10 +7,9 @@ import sys
 from dataclasses import replace
 from typing import Any
 
-from lark import Token
-
 from . import ast
 from .build import BuilderBase, Piece, exprs, split_number, unquote
+from .token import Token
 
 Children = list[Any]
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from lark import Token
-
 from ..language import REPEATS
 from . import ast
 from .build import Piece, body_of, exprs, split_number, tokens, unquote
 from .build_expressions import ExpressionBuilder
+from .token import Token
 
 Children = list[Any]
 

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lark import Token
-
 from ..diagnostics import Report
 from ..source import Source
 from .grammar import machine
 from .parse import parse
+from .token import Token
 
 STEP = 2
 APART = frozenset(
@@ -56,16 +55,16 @@ def format_source(source: Source, report: Report) -> str | None:
 def _pieces(text: str) -> list[_Piece]:
     """Tokens and comments of the text parsed last, in their order."""
     layout = machine().layout
-    tokens = sorted((*layout.seen, *layout.comments), key=lambda t: t.start_pos or 0)
+    tokens = sorted((*layout.seen, *layout.comments), key=lambda t: t.start_pos)
     found: list[_Piece] = []
     end, ended = 0, False
     for token in tokens:
-        start = token.start_pos or 0
+        start = token.start_pos
         if token.type == "_NL":
             ended = True
         elif token.type != "$END":
             found.append(_Piece(token, text[end:start], ended))
-            end, ended = start + len(token), False
+            end, ended = token.end_pos, False
     return found
 
 

@@ -1,38 +1,21 @@
-"""The parser made from grammar/apg.lark, and its cache in the user's cache folder.
-
-The cache is a convenience: missing, unreadable, corrupt or read-only, it is made anew or done without.
-"""
+"""The parser of this process: quick where a text is as the grammar says, and lark's where it is not."""
 
 from __future__ import annotations
 
-import hashlib
-import io
-import json
-import os
-import pickle
-import sys
-import tempfile
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
-from typing import Any
-
-import lark
-from lark import Lark
+from typing import TYPE_CHECKING
 
 from ..resources import grammar_file
 from ..source import Source
 from . import ast
 from .build_module import TreeBuilder
+from .driver import Driver
 from .layout import Layout
+from .tables import Tables, recall_tables, tables_of
 
-OPTIONS: dict[str, Any] = {
-    "parser": "lalr",
-    "lexer": "contextual",
-    "start": "module",
-    "keep_all_tokens": True,
-    "maybe_placeholders": False,
-}
-_RESERVED_PRIORITY = 2
+if TYPE_CHECKING:
+    from lark import Lark, UnexpectedInput
 
 
 class Machine:
@@ -41,23 +24,39 @@ class Machine:
     def __init__(self, use_cache: bool = True) -> None:
         self.layout = Layout()
         self.builder = TreeBuilder(self.layout)
-        live = {
-            "transformer": self.builder,
-            "postlex": self.layout,
-            "lexer_callbacks": {"COMMENT": self.layout.comment, "DOC": self.layout.comment},
-        }
-        text = grammar_path().read_text(encoding="utf-8")
-        path = _cache_path(text) if use_cache else None
-        self.lark = _from_cache(path, live) or _built(text, path, live)
-        self.layout.reserved = {
-            word: name for name, word in keywords(self.lark).items() if _priority(self.lark, name) == _RESERVED_PRIORITY
-        }
+        self._text, self._cached = grammar_path().read_text(encoding="utf-8"), use_cache
+        self.tables = self._tables()
+        self.layout.reserved = self.tables["reserved"]
+        self._driver = Driver(self.tables, self.layout, self.builder)
 
-    def run(self, source: Source, text: str) -> ast.Module:
-        """The tree of ``text``, whose spans point into ``source``; lark's UnexpectedInput where it has none."""
+    def _tables(self) -> Tables:
+        found = recall_tables(self._text) if self._cached else None
+        return found or tables_of(self.lark, self._text if self._cached else None)
+
+    @cached_property
+    def lark(self) -> Lark:
+        """Lark's parser of the same grammar."""
+        from .generator import generate  # start-up: for texts with mistakes, and where no tables are kept
+
+        return generate(self._text, self.layout, self._cached)
+
+    def tree(self, source: Source, text: str) -> ast.Module | None:
+        """The tree of ``text``, whose spans point into ``source``; None where it has none."""
         self.layout.begin(text)
         self.builder.begin(source)
-        return self.lark.parse(text)  # type: ignore[return-value]
+        found: ast.Module | None = self._driver.parse(text)
+        return found
+
+    def mistake(self, text: str) -> UnexpectedInput | None:
+        """What keeps a text from having a tree, and where; the layout is left as it was there."""
+        from lark import UnexpectedInput  # start-up: for texts with mistakes
+
+        self.layout.begin(text)
+        try:
+            self.lark.parse(text)
+        except UnexpectedInput as error:
+            return error
+        return None
 
 
 def grammar_path() -> Path:
@@ -65,15 +64,9 @@ def grammar_path() -> Path:
     return grammar_file()
 
 
-def keywords(parser: Lark) -> dict[str, str]:
+def terminal_words() -> dict[str, str]:
     """Terminal names to words, for all terminals that are a word."""
-    ending = "(?![A-Za-z0-9_])"
-    found = {}
-    for terminal in parser.lexer_conf.terminals:
-        word = terminal.pattern.value.removesuffix(ending)
-        if word != terminal.pattern.value and word.isalpha():
-            found[terminal.name] = word
-    return found
+    return {name: word for word, names in machine().tables["words"].items() for name in names}
 
 
 def reserved_words() -> frozenset[str]:
@@ -85,93 +78,3 @@ def reserved_words() -> frozenset[str]:
 def machine() -> Machine:
     """The parser of this process, made at the first call."""
     return Machine()
-
-
-def _priority(parser: Lark, name: str) -> int:
-    return parser.lexer_conf.terminals_by_name[name].priority
-
-
-def _built(text: str, path: Path | None, live: dict[str, Any]) -> Lark:
-    parser = Lark(text, **OPTIONS, **live)
-    if path is not None:
-        _store(parser, path)
-    return parser
-
-
-def _cache_path(grammar: str) -> Path | None:
-    """Where the tables of this grammar belong, for this lark and Python; None where no home is known."""
-    key = "\0".join((grammar, repr(sorted(OPTIONS.items())), lark.__version__, sys.version))
-    name = f"tables-{hashlib.sha256(key.encode()).hexdigest()[:20]}.json"
-    chosen = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
-    try:
-        folder = Path(chosen) if chosen else Path.home() / ".cache"
-    except RuntimeError:
-        return None
-    return folder / "artipg_dsl" / name
-
-
-def _as_data(tables: Any) -> list[Any]:
-    """The tables, which lark saves as a pickle, as JSON: a file is only data. Equal values, of which tables are full, are written
-    once: each value is a row, that of a list, tuple or dict names the rows of its items."""
-    rows: list[Any] = []
-    numbers: dict[str, int] = {}
-
-    def number(value: Any) -> int:
-        match value:
-            case dict():
-                row = ["dict", [number(key) for key in value], [number(held) for held in value.values()]]
-            case list() | tuple():
-                row = [type(value).__name__, [number(held) for held in value]]
-            case _:
-                row = value
-        text = json.dumps(row)
-        if text not in numbers:
-            numbers[text] = len(rows)
-            rows.append(row)
-        return numbers[text]
-
-    number(tables)
-    return rows
-
-
-def _from_data(rows: list[Any]) -> Any:
-    found: list[Any] = []
-    for row in rows:
-        match row:
-            case ["dict", keys, values]:
-                found.append({found[key]: found[value] for key, value in zip(keys, values, strict=True)})
-            case ["list", items]:
-                found.append([found[item] for item in items])
-            case ["tuple", items]:
-                found.append(tuple([found[item] for item in items]))
-            case _:
-                found.append(row)
-    return found[-1]
-
-
-def _from_cache(path: Path | None, live: dict[str, Any]) -> Lark | None:
-    if path is None:
-        return None
-    try:
-        data = _from_data(json.loads(path.read_text(encoding="utf-8")))
-        parser = Lark.__new__(Lark)
-        return parser._load(data, **live)
-    except Exception:  # whatever is wrong with the file, building the tables anew is the answer
-        return None
-
-
-def _store(parser: Lark, path: Path) -> None:
-    """Writes beside the place and renames, so that no reader ever sees half a file."""
-    temporary = None
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        tables = io.BytesIO()
-        parser.save(tables, ("postlex", "transformer", "lexer_callbacks"))
-        text = json.dumps(_as_data(pickle.loads(tables.getvalue())), separators=(",", ":"))
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=path.name, delete=False) as file:
-            temporary = file.name
-            file.write(text.encode("utf-8"))
-        os.replace(temporary, path)
-    except OSError:
-        if temporary is not None and os.path.exists(temporary):
-            os.unlink(temporary)

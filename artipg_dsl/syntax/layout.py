@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 
-from lark import Token
+from .token import Token
 
 _OPENING = {"LPAR", "LSQB"}
 _CLOSING = {"RPAR", "RSQB"}
@@ -21,7 +21,9 @@ _CONTINUED = re.compile(r"(?:[ \t\f\r]*(?:#[^\n]*)?\n)*[ \t\f\r]*(?:\||\{|else(?
 
 
 class Layout:
-    """Lark's postlex stage. ``seen`` are the tokens that the parser got in this parse, ``comments`` the others."""
+    """Between lexer and parser, ours or lark's (its postlex stage). ``seen`` are the tokens that the parser got in this parse,
+    ``comments`` the others.
+    """
 
     always_accept = ("_NL",)
 
@@ -61,16 +63,16 @@ class Layout:
         for token in stream:
             kind = token.type
             if kind == "_NL":
-                if depth or last in CONTINUES or _CONTINUED.match(self.text, token.end_pos or 0):
+                if depth or last in CONTINUES or _CONTINUED.match(self.text, token.end_pos):
                     continue
             elif kind in _OPENING:
                 depth += 1
             elif kind in _CLOSING:
                 depth -= depth > 0
             elif kind == "NAME" and token.value in reserved:
-                token = Token.new_borrow_pos(reserved[token.value], token.value, token)
+                token = token.update(reserved[token.value])
             if kind != "_NL" and self._pending:
-                self._leading[token.start_pos or 0] = "\n".join(_words(t) for t in self._pending)
+                self._leading[token.start_pos] = "\n".join(_words(t) for t in self._pending)
                 self._pending.clear()
             last = kind
             seen.append(token)
@@ -80,7 +82,7 @@ class Layout:
         """The doc comment of what stands at ``start .. end``: before it, or behind it on its first or last line."""
         leading = self._leading.pop(start, "")
         for index, token in enumerate(self._trailing):
-            place = token.start_pos or 0
+            place = token.start_pos
             if place < start:
                 continue
             rest = self.text[end:place] if place >= end else self.text[start:place]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
@@ -16,7 +16,7 @@ from ..diagnostics.suggest import suggest
 from ..source import Source, Span
 from ..units import UNITS
 from .foreign import CHARACTERS, CLAUSES_ELSEWHERE, STATEMENTS_ELSEWHERE
-from .grammar import Machine, keywords
+from .grammar import Machine, terminal_words
 from .mistakes import key, table
 from .recover import opening_brace
 from .words import OPERATORS, file_words, statement_words
@@ -67,7 +67,7 @@ class Found(NamedTuple):
 
 def describe(error: UnexpectedInput, tools: Machine, source: Source, text: str) -> Found:
     """What is wrong at the place where the parser stopped."""
-    history = list(tools.layout.seen)
+    history = cast("list[Token]", list(tools.layout.seen))  # it has seen those of lark
     if isinstance(error, UnexpectedCharacters):
         return _character(error.pos_in_stream or 0, source, text)
     assert isinstance(error, UnexpectedToken)
@@ -287,7 +287,7 @@ def _at_beginning(
         return found(f"no statement begins with {_quoted(token)}")
     if top and token.type in statement_words() or not top and token.type in file_words():
         return _misplaced(token, last, top, source, text)
-    words = keywords(tools.lark)
+    words = terminal_words()
     if token.type in words and last is not None and last.type == "_NL":
         return found(
             f"no statement begins with `{token.value}`; the one above ended at the end of its line",
@@ -359,7 +359,7 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
     """What the parser would have taken, if that is short; else what is plain from it."""
     token: Token = error.token
     accepted = (error.accepts or set()) - {"_NL"}
-    words = keywords(tools.lark)
+    words = terminal_words()
     shown = _quoted(token)
 
     def found(message: str, hint: str | None = None) -> Found:

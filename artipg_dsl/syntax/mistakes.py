@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 from lark import Token, UnexpectedToken
 
-from ..source import Source
 from .grammar import Machine
 
 
@@ -427,11 +426,8 @@ def table(tools: Machine) -> dict[tuple[int, str], Mistake]:
 def stop(tools: Machine, sentence: str) -> tuple[int, str] | None:
     """The state and the type of the token at which the parser stops in a sentence; None where it goes through."""
     text = _wrapped(sentence)
-    try:
-        tools.run(Source("", text), text)
-    except UnexpectedToken as error:
-        return key(error)
-    return None
+    error = tools.mistake(text)
+    return key(error) if isinstance(error, UnexpectedToken) else None
 
 
 def key(error: UnexpectedToken) -> tuple[int, str]:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from threading import Lock
 
-from lark import UnexpectedInput
-
 from ..diagnostics import Report
+from ..errors import InternalError
 from ..garbage import uncollected
 from ..source import Source
 from . import ast
@@ -25,14 +24,16 @@ def parse(source: Source, report: Report) -> ast.Module | None:
 
 
 def _parse(tools: Machine, source: Source, report: Report) -> ast.Module | None:
-    from .messages import describe  # start-up: for texts with mistakes alone
-    from .recover import without_statement  # start-up: for texts with mistakes alone
-
     text, broken = source.text, False
     for _ in range(MOST_ERRORS):
-        try:
-            tree = tools.run(source, text)
-        except UnexpectedInput as error:
+        tree = tools.tree(source, text)
+        if tree is None:
+            from .messages import describe  # start-up: for texts with mistakes alone
+            from .recover import without_statement  # start-up: for texts with mistakes alone
+
+            error = tools.mistake(text)
+            if error is None:
+                raise InternalError(source.name, "two parsers of one grammar do not agree")
             found = describe(error, tools, source, text)
             report.error(found.code, found.span, found.message, hint=found.hint, notes=found.notes)
             broken = True

@@ -14,7 +14,7 @@ from artipg_dsl.diagnostics import CompileError
 from artipg_dsl.language import JOINTS
 from artipg_dsl.language.tables import TABLES
 from artipg_dsl.semantics import types
-from artipg_dsl.syntax.grammar import keywords, machine, reserved_words
+from artipg_dsl.syntax.grammar import reserved_words, terminal_words
 from artipg_dsl.units import UNITS
 
 from .fences import Fence, fences, session_of
@@ -50,7 +50,7 @@ def test_there_are_examples_of_everything() -> None:
 
 
 def clause_words() -> set[str]:
-    return set(keywords(machine().lark).values()) - reserved_words()
+    return set(terminal_words().values()) - reserved_words()
 
 
 def listed(mark: str) -> str:

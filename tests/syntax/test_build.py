@@ -35,7 +35,9 @@ def test_a_construct_needs_its_rule_and_its_node(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr(grammar, "grammar_path", lambda: tmp_path / "apg.lark")
     monkeypatch.setitem(build.KINDS, "twin", TwinDecl)
     source = Source("try", "apg 1\ncategory C {\n  ## The other one.\n  twin x : T of a.b in 1 .. 2 gap 1cm both\n}")
-    (category,) = grammar.Machine(use_cache=False).run(source, source.text).declarations
+    tree = grammar.Machine(use_cache=False).tree(source, source.text)
+    assert tree is not None
+    (category,) = tree.declarations
     (found,) = category.body
     assert isinstance(found, TwinDecl)
     assert (found.name, found.template, found.both, found.across, found.doc) == ("x", "T", True, None, "The other one.")

@@ -63,8 +63,8 @@ def test_what_is_no_tree_is_refused():
 def test_a_file_is_parsed_once_for_all_processes(tmp_path, monkeypatch):
     monkeypatch.setenv("APGC_CACHE", str(tmp_path))
     parsed = []
-    run = Machine.run
-    monkeypatch.setattr(Machine, "run", lambda self, source, text: parsed.append(text) or run(self, source, text))
+    tree = Machine.tree
+    monkeypatch.setattr(Machine, "tree", lambda self, source, text: parsed.append(text) or tree(self, source, text))
     sources = [Source("a.apg", "apg 1\nmaterial oak { density 700kg/m3 }\n"), Source("b.apg", "apg 1\nlet two = 2\n")]
 
     def anew():
