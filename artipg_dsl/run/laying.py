@@ -56,7 +56,12 @@ def write_layout(
     if place.exists() and not force:
         raise ExportError(f"{out} already has {entry.category}", "use --force to write it again, or another folder")
     _clear(out, layout, entry.category, others)
-    _carry_out(job, layout, entry, out, progress, workers)
+    try:
+        _carry_out(job, layout, entry, out, progress, workers)
+        lists = layout.index([*others, entry], out)
+    except UserError:
+        _clear(out, layout, entry.category, others)
+        raise
     record = {
         "layout": layout.name,
         "category": entry.category,
@@ -66,14 +71,14 @@ def write_layout(
         "map": dict(own or {}),
         "words": dict(entry.words),
     }
-    _write_lists(out, layout, [*others, entry])
+    _write_lists(out, lists)
     write_bytes(place, (json.dumps(record, indent=1) + "\n").encode(), force=True)
     return entry
 
 
-def _write_lists(out: Path, layout: Layout, held: list[Entry]) -> None:
-    """The lists of all categories."""
-    for name, data in layout.index(held, out).items():
+def _write_lists(out: Path, lists: Mapping[str, Any]) -> None:
+    """The lists of all categories, as the ``index`` of the layout has them."""
+    for name, data in lists.items():
         if name.endswith("/"):
             ensure_folder(out / name)
         elif callable(data):
@@ -142,31 +147,33 @@ def _clear(out: Path, layout: Layout, category: str, others: list[Entry]) -> Non
     names = listed.read_text(encoding="utf-8").splitlines() if listed.exists() else []
     if place.exists():
         if others:
-            _write_lists(out, layout, others)
+            _write_lists(out, layout.index(others, out))
         else:
             names += [name for name in layout.index([_entry(_read(place))], out) if not name.endswith("/")]
     place.unlink(missing_ok=True)
-    for name in names:
+    for name in (*names, str(listed.relative_to(out))):
         path = out / name
         if not path.resolve().is_relative_to(out.resolve()):
             continue
         path.unlink(missing_ok=True)
         for folder in path.parents:
-            if folder == out or not folder.is_dir() or any(folder.iterdir()):
+            if folder == out.parent or not folder.is_dir() or any(folder.iterdir()):
                 break
             folder.rmdir()
-    listed.unlink(missing_ok=True)
 
 
 def _carry_out(job: Job, layout: Layout, entry: Entry, out: Path, progress: Progress | None, workers: int) -> None:
     pieces = [Piece(out, layout.name, entry, k, numbers) for k, numbers in enumerate(entry.chunks())]
     done, names = 0, []
-    for piece, written in zip(pieces, _written(job, pieces, workers), strict=True):
-        names += written
-        done += len(piece.numbers)
-        if progress:
-            progress(done, len(entry.numbers))
-    write_bytes(out / _RECORDS / f"{entry.category}.files", "".join(f"{name}\n" for name in names).encode(), force=True)
+    try:
+        for piece, written in zip(pieces, _written(job, pieces, workers), strict=True):
+            names += written
+            done += len(piece.numbers)
+            if progress:
+                progress(done, len(entry.numbers))
+    finally:
+        listed = "".join(f"{name}\n" for name in names)
+        write_bytes(out / _RECORDS / f"{entry.category}.files", listed.encode(), force=True)
 
 
 def _written(job: Job, pieces: list[Piece], workers: int) -> Iterator[list[str]]:

@@ -89,6 +89,19 @@ def test_a_folder_that_is_no_layout(apgc: Apgc, tmp_path: Path) -> None:
     assert code == 1 and "Laptop.json" in said and "--force" in said
 
 
+def test_a_category_that_no_list_takes_leaves_nothing(apgc: Apgc, tmp_path: Path) -> None:
+    out = tmp_path / "maniskill"
+    refused = ("export", "Microwave", "-n", 1, "--format", "maniskill", "-o", out)
+    code, _, said = apgc(*refused)
+    assert code == 1 and "no object of Microwave is one that ManiSkill's tasks take" in said
+    assert not out.exists()
+    assert apgc("export", "Faucet", "-n", 2, "--format", "maniskill", "-o", out)[0] == 0
+    before = tree(out)
+    assert apgc(*refused)[0] == 1
+    assert tree(out) == before
+    assert apgc("layout", out)[0] == 0
+
+
 def test_a_category_that_is_written_again_is_in_no_list_meanwhile(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
