@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..errors import UsageError
+from ..errors import UsageError, UserError
 from .compare import Targets
 from .outer import outer, spacing, towards
 from .reading import Cloud
@@ -18,6 +18,7 @@ UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 _COMPARED = 2048  # points of a target
 _NEIGHBOURS = 12  # that tell a normal
 _ODD = 2.5  # times larger or smaller than usual objects: then the unit is looked for
+_FAR = 30.0  # times: then it is no object of the category
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +72,8 @@ class Posed:
 
 
 def pose(cloud: Cloud, frame: Frame, suffix: str, usual: float) -> Posed:
-    """The outer surface of a cloud; ``usual`` is the diagonal of common objects of the category, in metres."""
+    """The outer surface of a cloud; ``usual`` is the diagonal of common objects of the category, in metres. Raises UserError for one that
+    is far larger or smaller."""
     across = float(np.sqrt((np.ptp(cloud.points, axis=0) ** 2).sum()))
     unit = frame.unit
     if unit == "auto":
@@ -80,6 +82,11 @@ def pose(cloud: Cloud, frame: Frame, suffix: str, usual: float) -> Posed:
             min(UNITS, key=lambda name: abs(np.log(across * UNITS[name] / usual)))
             if odd and not frame.normalised
             else "m"
+        )
+    if not frame.normalised and abs(np.log(across * UNITS[unit] / usual)) > np.log(_FAR):
+        raise UserError(
+            f"its diagonal is {across * UNITS[unit]:.2g} m with {unit} as unit, that of usual objects {usual:.2g} m",
+            "scale it, or say --normalised if its scale means nothing",
         )
     points = cloud.points * UNITS[unit]
     apart = _apart(points)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from artipg_dsl.errors import UsageError
+from artipg_dsl.errors import UsageError, UserError
 from artipg_dsl.fit.outer import outer
 from artipg_dsl.fit.pose import Frame, pose, targets, turn
 from artipg_dsl.fit.reading import Cloud
@@ -48,4 +48,13 @@ def test_the_unit_is_what_the_sizes_of_the_category_suggest() -> None:
     posed = pose(cloud, Frame(front="x"), ".stl", 0.7)
     assert posed.unit == "mm" and np.allclose(targets([posed]).size[0], [0.3, 0.4, 0.5], atol=1e-3)
     assert pose(cloud, Frame(front="x", unit="cm"), ".stl", 0.7).unit == "cm"
+    assert pose(cloud, Frame(front="x", normalised=True), ".stl", 0.7).unit == "m"
+
+
+@pytest.mark.parametrize(("scale", "unit"), [(1e-6, "auto"), (1e6, "auto"), (1.0, "mm")])
+def test_what_is_far_too_small_or_large_is_refused(scale: float, unit: str) -> None:
+    points, _ = box([0.3, 0.4, 0.5])
+    cloud = Cloud(points * scale, None, np.full(len(points), -1), ())
+    with pytest.raises(UserError, match="that of usual objects 0.7 m"):
+        pose(cloud, Frame(front="x", unit=unit), ".stl", 0.7)
     assert pose(cloud, Frame(front="x", normalised=True), ".stl", 0.7).unit == "m"
