@@ -50,7 +50,10 @@ def test_check_names_a_part_of_many_primitives_that_overlap():
 def test_profile_prints_stages_and_parts(capsys):
     assert main(["profile", "Faucet", "-n", "2", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert {"compiling", "drawing", "checking", "writing points"} <= set(found["stages"])
+    assert found["compiling"] > 0
+    assert {"drawing", "checking", "writing points"} <= set(found["stages"])
+    assert all(0 < spent["first"] and 0 < spent["all"] for spent in found["stages"].values())
     assert found["parts"][0]["pieces"] >= found["parts"][-1]["pieces"] > 0
     assert main(["profile", "Faucet", "-n", "2"]) == 0
-    assert found["parts"][0]["part"] in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert found["parts"][0]["part"] in shown and "first object" in shown
