@@ -16,7 +16,7 @@ from .measure import agreement, distances, surfaces, verdict
 from .model import Model
 from .pose import UNITS, Posed, targets, turn
 from .search import Effort, search
-from .states import Opened, carried, moved
+from .states import Moved, carried, moved
 
 TOGETHER = 6  # objects that are searched as one batch
 _NEARER = 0.8  # joints are moved where the distance becomes that of rest times this, or less
@@ -82,8 +82,8 @@ def _fit(
     outcome = repair(model.sampler, model.at_rest(found.batch), checked=checked)
     batch = outcome.batch
     failed = set(outcome.failed.tolist())
-    states, sites = np.zeros(len(batch.joints().owner)), batch.sites()  # of a plain model the joints are at 0
-    if isinstance(model.program, Opened):
+    states, sites, moving = np.zeros(len(batch.joints().owner)), batch.sites(), isinstance(model.program, Moved)
+    if moving:
         states = carried(batch, found.batch)
         sites = moved(batch, states)
     low, high = object_boxes(batch.sites(), len(batch))
@@ -105,10 +105,10 @@ def _fit(
             "size": [round(float(x), 6) for x in high[row] - low[row]],
             "valid": row not in failed,
         }
-        if isinstance(model.program, Opened):
+        if moving:
             own, at_rest = np.flatnonzero(batch.joints().owner == row), rest_values(batch)
             told["joints"] = {
-                batch.joints().name[j]: round(float(states[j]), 6) for j in own if states[j] != at_rest[j]
+                batch.joints().name[j]: round(float(states[j]), 6) for j in own if states[j] != 0.0 or at_rest[j] != 0.0
             }
         agreed = agreement(points, _words(posed, words or {}, semantic), whole[row], semantic)
         told |= {"iou": agreed} if agreed else {}

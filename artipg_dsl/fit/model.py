@@ -20,7 +20,7 @@ from ..runtime.plan import Plan, make_plan
 from ..sampling.known import evaluate_again, keep_draw, make_batch, rows_of_draw
 from ..sampling.sample import Sampler
 from ..sampling.search import domain_ends
-from .states import Opened, shut
+from .states import Moved, Opened, resting, shut
 from .states import opened as open_program
 
 
@@ -66,7 +66,7 @@ class Model:
 
     def __init__(self, sampler: Sampler, *, opened: bool = False):
         self.sampler = sampler
-        self.program = open_program(sampler.program) if opened else sampler.program
+        self.program = open_program(sampler.program) if opened else resting(sampler.program)
         behind = draws_behind(self.program, self._surface())
         draws = self.program.draws
         listed = [k for k in behind if draws[k].kind != "real" or draws[k].distribution == "values"]
@@ -84,7 +84,7 @@ class Model:
         for part in program.parts:
             wanted += [(holds, part.scope) for _, holds in part.semantic]
             wanted += ranks_of(part.link)
-        if isinstance(program, Opened):
+        if isinstance(program, Moved):
             wanted += motion_of(program)
         return make_plan(program, wanted)
 

@@ -1,4 +1,4 @@
-"""Joints anywhere in their ranges: their values are numbers of a candidate like others, and its primitives stand where they lead."""
+"""Joints of candidates: at rest, or anywhere in their ranges, where their values are numbers like others. Primitives stand where they lead."""
 
 from __future__ import annotations
 
@@ -14,17 +14,36 @@ from ..graph.expr import Column
 from ..graph.program import Draw, Program
 from ..runtime import motion
 from ..runtime.batch import Batch
+from ..runtime.kernels import State
+from ..runtime.needs import motion_of
+from ..runtime.plan import make_plan
+from ..sampling.known import make_batch
 
+_LOOKED = 64  # objects that tell whether joints rest at 0
 _KINDS = ("revolute", "prismatic")
 _tables: WeakKeyDictionary[Batch, list[SiteTable]] = WeakKeyDictionary()
 
 
 @dataclass(slots=True, eq=False)
-class Opened(Program):
+class Moved(Program):
+    """A program whose candidates do not have all joints at 0, where primitives are described."""
+
+
+@dataclass(slots=True, eq=False)
+class Opened(Moved):
     """A program that also draws the values of joints: ``states`` has the number of the draw for that of a joint. The other draws
     have the numbers and the values that they have without."""
 
     states: dict[int, int] = field(default_factory=dict)
+
+
+def resting(program: Program) -> Program:
+    """The program as one whose joints are at rest, if some of its objects rest elsewhere than at 0: for the others that is only slower."""
+    plan = make_plan(program, list(motion_of(program)))
+    batch = make_batch(program, plan, State(0, np.arange(_LOOKED), np.zeros(_LOOKED, dtype=np.int64)))
+    if not rest_values(batch).any():
+        return program
+    return Moved(**{one.name: getattr(program, one.name) for one in fields(Program)})
 
 
 def can_open(program: Program) -> bool:
@@ -71,7 +90,7 @@ def joint_values(batch: Batch) -> np.ndarray:
 
 def tables(batch: Batch) -> list[SiteTable]:
     """The primitives of candidates, where the values of their joints lead them."""
-    if not isinstance(batch.program, Opened):
+    if not isinstance(batch.program, Moved):
         return batch.sites()
     found = _tables.get(batch)
     if found is None:

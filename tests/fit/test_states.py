@@ -100,3 +100,15 @@ def test_the_surface_is_carried_back_to_rest() -> None:
     assert real.points[:, 2].max() > top + 0.1
     with pytest.raises(UserError, match="no joint `door`"):
         closed(samples.batch, real, {"door": 1.0})
+
+
+def test_what_rests_elsewhere_is_fitted_at_rest() -> None:
+    text = CASE.replace("range 0deg .. 110deg", "range 0deg .. 110deg rest 60deg")
+    model, samples = Model(Session.of_text(text).sampler), apg.load(text, n=1, seed=5)
+    sites = moved(samples.batch, np.array([np.deg2rad(60.0)]))
+    points = geometry.sample(sites, 1, 8000, key(0, "seen"), np.zeros(1, np.uint64), outside=False)
+    order = np.random.default_rng(0).permutation(8000)
+    cloud = Cloud(points.position[0][order], points.normal[0][order], np.full(8000, -1), ())
+    (one,) = fit(model, [pose(cloud, Frame(front="x", unit="m"), ".npz", 1.0)], effort=LITTLE)
+    assert one.told["verdict"] == "fits" and one.told["joints"]["open"] == pytest.approx(np.deg2rad(60.0))
+    assert off(one, samples) < 0.02
