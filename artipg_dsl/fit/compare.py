@@ -23,8 +23,9 @@ _FARTHEST = 0.08  # diagonals: what lies farther off counts as lying so far
 @dataclass(frozen=True, slots=True, eq=False)
 class Targets:
     """Clouds of the outer surface of T objects, each in one pose: ``points``, ``normals`` (T, M, 3), ``diagonal`` (T,) of the box
-    ``low`` .. ``high`` (T, 3), ``apart`` (T,) their spacing. ``of`` (T,): which object it is; ``known`` (T,): whether its
-    scale is. The first points of a cloud are a sample of it."""
+    ``low`` .. ``high`` (T, 3), ``apart`` (T, M) how far each lies from others, ``noise`` (T,) across the surface, in diagonals.
+    ``of`` (T,): which object it is; ``known`` (T,): whether its scale is. ``count`` (T,): how many points there are; others
+    are the same again. The first points of a cloud are a sample of it."""
 
     points: np.ndarray
     normals: np.ndarray
@@ -34,6 +35,8 @@ class Targets:
     high: np.ndarray
     of: np.ndarray
     known: np.ndarray
+    noise: np.ndarray
+    count: np.ndarray
 
     def __len__(self) -> int:
         return len(self.of)
@@ -42,10 +45,15 @@ class Targets:
     def size(self) -> np.ndarray:
         return self.high - self.low
 
+    def take(self, at: np.ndarray) -> Targets:
+        """Some of them."""
+        return Targets(*(getattr(self, field.name)[at] for field in fields(self)))
+
     def first(self, count: int) -> Targets:
         """With ``count`` points at most."""
-        apart = self.apart * np.sqrt(self.points.shape[1] / min(count, self.points.shape[1]))
-        return replace(self, points=self.points[:, :count], normals=self.normals[:, :count], apart=apart)
+        fewer = np.minimum(self.count, count)
+        apart = self.apart[:, :count] * np.sqrt(self.count / fewer)[:, None]
+        return replace(self, points=self.points[:, :count], normals=self.normals[:, :count], apart=apart, count=fewer)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,16 +118,16 @@ def compare(batch: Batch, target: np.ndarray, placed: Placed, targets: Targets, 
     """Candidates beside their targets, by n points of theirs."""
     points = clouds(batch, n)
     position = placed.of(points.position)
-    apart = spacing(position)
-    hidden = ~outer(position, apart)
+    lying = spacing(position)
+    hidden, apart = ~outer(position, lying), np.broadcast_to(lying[:, None], position.shape[:2])
     diagonal = targets.diagonal[target]
     cloud, facing = targets.points[target], targets.normals[target]
     there, here = nearest(features(position, points.normal, diagonal, hidden), features(cloud, facing, diagonal))
     every = np.arange(len(target))[:, None]
     near, outward = position[every, there], points.normal[every, there]
     found, back = cloud[every, here], facing[every, here]
-    to_surface = gaps(near, cloud, outward, apart, diagonal)
-    to_cloud = gaps(position, found, back, targets.apart[target], diagonal)
+    to_surface = gaps(near, cloud, outward, apart[every, there], diagonal)
+    to_cloud = gaps(position, found, back, targets.apart[target[:, None], here], diagonal)
     agree = (outward * facing).sum(axis=2), (points.normal * back).sum(axis=2)
     own = np.where(hidden, 0.0, np.minimum(np.abs(to_cloud.value), _FARTHEST)).sum(axis=1)
     own /= np.maximum((~hidden).sum(axis=1), 1)

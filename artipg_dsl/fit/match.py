@@ -51,12 +51,12 @@ class Gaps:
 
 def gaps(surface: np.ndarray, cloud: np.ndarray, normal: np.ndarray, apart: np.ndarray, diagonal: np.ndarray) -> Gaps:
     """Of pairs of points of a surface and a cloud (K, m, 3): along the ``normal`` of the one that stands for its neighbours, which
-    lie ``apart`` (K,), and aside as far as the other lies beyond the reach of those."""
+    lie ``apart`` (K, m), and aside as far as the other lies beyond the reach of those."""
     way = surface - cloud
     along = (way * normal).sum(axis=2)
     aside = way - along[:, :, None] * normal
     length = np.sqrt((aside * aside).sum(axis=2))
-    beyond = np.maximum(length - _REACH * apart[:, None], 0.0)
+    beyond = np.maximum(length - _REACH * apart, 0.0)
     aside *= (beyond / np.maximum(length, 1e-12))[:, :, None]
     whole = np.sqrt(along * along + beyond * beyond)
     straight = (along[:, :, None] * normal + aside) / np.maximum(whole, 1e-12)[:, :, None]

@@ -17,6 +17,9 @@ AXES = ("x", "-x", "y", "-y", "z", "-z")
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 _COMPARED = 2048  # points of a target
 _NEIGHBOURS = 12  # that tell a normal
+_ASKED = 2000  # points of a cloud that are asked for its noise
+_ALIKE = 0.8  # what normals agree by at least that tell it
+_FROM_MEDIAN = 1.05  # of a difference of two normal deviates to the deviation of one: 1 / (0.674 * sqrt(2))
 _ODD = 2.5  # times larger or smaller than usual objects: then the unit is looked for
 _FAR = 30.0  # times: then it is no object of the category
 
@@ -117,8 +120,9 @@ def _estimated(points: np.ndarray) -> np.ndarray:
 def targets(several: Sequence[Posed]) -> Targets:
     """The targets of some objects, one for each way in which each may stand."""
     columns: list[list[np.ndarray]] = [[] for _ in range(4)]
-    of, known = [], []
+    of, known, noise, count = [], [], [], []
     for number, one in enumerate(several):
+        roughness = _roughness(one)
         taken = np.resize(np.arange(len(one.points)), _COMPARED)
         for up, front in one.turns:
             matrix = turn(up, front)
@@ -128,6 +132,21 @@ def targets(several: Sequence[Posed]) -> Targets:
                 column.append(value)
             of.append(number)
             known.append(one.known)
+            noise.append(roughness)
+            count.append(min(len(one.points), _COMPARED))
     points, normals, low, high = (np.stack(column) for column in columns)
     diagonal = np.sqrt(((high - low) ** 2).sum(axis=1))
-    return Targets(points, normals, diagonal, spacing(points), low, high, np.array(of), np.array(known))
+    counts = np.array(count)
+    apart = np.repeat((spacing(points) * np.sqrt(_COMPARED / counts))[:, None], _COMPARED, axis=1)
+    return Targets(
+        points, normals, diagonal, apart, low, high, np.array(of), np.array(known), np.array(noise) / diagonal, counts
+    )
+
+
+def _roughness(one: Posed) -> float:
+    """How far points lie off the planes of those beside them that face the same way, in the middle of a cloud's, in metres: its noise."""
+    some = slice(0, _ASKED)
+    near = cKDTree(one.points).query(one.points[some], k=min(_NEIGHBOURS, len(one.points)))[1]
+    off = ((one.points[near] - one.points[some, None]) * one.normals[some, None]).sum(axis=2)
+    alike = (one.normals[near] * one.normals[some, None]).sum(axis=2) > _ALIKE
+    return float(_FROM_MEDIAN * np.median(np.abs(off[:, 1:][alike[:, 1:]]))) if alike[:, 1:].any() else 0.0
