@@ -12,6 +12,7 @@ from ..geometry import points as geometry
 from ..geometry.pointset import PointSet
 from ..geometry.sites import SiteTable
 from ..runtime.batch import Batch
+from .focus import Rows, spread
 from .match import Gaps, features, gaps, nearest
 from .model import Placed
 from .outer import outer, spacing
@@ -114,12 +115,20 @@ def clouds(batch: Batch, n: int, seed: int = 0) -> PointSet:
     return geometry.sample(tables(batch), len(batch), n, random.key(seed, "fit"), batch.state.objects.astype(np.uint64))
 
 
-def compare(batch: Batch, target: np.ndarray, placed: Placed, targets: Targets, n: int) -> Compared:
-    """Candidates beside their targets, by n points of theirs."""
-    points = clouds(batch, n)
-    position = placed.of(points.position)
-    lying = spacing(position)
-    hidden, apart = ~outer(position, lying), np.broadcast_to(lying[:, None], position.shape[:2])
+def compare(
+    batch: Batch, target: np.ndarray, placed: Placed, targets: Targets, n: int, marked: Rows | None = None
+) -> Compared:
+    """Candidates beside their targets, by n points of theirs; a third of these on rows that are ``marked``."""
+    if marked is None:
+        points = clouds(batch, n)
+        position = placed.of(points.position)
+        lying = spacing(position)
+        hidden, apart = ~outer(position, lying), np.broadcast_to(lying[:, None], position.shape[:2])
+    else:
+        laid = spread(batch, marked, n - n // 3, n // 3)
+        points = laid.points
+        position, apart = placed.of(points.position), laid.apart * placed.scale[:, None]
+        hidden = ~outer(position)
     diagonal = targets.diagonal[target]
     cloud, facing = targets.points[target], targets.normals[target]
     there, here = nearest(features(position, points.normal, diagonal, hidden), features(cloud, facing, diagonal))

@@ -45,6 +45,18 @@ class Freedoms:
         return len(self.owner)
 
     @property
+    def names(self) -> np.ndarray:
+        """One number for each that says which it is, of which candidate."""
+        return mix(mix(self.owner.astype(np.uint64), self.draw), self.row)
+
+    def take(self, at: np.ndarray) -> Freedoms:
+        """Some of them, ascending."""
+        owner = self.owner[at]
+        place = np.arange(len(at)) - np.searchsorted(owner, owner)
+        columns = (getattr(self, name)[at] for name in ("value", "low", "high", "width"))
+        return Freedoms(owner, self.draw[at], self.row[at], place, *columns)
+
+    @property
     def most(self) -> int:
         """The largest number of them in one candidate."""
         return int(self.place.max(initial=-1)) + 1
@@ -115,6 +127,26 @@ class Model:
             state.kept[number] = _kept(np.concatenate(keys), np.concatenate(values))
         return make_batch(self.program, self.plan, state)
 
+    def merged(self, batch: Batch, others: Batch, of: np.ndarray, order: np.ndarray) -> Batch:
+        """Candidates, each with what the ``others``, copies of the one ``of`` (n,) which they are, have otherwise than it: where these differ
+        from one another, of the one first in ``order`` (n,)."""
+        state = State(batch.seed, batch.state.objects, batch.state.attempt, lane=batch.state.lanes())
+        for number in range(len(self.program.draws)):
+            own = rows_of_draw(batch, number, np.arange(len(batch)))
+            theirs = rows_of_draw(others, number, np.arange(len(others)))
+            rows = others.rowmap.rows(self.program.draws[number].column.scope)
+            key, value = own.key, batch.state.values[number][own.row]
+            new, now = mix(rows.address[theirs.row], of[theirs.owner]), others.state.values[number][theirs.row]
+            ascending = np.argsort(key, kind="stable")
+            at = ascending[np.minimum(np.searchsorted(key[ascending], new), max(len(key) - 1, 0))] if len(key) else new
+            differs = (key[at] != new) | (value[at] != now) if len(key) else np.ones(len(new), dtype=bool)
+            keys, values = np.concatenate([new[differs], key]), np.concatenate([now[differs], value])
+            rank = np.concatenate([order[theirs.owner[differs]], np.full(len(key), len(others))])
+            first = np.lexsort((rank, keys))
+            first = first[np.diff(keys[first], prepend=~keys[first[:1]]) != 0]
+            state.kept[number] = _kept(keys[first], values[first])
+        return make_batch(self.program, self.plan, state)
+
     def drawn(self, numbers: np.ndarray, seed: int) -> Batch:
         """First attempts of the objects of some numbers; which are valid their state tells. Where joints have values, every other object
         is at rest, and half of the joints of the others are."""
@@ -131,6 +163,17 @@ class Model:
         state = State(old.seed, old.objects, old.attempt, dict(old.given), salt=old.salt, lane=old.lanes())
         state.kept = {number: keep_draw(batch, number, every) for number in range(len(program.draws))}
         return make_batch(program, self.sampler.plan, state, batch.numbers)
+
+    def fingerprints(self, batch: Batch) -> np.ndarray:
+        """(B,) uint64: a number for all values on which the surfaces of candidates depend."""
+        found = np.zeros(len(batch), dtype=np.uint64)
+        for number in (*self.discrete, *self.smooth):
+            scope = self.program.draws[number].column.scope
+            said = mix(np.full(len(batch.owner(scope)), number + 1, dtype=np.uint64), _bits(batch.state.values[number]))
+            for _, rank in batch.rowmap.ranks(scope):
+                said = mix(said, rank)
+            np.add.at(found, batch.owner(scope), said)
+        return found
 
     def structures(self, batch: Batch) -> np.ndarray:
         """(B,) uint64: a number for the discrete values of each candidate, equal where all of them are; and for the quarter of its range
@@ -198,6 +241,10 @@ class Model:
         owner = owner[order]
         place = np.arange(len(owner)) - np.searchsorted(owner, owner)
         return Freedoms(owner, draws[order], row[order], place, value[order], low[order], high[order], width[order])
+
+
+def _bits(value: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(value + 0.0).view(np.uint64)  # -0.0 is 0.0
 
 
 def _kept(key: np.ndarray, value: np.ndarray) -> Kept:

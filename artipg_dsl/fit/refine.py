@@ -16,6 +16,7 @@ from ..geometry.hidden import runs
 from ..geometry.sites import SiteTable
 from ..runtime.batch import Batch
 from .compare import Candidates, Compared, Targets, chosen, compare, starts
+from .focus import Rows
 from .match import Gaps
 from .model import Changes, Freedoms, Model, Placed
 from .states import tables
@@ -38,16 +39,19 @@ class Schedule:
     width: tuple[float, float]
 
 
-def refine(model: Model, targets: Targets, found: Candidates, schedule: Schedule) -> Candidates:
-    """The candidates after some steps; none is worse than it was."""
+def refine(
+    model: Model, targets: Targets, found: Candidates, schedule: Schedule, marked: Rows | None = None
+) -> Candidates:
+    """The candidates after some steps; none is worse than it was. ``marked``: only what moves these rows alone is moved."""
     damping = np.full(len(found), _DAMPING)
     batch, target, placed = found.batch, found.target, found.placed
-    now = compare(batch, target, placed, targets, schedule.points)
+    now = compare(batch, target, placed, targets, schedule.points, marked)
     first, last = schedule.width
+    held = None if marked is None else _held(model, batch, marked)
     for step in range(schedule.steps):
         width = first * (last / first) ** (step / max(schedule.steps - 1, 1))
-        moved, there = _step(model, targets, batch, target, placed, now, damping, width)
-        then = compare(moved, target, there, targets, schedule.points)
+        moved, there = _step(model, targets, batch, target, placed, now, damping, width, held)
+        then = compare(moved, target, there, targets, schedule.points, marked)
         better = (then.score < now.score) & ~moved.state.failed
         damping = np.where(better, np.maximum(damping * 0.3, 1e-5), np.minimum(damping * 6.0, 1e3))
         if better.any():
@@ -76,9 +80,11 @@ def _step(
     now: Compared,
     damping: np.ndarray,
     width: float,
+    held: np.ndarray | None,
 ) -> tuple[Batch, Placed]:
     """Each candidate after one damped step towards smaller gaps."""
     free = model.freedoms(batch)
+    free = free if held is None else free.take(np.flatnonzero(~np.isin(free.names, held)))
     moved = _derivatives(model, batch, now, free) * placed.scale[:, None, None, None]
     diagonal, every = targets.diagonal[target], np.arange(len(target))[:, None]
     matrix = np.zeros((len(target), moved.shape[1] + _SHIFTS + 1, moved.shape[1] + _SHIFTS + 1))
@@ -106,7 +112,7 @@ def _step(
         leaned = columns * weight[:, None, :]
         matrix += leaned @ columns.transpose(0, 2, 1)
         slope += (leaned * gap.value[:, None, :]).sum(axis=2)
-    return _solved(model, batch, placed, free, matrix, slope, damping, diagonal)
+    return _solved(model, batch, placed, free, matrix, slope, damping, diagonal, held is not None)
 
 
 def _count(weight: np.ndarray) -> np.ndarray:
@@ -127,8 +133,9 @@ def _solved(
     slope: np.ndarray,
     damping: np.ndarray,
     diagonal: np.ndarray,
+    fixed: bool,
 ) -> tuple[Batch, Placed]:
-    """The damped equations solved; numbers that would leave their range stay where they are."""
+    """The damped equations solved; numbers that would leave their range stay where they are, and the place if it is ``fixed``."""
     most = free.most
     room = _LEAST_ROOM * free.width
     pressed = np.zeros(slope.shape, dtype=bool)
@@ -136,6 +143,7 @@ def _solved(
     pressed[free.owner, free.place] = np.where(
         downhill > 0, free.high - free.value < room, free.value - free.low < room
     )
+    pressed[:, most:] = fixed
     matrix = np.where(pressed[:, :, None] | pressed[:, None, :], 0.0, matrix)
     slope = np.where(pressed, 0.0, slope)
     own = np.einsum("kii->ki", matrix)
@@ -153,17 +161,33 @@ def _solved(
 # ---------------------------------------------------------------- derivatives
 
 
+def _held(model: Model, batch: Batch, marked: Rows) -> np.ndarray:
+    """The names of the numbers of candidates that move rows which are not ``marked``."""
+    free = model.freedoms(batch)
+    moved, _ = _moved(model, batch, free)
+    sites = tables(batch)
+    copy, _, base = _changed(sites, tables(moved), free.owner, starts(sites))
+    others = ~np.concatenate([np.zeros(0, dtype=bool), *marked.among(sites)])
+    found: np.ndarray = free.names[np.unique(copy[others[base]])]
+    return found
+
+
+def _moved(model: Model, batch: Batch, free: Freedoms) -> tuple[Batch, np.ndarray]:
+    """A copy of its candidate for each number, in which this is moved a little, and by how much."""
+    upward = free.high - free.value >= free.value - free.low
+    reach = np.minimum(_STEP * free.width, np.maximum(free.high - free.value, free.value - free.low))
+    reach = np.where(upward, reach, -reach)
+    changes = Changes(np.arange(len(free)), free.draw, free.row, free.value + reach)
+    return model.altered(batch, free.owner, changes), reach
+
+
 def _derivatives(model: Model, batch: Batch, now: Compared, free: Freedoms) -> np.ndarray:
     """(K, P, n, 3): how the points of each candidate move as each of its numbers grows by the width of its range."""
     count, n = now.position.shape[:2]
     out = np.zeros((count, free.most, n, 3))
     if not len(free):
         return out
-    upward = free.high - free.value >= free.value - free.low
-    reach = np.minimum(_STEP * free.width, np.maximum(free.high - free.value, free.value - free.low))
-    reach = np.where(upward, reach, -reach)
-    value = free.value + reach
-    moved = model.altered(batch, free.owner, Changes(np.arange(len(free)), free.draw, free.row, value))
+    moved, reach = _moved(model, batch, free)
     sites, others = tables(batch), tables(moved)
     begin = starts(sites)
     copy, there, base = _changed(sites, others, free.owner, begin)

@@ -1,0 +1,144 @@
+"""Where candidates differ from what they were made of: their rows there, and points that lie mostly there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import random
+from ..geometry import points as geometry
+from ..geometry.hidden import runs
+from ..geometry.pointset import PointSet, Pools
+from ..geometry.sites import SiteTable
+from ..runtime.batch import Batch
+from .states import tables
+
+_MANY = 1 << 32  # more than rows of a site in an object
+_SMALL = 0.1  # of the surface of all boxes: that of the small primitives together
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rows:
+    """Primitives of candidates by name: for each site its rows as ``owner`` and rank, in one number."""
+
+    named: dict[int, np.ndarray]
+
+    @staticmethod
+    def of(sites: list[SiteTable], marked: list[np.ndarray]) -> Rows:
+        return Rows({table.number: _names(table)[one] for table, one in zip(sites, marked, strict=True)})
+
+    def among(self, sites: list[SiteTable]) -> list[np.ndarray]:
+        """For each table which of its rows these are."""
+        return [np.isin(_names(table), self.named.get(table.number, np.zeros(0))) for table in sites]
+
+
+def _names(table: SiteTable) -> np.ndarray:
+    return np.asarray(table.owner * _MANY + table.rank)
+
+
+def small(batch: Batch) -> Rows:
+    """The smallest primitives of each candidate, by the surface of their boxes, which together have a tenth of it."""
+    sites = tables(batch)
+    surface, owner = [np.zeros(0)], [np.zeros(0, dtype=np.int64)]
+    for table in sites:
+        low, high = table.boxes()
+        x, y, z = np.moveaxis(high - low, -1, 0)
+        surface.append(x * y + y * z + z * x)
+        owner.append(table.owner)
+    size, own = np.concatenate(surface), np.concatenate(owner)
+    order = np.lexsort((size, own))
+    running = np.cumsum(size[order])
+    begin = np.searchsorted(own[order], own[order])
+    running -= np.concatenate([[0.0], running])[begin]
+    whole = np.bincount(own, size, minlength=len(batch))
+    found = np.zeros(len(own), dtype=bool)
+    found[order] = running <= _SMALL * whole[own[order]]
+    return Rows.of(sites, np.split(found, np.cumsum([len(table) for table in sites])[:-1]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Differing:
+    """``new``: rows of the copies that stand otherwise than in their origin, or not at all there. ``gone``: those of the origins that are
+    changed or gone, by the copy and their rank; ``old``: the same as pairs of a copy and a row among those of all tables of the origins."""
+
+    new: Rows
+    gone: Rows
+    old: tuple[np.ndarray, np.ndarray]
+
+    def anywhere(self, count: int) -> np.ndarray:
+        """(K,) bool for the ``count`` copies: whether they differ at all."""
+        found = np.zeros(count, dtype=bool)
+        found[self.old[0]] = True
+        for names in self.new.named.values():
+            found[names // _MANY] = True
+        return found
+
+
+def differing(origins: Batch, copies: Batch, of: np.ndarray) -> Differing:
+    """The primitives of ``copies`` that are not those of the ``origins`` they were made of (``of`` (K,), places among them)."""
+    new: list[np.ndarray] = []
+    copy: list[np.ndarray] = [np.zeros(0, dtype=np.int64)]
+    gone: list[np.ndarray] = [np.zeros(0, dtype=np.int64)]
+    lost: dict[int, np.ndarray] = {}
+    begin = 0
+    for table, other in zip(tables(origins), tables(copies), strict=True):
+        origin = of[other.owner]
+        first, last = (np.searchsorted(table.owner, origin, side=side) for side in ("left", "right"))
+        base = first + other.rank
+        there = base < last
+        own = np.minimum(base, max(len(table) - 1, 0))
+        same = there & (_same(table, other, own) if len(table) else False)
+        new.append(~same)
+        low, high = (np.searchsorted(table.owner, of, side=side) for side in ("left", "right"))
+        many = high - low
+        rows, start = runs(low, many), np.cumsum(many) - many  # of each copy those of its origin
+        kept = np.zeros(len(rows), dtype=bool)
+        kept[(start[other.owner] + other.rank)[same]] = True
+        owner = np.repeat(np.arange(len(of)), many)[~kept]
+        copy.append(owner)
+        gone.append(begin + rows[~kept])
+        lost[table.number] = owner * _MANY + table.rank[rows[~kept]]
+        begin += len(table)
+    return Differing(Rows.of(tables(copies), new), Rows(lost), (np.concatenate(copy), np.concatenate(gone)))
+
+
+def _same(table: SiteTable, other: SiteTable, own: np.ndarray) -> np.ndarray:
+    same = (table.rotation[own] == other.rotation).all(axis=(1, 2)) & (table.mirror[own] == other.mirror)
+    same &= (table.translation[own] == other.translation).all(axis=1)
+    for name, value in table.params.items():
+        same &= value[own] == other.params[name]
+    return np.asarray(same)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spread:
+    """Points (K, n) of candidates, those on marked rows last; how far each lies ``apart`` from others (K, n), in metres; the
+    visible surface ``area`` (K, 2) of other rows and of these, in square metres."""
+
+    points: PointSet
+    apart: np.ndarray
+    area: np.ndarray
+
+
+def spread(batch: Batch, marked: Rows, around: int, near: int) -> Spread:
+    """``near`` points of the rows that are ``marked``, ``around`` of all others; of these alone where there are no others."""
+    sites = tables(batch)
+    labels = [one.astype(np.int64) for one in marked.among(sites)]
+    pools = Pools.of(sites, labels, len(batch))
+    wanted = np.where(pools.label == 1, near, around)
+    one = np.bincount(pools.owner, minlength=len(batch))[pools.owner] == 1
+    wanted = np.where(one, around + near, wanted)
+    key, address = random.key(0, "spread"), batch.state.objects.astype(np.uint64)
+    found, full, area = geometry.sample_counts(sites, pools, wanted, key, address)
+    held = np.zeros((len(batch), 2), dtype=np.int64) - 1  # the pool of each
+    held[pools.owner[full], pools.label[full]] = np.flatnonzero(full)
+    held = np.where(held < 0, held[:, ::-1], held)
+    column = np.arange(around + near)
+    pool = np.where(column < around, held[:, :1], held[:, 1:])
+    alone = held[:, :1] == held[:, 1:]
+    lies = np.where(alone | (column < around), column, column - around) % wanted[pool]
+    visible = np.zeros((len(batch), 2))
+    visible[pools.owner[full], pools.label[full]] = area[full]
+    apart = np.sqrt(np.maximum(area, 1e-12) / wanted)[pool]
+    return Spread(found.take((pool, lies)), apart, visible)
