@@ -12,9 +12,11 @@ from ..annotate.states import rest_values
 from ..geometry.sites import object_boxes
 from ..runtime.batch import Batch
 from ..sampling.repair import repair
+from .decide import decide
 from .measure import agreement, distances, surfaces, verdict
 from .model import Model
 from .pose import UNITS, Posed, targets, turn
+from .refine import refine
 from .search import Effort, search
 from .states import Moved, carried, moved
 
@@ -78,7 +80,10 @@ def _fit(
     words: Mapping[str, str] | None,
 ) -> list[Fitted]:
     asked = targets(several)
-    found = search(model, asked, effort or Effort(), seed)
+    effort = effort or Effort()
+    found = search(model, asked, effort, seed)
+    found = decide(model, asked, found, effort)
+    found = refine(model, asked.first(2048), found, effort.last)
     outcome = repair(model.sampler, model.at_rest(found.batch), checked=checked)
     batch = outcome.batch
     failed = set(outcome.failed.tolist())

@@ -15,7 +15,7 @@ from .reading import Cloud
 
 AXES = ("x", "-x", "y", "-y", "z", "-z")
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
-_COMPARED = 2048  # points of a target
+_COMPARED = 8192  # points of a target
 _NEIGHBOURS = 12  # that tell a normal
 _ASKED = 2000  # points of a cloud that are asked for its noise
 _ALIKE = 0.8  # what normals agree by at least that tell it

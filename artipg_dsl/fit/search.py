@@ -1,4 +1,4 @@
-"""From nothing to the best candidates: drawn, chosen by their boxes and clouds, refined, and tried with other structures."""
+"""From nothing to the best candidates: drawn, chosen by their boxes and clouds, and refined."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.sites import object_boxes
-from ..runtime.batch import Batch
-from .compare import Candidates, Targets, clouds, compare
+from .compare import Candidates, Targets, clouds
 from .match import features, nearest
-from .model import Changes, Model, Placed
+from .model import Model, Placed
 from .outer import outer
 from .refine import Schedule, refine
 from .states import tables
@@ -22,16 +21,20 @@ _COARSE = 192  # points of a candidate and of a target, where thousands are comp
 @dataclass(frozen=True, slots=True)
 class Effort:
     """How much is tried: ``drawn`` candidates, of which ``looked`` at for each target; ``kept`` structures are refined by
-    ``first``, ``best`` of them further; ``rounds`` of other structures, ``tried`` of which are refined."""
+    ``first``, ``best`` of them by ``more``, two of these by ``near``. Then every other value of choices and counts is drawn ``lanes`` times, in
+    ``rounds`` at most, and ``tried`` copies of each object are refined by ``part``. What is left is refined by ``last``."""
 
     drawn: int = 4000
     looked: int = 500
     kept: int = 24
     best: int = 6
-    rounds: int = 3
-    tried: int = 24
+    rounds: int = 4
+    lanes: int = 2
+    tried: int = 8
     first: Schedule = Schedule(5, 384, (0.06, 0.02))
     more: Schedule = Schedule(6, 512, (0.03, 0.008))
+    near: Schedule = Schedule(4, 1024, (0.012, 0.006))
+    part: Schedule = Schedule(3, 576, (0.03, 0.008))
     last: Schedule = Schedule(8, 1536, (0.012, 0.004))
 
 
@@ -41,18 +44,8 @@ def search(model: Model, targets: Targets, effort: Effort, seed: int = 0) -> Can
     found = refine(model, targets.first(512), found, effort.first)
     found = best(model, found, targets, effort.best)
     found = refine(model, targets.first(768), found, effort.more)
-    for _ in range(effort.rounds):
-        others = _others(model, targets, best(model, found, targets, 2), effort)
-        if others is None:
-            break
-        others = refine(model, targets.first(512), others, effort.first)
-        others = refine(model, targets.first(768), best(model, others, targets, effort.best), effort.more)
-        before = best(model, found, targets, 1).score
-        found = best(model, _united(model, [found, others]), targets, effort.best)
-        if not (best(model, found, targets, 1).score < before - 1e-4).any():
-            break
-    found = best(model, found, targets, 2)
-    return best(model, refine(model, targets, found, effort.last), targets, 1)
+    found = refine(model, targets.first(1024), best(model, found, targets, 2), effort.near)
+    return best(model, found, targets, 1)
 
 
 def taken(model: Model, found: Candidates, at: np.ndarray) -> Candidates:
@@ -60,7 +53,7 @@ def taken(model: Model, found: Candidates, at: np.ndarray) -> Candidates:
     return Candidates(model.assembled([(found.batch, at)]), found.target[at], found.placed.take(at), found.score[at])
 
 
-def _united(model: Model, several: list[Candidates]) -> Candidates:
+def united(model: Model, several: list[Candidates]) -> Candidates:
     """All candidates of several sets."""
     batch = model.assembled([(one.batch, np.arange(len(one))) for one in several])
     placed = Placed(
@@ -72,10 +65,10 @@ def _united(model: Model, several: list[Candidates]) -> Candidates:
 
 def best(model: Model, found: Candidates, targets: Targets, count: int) -> Candidates:
     """The ``count`` best structures of each object, one candidate each, the best first."""
-    return taken(model, found, _best(model.structures(found.batch), targets.of[found.target], found.score, count))
+    return taken(model, found, best_of(model.structures(found.batch), targets.of[found.target], found.score, count))
 
 
-def _best(structure: np.ndarray, owner: np.ndarray, score: np.ndarray, count: int) -> np.ndarray:
+def best_of(structure: np.ndarray, owner: np.ndarray, score: np.ndarray, count: int) -> np.ndarray:
     """Places of the best of each structure, ``count`` of each owner, by owner and score."""
     order = np.lexsort((np.arange(len(score)), score, owner))
     pair = np.stack([owner[order].astype(np.uint64), structure[order]])
@@ -122,7 +115,7 @@ def _chosen(model: Model, targets: Targets, effort: Effort, seed: int) -> Candid
     target = np.repeat(np.arange(len(targets)), near.shape[1])
     at = place.reshape(near.shape).ravel()
     structure = model.structures(looked)[at]
-    kept = _best(structure, targets.of[target], score.ravel(), effort.kept)
+    kept = best_of(structure, targets.of[target], score.ravel(), effort.kept)
     batch = model.assembled([(looked, at[kept])])
     target = target[kept]
     low, high = low[at[kept]], high[at[kept]]
@@ -132,45 +125,3 @@ def _chosen(model: Model, targets: Targets, effort: Effort, seed: int) -> Candid
     middle = (targets.low[target] + targets.high[target]) / 2 - factor[:, None] * (low + high) / 2
     middle[:, 2] = targets.low[target, 2] - factor * low[:, 2]
     return Candidates(batch, target, Placed(factor, middle), score.ravel()[kept])
-
-
-def _others(model: Model, targets: Targets, found: Candidates, effort: Effort) -> Candidates | None:
-    """Candidates that differ from those found in one discrete value, each for its owner: the most promising ones."""
-    copy, draw, row, value = _alternatives(model, found.batch)
-    if not len(copy):
-        return None
-    lanes = 2
-    copy, draw, row, value = (np.tile(column, lanes) for column in (copy, draw, row, value))
-    lane = np.repeat(np.arange(lanes), len(copy) // lanes) + 1
-    order = np.argsort(copy, kind="stable")
-    copy, draw, row, value, lane = (column[order] for column in (copy, draw, row, value, lane))
-    tried = model.altered(found.batch, copy, Changes(np.arange(len(copy)), draw, row, value), lane=lane)
-    same = model.structures(tried) == model.structures(found.batch)[copy]
-    kept = np.flatnonzero(~tried.state.failed & ~same)
-    if not len(kept):
-        return None
-    tried = model.assembled([(tried, kept)])
-    target, placed = found.target[copy[kept]], found.placed.take(copy[kept])
-    score = compare(tried, target, placed, targets.first(384), 384).score
-    all_of = Candidates(tried, target, placed, score)
-    return best(model, all_of, targets, effort.tried)
-
-
-def _alternatives(model: Model, batch: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Every other value that one discrete row of a candidate can have: candidate, draw, row, value."""
-    found: list[list[np.ndarray]] = [[], [], [], []]
-    for number in model.discrete:
-        draw = model.program.draws[number]
-        owner, old = batch.owner(draw.column.scope), batch.state.values[number]
-        if draw.kind == "choice":
-            options = np.broadcast_to(np.arange(len(draw.options), dtype=np.float64), (len(old), len(draw.options)))
-        elif draw.kind == "count":
-            options = old[:, None] + np.array([-2.0, -1.0, 1.0, 2.0])
-        else:
-            options = np.stack(batch.read(draw.arguments, draw.column.scope), axis=1)
-        rows, which = np.nonzero(np.abs(options - old[:, None]) > 1e-9)
-        told = owner[rows], np.full(len(rows), number), rows, options[rows, which]
-        for column, one in zip(found, told, strict=True):
-            column.append(one)
-    copy, draws, row, value = (np.concatenate([np.zeros(0, dtype=np.int64), *column]) for column in found)
-    return copy, draws.astype(np.int64), row.astype(np.int64), value

@@ -1,0 +1,163 @@
+"""Choices and counts decided by the whole cloud, where the mean distance cannot tell.
+
+Each other value of each choice and count is tried in copies of what was found, for which new parts are drawn. Copies are compared with
+their origin by the points of both, and of the cloud, that lie where they differ. The most promising ones move their new parts into place, the
+rest of the object being held, and the object takes all the changes for which the cloud speaks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..random import mix
+from ..runtime.batch import Batch
+from .compare import Candidates, Targets
+from .evidence import Asked, Clouds, Copies, Evidence, weigh, weigh_again, weigh_change
+from .focus import differing
+from .model import Changes, Model
+from .refine import refine
+from .search import Effort, best_of, taken, united
+
+_BLOCK = 96  # copies at a time
+_SURE = 12.0  # natural logarithms by which a change has to be more likely
+_HOPE = 300.0  # what is less likely by more than this is not refined,
+_HOPED = 0.3  # nor what is by more than this share of all that speaks against the object
+_WHOLE = 512  # points of a cloud by which a copy is refined: those of all of it, and of where it differs
+_THERE = 256
+
+
+def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) -> Candidates:
+    """What was found, one candidate of each object, with the choices and counts for which the whole clouds speak."""
+    own = targets.take(found.target)
+    clouds = Clouds(own)
+    now, still = replace(found, target=np.arange(len(found))), np.arange(len(found))
+    for number in range(effort.rounds):
+        some = taken(model, now, still)
+        base = weigh(some.batch, some.target, some.placed, clouds)
+        copies, told = _likeliest(model, some, clouds, base, effort, number)
+        better, loss = _better(model, some, clouds, base, _settled(model, own, some, copies, told, effort))
+        changed = np.flatnonzero(loss < -_SURE)
+        if not len(changed):
+            break
+        still = still[changed]
+        rest = np.setdiff1d(np.arange(len(now)), still)
+        both = united(model, [taken(model, now, rest), taken(model, better, changed)])
+        now = taken(model, both, np.argsort(both.target, kind="stable"))
+    return replace(now, target=found.target)
+
+
+def _settled(model: Model, own: Targets, found: Candidates, copies: Copies, told: Asked, effort: Effort) -> Copies:
+    """Copies whose new parts have moved to where the cloud has them, all else being held."""
+    if not len(copies.of):
+        return copies
+    marked = differing(found.batch, copies.batch, copies.of).new
+    asked = Candidates(copies.batch, np.arange(len(copies.of)), copies.placed, np.zeros(len(copies.of)))
+    moved = refine(model, _views(own, copies.target, told), asked, effort.part, marked)
+    return replace(copies, batch=moved.batch)
+
+
+def _better(
+    model: Model, found: Candidates, clouds: Clouds, base: Evidence, copies: Copies
+) -> tuple[Candidates, np.ndarray]:
+    """Each candidate with all the changes for which the cloud speaks, or with the best one where it does not speak for all together; and by
+    how much it is less likely than before."""
+    loss = np.zeros(len(found))
+    if not len(copies.of):
+        return found, loss
+    origins, differ = model.assembled([(found.batch, copies.of)]), differing(found.batch, copies.batch, copies.of)
+    apart = weigh_again(copies, origins, clouds, base, differ).loss
+    good = np.flatnonzero(apart < -_SURE)
+    if not len(good):
+        return found, loss
+    good = good[np.lexsort((apart[good], copies.of[good]))]
+    first = good[np.unique(copies.of[good], return_index=True)[1]]
+    at = copies.of[first]
+    loss[at] = apart[first]
+    single = np.arange(len(found))
+    single[at] = len(found) + np.arange(len(first))
+    several = model.assembled([(found.batch, np.arange(len(found))), (copies.batch, first)])
+    best = replace(found, batch=model.assembled([(several, single)]))
+    others = model.assembled([(copies.batch, np.sort(good))])
+    rank = np.argsort(np.argsort(apart[np.sort(good)], kind="stable"))
+    merged = replace(found, batch=model.merged(found.batch, others, copies.of[np.sort(good)], rank))
+    together = weigh(merged.batch, merged.target, merged.placed, clouds).total - base.total
+    alone = weigh(best.batch, best.target, best.placed, clouds).total - base.total
+    whole = (together < np.minimum(alone, 0.0)) & ~merged.batch.state.failed
+    loss = np.where(whole, np.minimum(together, loss), loss)
+    return taken(model, united(model, [best, merged]), np.where(whole, len(found), 0) + np.arange(len(found))), loss
+
+
+def _likeliest(
+    model: Model, found: Candidates, clouds: Clouds, base: Evidence, effort: Effort, number: int
+) -> tuple[Copies, Asked]:
+    """The copies of what was found, each with another value, that are likeliest as drawn, and the points of clouds that tell of them."""
+    copy, draw, row, value = (np.repeat(column, effort.lanes) for column in alternatives(model, found.batch))
+    lane = np.tile(np.arange(effort.lanes), len(copy) // effort.lanes) + 1 + number * effort.lanes
+    order = np.argsort(copy, kind="stable")
+    copy, draw, row, value, lane = (column[order] for column in (copy, draw, row, value, lane))
+    before = model.structures(found.batch)
+    parts: list[tuple[Batch, np.ndarray]] = []
+    asked: list[Asked] = []
+    owners, losses, places = [np.zeros(0, dtype=np.int64)], [np.zeros(0)], [np.zeros(0, dtype=np.uint64)]
+    for start in range(0, len(copy), _BLOCK):
+        part = slice(start, start + _BLOCK)
+        of = copy[part]
+        changes = Changes(np.arange(len(of)), draw[part], row[part], value[part])
+        tried = model.altered(found.batch, of, changes, lane=lane[part])
+        differ = differing(found.batch, tried, of).anywhere(len(of)) & (model.structures(tried) != before[of])
+        good = np.flatnonzero(~tried.state.failed & differ)
+        good = np.sort(good[best_of(model.fingerprints(tried)[good], of[good], np.zeros(len(good)), len(good))])
+        if len(good):
+            tried, of = model.assembled([(tried, good)]), of[good]
+            copies = Copies(tried, of, found.target[of], found.placed.take(of))
+            change = weigh_change(copies, clouds, base, differing(found.batch, tried, of))
+            parts.append((tried, np.arange(len(good))))
+            asked.append(change.told)
+            owners.append(of)
+            losses.append(change.loss)
+            places.append(mix(draw[part][good].astype(np.uint64), row[part][good]))
+    of, loss, place = (np.concatenate(column) for column in (owners, losses, places))
+    if not parts:
+        parts, asked = [(found.batch, of)], [Asked.none()]
+    every, told = model.assembled(parts), Asked.joined(asked)
+    hopeful = np.flatnonzero(loss < np.maximum(_HOPE, _HOPED * base.total[of]))
+    first = hopeful[best_of(place[hopeful], of[hopeful], loss[hopeful], len(hopeful))]  # of each choice one value
+    at = first[best_of(model.structures(every)[first], of[first], loss[first], effort.tried)]
+    of = of[at]
+    return Copies(model.assembled([(every, at)]), of, found.target[of], found.placed.take(of)), told.take(at)
+
+
+def _views(targets: Targets, target: np.ndarray, told: Asked) -> Targets:
+    """For each copy the points of its cloud that it is refined by: some of all of them, and of those where it differs."""
+    own = targets.take(target)
+    near = (np.arange(_THERE) < told.many[:, None]) & told.asked[:, :_THERE]
+    there = np.where(near, told.some[:, :_THERE], _WHOLE + np.arange(_THERE))
+    whole = np.broadcast_to(np.arange(_WHOLE), (len(target), _WHOLE))
+    at, every = np.concatenate([whole, there], axis=1), np.arange(len(target))[:, None]
+    fewer = np.sqrt(own.points.shape[1] / _WHOLE)
+    apart = own.apart[every, at]
+    apart[:, :_WHOLE] *= fewer
+    apart[:, _WHOLE:] *= np.where(near, np.sqrt(np.maximum(told.many / _THERE, 1.0))[:, None], fewer)
+    return replace(own, points=own.points[every, at], normals=own.normals[every, at], apart=apart)
+
+
+def alternatives(model: Model, batch: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Every other value that one discrete row of a candidate can have: candidate, draw, row, value."""
+    found: list[list[np.ndarray]] = [[], [], [], []]
+    for number in model.discrete:
+        draw = model.program.draws[number]
+        owner, old = batch.owner(draw.column.scope), batch.state.values[number]
+        if draw.kind == "choice":
+            options = np.broadcast_to(np.arange(len(draw.options), dtype=np.float64), (len(old), len(draw.options)))
+        elif draw.kind == "count":
+            options = old[:, None] + np.array([-2.0, -1.0, 1.0, 2.0])
+        else:
+            options = np.stack(batch.read(draw.arguments, draw.column.scope), axis=1)
+        rows, which = np.nonzero(np.abs(options - old[:, None]) > 1e-9)
+        told = owner[rows], np.full(len(rows), number), rows, options[rows, which]
+        for column, one in zip(found, told, strict=True):
+            column.append(one)
+    copy, draws, row, value = (np.concatenate([np.zeros(0, dtype=np.int64), *column]) for column in found)
+    return copy, draws.astype(np.int64), row.astype(np.int64), value

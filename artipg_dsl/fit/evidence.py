@@ -1,0 +1,272 @@
+"""What whole clouds say of candidates: how likely their points are for a surface, and the points of the surface for the cloud.
+
+The mean distance hardly sees a hinge, since it averages over a door. Here each point of the cloud is a witness of its own: it is as likely
+as its distance from the surface is for the noise of the cloud, with a long tail (Cauchy), so that a part that is missing, or one too many,
+tells by all points that it has.
+
+``weigh`` says so of whole candidates; ``weigh_change`` of copies that differ in a part from what they were made of, by the points
+that lie there alone, so that hundreds can be asked about.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from ..geometry.nearest import Nearest
+from ..runtime.batch import Batch
+from .compare import Targets, starts
+from .focus import Differing, Rows, small, spread
+from .match import features, gaps
+from .model import Placed
+from .outer import outer
+from .states import tables
+
+_POINTS = 3072, 2048  # of a candidate: of its large primitives and of the small ones
+_BY = (
+    6,
+    3,
+)  # axes by which what is nearest is found: places and normals, and places alone, as normals of small parts are guessed
+_AROUND, _NEAR = 512, 320  # of a copy: of what it shares with its origin, and of what is new
+_ASKED = 512  # points of a cloud that are asked about a copy
+_MARGIN = 0.02  # diagonals around what is new
+_ODD = 1.0  # a point that is less likely than this, in logarithms, may belong to something else
+_SETS_APART = 1e3  # diagonals
+_LEAST_NOISE = 1.5e-3  # diagonals: by so much described surfaces differ from real ones in any case
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """How unlikely points are, in natural logarithms, 0 where a point lies on the other surface: ``cloud`` (K, M) of the targets', each
+    of which counts ``weight`` (K,); ``surface`` (K, n) of the candidates', each times the points of the cloud that it stands for. ``of``
+    (K, M): the row of the candidate, among those of all tables, that is nearest to a point of the cloud; ``on`` (K, n): that a point of
+    its own lies on."""
+
+    cloud: np.ndarray
+    surface: np.ndarray
+    weight: np.ndarray
+    of: np.ndarray
+    on: np.ndarray
+
+    @property
+    def total(self) -> np.ndarray:
+        """(K,) of each candidate; less is better."""
+        return np.asarray(self.weight * self.cloud.sum(axis=1) + self.surface.sum(axis=1))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Copies:
+    """Candidates made of others, ``of`` which (K,), each for its target."""
+
+    batch: Batch
+    of: np.ndarray
+    target: np.ndarray
+    placed: Placed
+
+
+class Clouds:
+    """The clouds of targets, each asked for the nearest of its points."""
+
+    def __init__(self, targets: Targets):
+        self.targets = targets
+        own = np.repeat(np.arange(len(targets)), targets.points.shape[1])
+        theirs = features(targets.points, targets.normals, targets.diagonal).reshape(-1, 6)
+        self._trees = [Nearest(theirs[:, :axes], own, _SETS_APART) for axes in _BY]
+
+    def unlikely(self, laid: _Laid, target: np.ndarray) -> np.ndarray:
+        """(K, n) how unlikely points of candidates are for the cloud of each, the ``target`` (K,)."""
+        targets, (count, n) = self.targets, laid.hidden.shape
+        diagonal, noise = targets.diagonal[target], self.noise(target)
+        asked, of = features(laid.position, laid.normal, diagonal).reshape(-1, 6), np.repeat(target, n)
+        found = []
+        for tree, axes in zip(self._trees, _BY, strict=True):
+            near = tree.find(asked[:, :axes], of)[1].reshape(count, n) - target[:, None] * targets.points.shape[1]
+            at = target[:, None], near
+            off = gaps(laid.position, targets.points[at], targets.normals[at], targets.apart[at], diagonal)
+            found.append(_unlikely(off.value, noise))
+        return np.asarray(np.minimum(*found))
+
+    def noise(self, target: np.ndarray) -> np.ndarray:
+        return np.maximum(self.targets.noise[target], _LEAST_NOISE)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Laid:
+    """Points of candidates in the frames of their clouds (K, n), how far each lies ``apart`` from others, which are ``hidden`` from
+    without; the last ones lie on rows that are marked, and are ``fresh`` if there are any; the visible surface ``area`` (K, 2) of the
+    other rows and of these; ``on``: the row, among those of all tables, on which a point lies."""
+
+    position: np.ndarray
+    normal: np.ndarray
+    apart: np.ndarray
+    hidden: np.ndarray
+    fresh: np.ndarray
+    area: np.ndarray
+    on: np.ndarray
+
+    def unlikely(
+        self, points: np.ndarray, normals: np.ndarray, taken: np.ndarray, diagonal: np.ndarray, noise: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """(K, m) how unlikely points of clouds are for those ``taken`` (K, n) of these, inf where there are none, and which of these is
+        nearest."""
+        ours, theirs = features(self.position, self.normal, diagonal), features(points, normals, diagonal)
+        every, some = np.arange(len(points))[:, None], taken.any(axis=1, keepdims=True)
+        found, near = [], []
+        for axes in _BY:
+            there = _nearest(ours[..., :axes], theirs[..., :axes], taken)
+            off = gaps(
+                self.position[every, there], points, self.normal[every, there], self.apart[every, there], diagonal
+            )
+            found.append(np.where(some, _unlikely(off.value, noise), np.inf))
+            near.append(there)
+        return np.minimum(*found), np.where(found[0] <= found[1], *near)
+
+
+def _lay(batch: Batch, marked: Rows, placed: Placed, around: int, near: int) -> _Laid:
+    laid = spread(batch, marked, around, near)
+    position = placed.of(laid.points.position)
+    fresh = (np.arange(position.shape[1]) >= around) & (laid.area[:, 1:] > 0.0)
+    apart = laid.apart * placed.scale[:, None]
+    on = starts(tables(batch))[laid.points.site] + laid.points.row
+    return _Laid(position, laid.points.normal, apart, ~outer(position), fresh, laid.area, on)
+
+
+def weigh(batch: Batch, target: np.ndarray, placed: Placed, clouds: Clouds) -> Evidence:
+    """What the clouds say of candidates, each of its target."""
+    targets = clouds.targets
+    laid = _lay(batch, small(batch), placed, *_POINTS)
+    diagonal, noise = targets.diagonal[target], clouds.noise(target)
+    cloud, there = laid.unlikely(targets.points[target], targets.normals[target], ~laid.hidden, diagonal, noise)
+    count, stands = targets.count[target], np.where(laid.hidden, 0.0, laid.apart**2)
+    stands *= (count / np.maximum(stands.sum(axis=1), 1e-12))[:, None]
+    surface = clouds.unlikely(laid, target) * stands
+    return Evidence(cloud, surface, count / cloud.shape[1], laid.on[np.arange(len(batch))[:, None], there], laid.on)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Asked:
+    """Points of clouds that tell of copies: places ``some`` (K, m), the first of which ``asked`` (K, m) are meant, of ``many`` (K,) there
+    are; ``owned`` (K, m): those that are nearest to what is gone; ``before`` (K, m): how unlikely they are for the origin."""
+
+    some: np.ndarray
+    asked: np.ndarray
+    many: np.ndarray
+    owned: np.ndarray
+    before: np.ndarray
+
+    @staticmethod
+    def none() -> Asked:
+        """Of no copies."""
+        points, flags = np.zeros((0, _ASKED), dtype=np.int64), np.zeros((0, _ASKED), dtype=bool)
+        return Asked(points, flags, np.zeros(0, dtype=np.int64), flags, np.zeros((0, _ASKED)))
+
+    @staticmethod
+    def joined(several: list[Asked]) -> Asked:
+        """Of all copies of several sets."""
+        return Asked(*(np.concatenate([getattr(one, field.name) for one in several]) for field in fields(Asked)))
+
+    def take(self, at: np.ndarray) -> Asked:
+        """Of some of them."""
+        return Asked(*(getattr(self, field.name)[at] for field in fields(self)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Change:
+    """``loss`` (K,): by how much copies are less likely than their origins; by what points that is told."""
+
+    loss: np.ndarray
+    told: Asked
+
+
+def weigh_change(copies: Copies, clouds: Clouds, base: Evidence, change: Differing) -> Change:
+    """What clouds say of copies beside the candidates they were made of, of which ``base`` tells; ``change``: how they differ. Of the
+    origins, what is gone is asked about as coarsely as all else."""
+    of = copies.of
+    gone = _gone(base, change, len(of))
+    laid = _lay(copies.batch, change.new, copies.placed, _AROUND, _NEAR)
+    told = _ask(copies, clouds, base, gone, laid)
+    cloud, surface = _told(laid, copies, clouds, told)
+    was = np.where(gone[np.arange(len(of))[:, None], base.on[of]], base.surface[of], 0.0).sum(axis=1)
+    more = np.where(told.asked, cloud - told.before, 0.0).sum(axis=1) * _each(told)
+    return Change(base.weight[of] * more + surface - was, told)
+
+
+def weigh_again(copies: Copies, origins: Batch, clouds: Clouds, base: Evidence, change: Differing) -> Change:
+    """The same with as many points on what is gone as on what is new: ``origins`` are the candidates that ``copies.of`` names."""
+    of = copies.of
+    own = replace(copies, batch=origins)
+    laid, was = (
+        _lay(one.batch, rows, copies.placed, _AROUND, _NEAR) for one, rows in ((copies, change.new), (own, change.gone))
+    )
+    told = _ask(copies, clouds, base, _gone(base, change, len(of)), laid)
+    (cloud, surface), (cloud_was, surface_was) = (_told(one, copies, clouds, told) for one in (laid, was))
+    more = np.where(told.asked, cloud - cloud_was, 0.0).sum(axis=1) * _each(told)
+    return Change(base.weight[of] * more + surface - surface_was, told)
+
+
+def _each(told: Asked) -> np.ndarray:
+    return np.asarray(told.many / np.maximum(told.asked.sum(axis=1), 1))
+
+
+def _gone(base: Evidence, change: Differing, count: int) -> np.ndarray:
+    """(K, rows) bool of the rows of origins."""
+    rows = int(max(one.max(initial=0) for one in (base.on, base.of, change.old[1]))) + 1
+    found = np.zeros((count, rows), dtype=bool)
+    found[change.old] = True
+    return found
+
+
+def _ask(copies: Copies, clouds: Clouds, base: Evidence, gone: np.ndarray, laid: _Laid) -> Asked:
+    """Of the cloud the points that are nearest to what is gone, and those that nothing explains where something is new."""
+    targets, of, target = clouds.targets, copies.of, copies.target
+    owned = gone[np.arange(len(of))[:, None], base.of[of]]
+    margin = _MARGIN * targets.diagonal[target]
+    near = _within(laid.position[:, _AROUND:], targets.points, target, margin) & laid.fresh[:, -1:]
+    asked = owned | (near & (base.cloud[of] > _ODD))
+    some = np.argsort(~asked, axis=1, kind="stable")[:, :_ASKED]
+    told = (np.take_along_axis(one, some, axis=1) for one in (asked, owned))
+    return Asked(some, next(told), asked.sum(axis=1), next(told), base.cloud[of[:, None], some])
+
+
+def _told(laid: _Laid, copies: Copies, clouds: Clouds, told: Asked) -> tuple[np.ndarray, np.ndarray]:
+    """How unlikely the points asked are (K, m), and in sum the points of what is marked (K,)."""
+    targets, target = clouds.targets, copies.target
+    at = target[:, None], told.some
+    asked = targets.points[at], targets.normals[at]
+    fresh, every = (
+        laid.unlikely(*asked, taken, targets.diagonal[target], clouds.noise(target))[0]
+        for taken in (laid.fresh & ~laid.hidden, ~laid.hidden)
+    )
+    cloud = np.where(told.owned, np.minimum(fresh, every), np.minimum(fresh, told.before))
+    shown = ~laid.hidden
+    back = clouds.unlikely(laid, target)[:, _AROUND:]
+    visible = shown[:, :_AROUND].mean(axis=1) * laid.area[:, 0] + shown[:, _AROUND:].mean(axis=1) * laid.area[:, 1]
+    expected = targets.count[target] * laid.area[:, 1] / np.maximum(visible, 1e-12)
+    return cloud, expected * np.where(shown[:, _AROUND:], back, 0.0).mean(axis=1)
+
+
+def _within(points: np.ndarray, clouds: np.ndarray, target: np.ndarray, margin: np.ndarray) -> np.ndarray:
+    """(K, M) bool: which points of clouds (T, M, 3) lie in the box around some points (K, n, 3), or near it."""
+    found = np.ones((len(points), clouds.shape[1]), dtype=bool)
+    for axis in range(3):
+        low, high = points[:, :, axis].min(axis=1) - margin, points[:, :, axis].max(axis=1) + margin
+        place = clouds[target, :, axis]
+        found &= (place > low[:, None]) & (place < high[:, None])
+    return found
+
+
+def _unlikely(gap: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """Of distances, in logarithms: Cauchy's, which is 0 at none."""
+    return np.asarray(np.log1p(0.5 * (gap / noise[:, None]) ** 2))
+
+
+def _nearest(points: np.ndarray, asked: np.ndarray, taken: np.ndarray) -> np.ndarray:
+    """(K, m) of each of the ``asked`` (K, m, d) which of those ``taken`` of ``points`` (K, n, d) is nearest."""
+    own, place = np.nonzero(taken)
+    if not len(place):
+        return np.zeros(asked.shape[:2], dtype=np.int64)
+    tree = Nearest(points[own, place], own, _SETS_APART)
+    count, m = asked.shape[:2]
+    found = tree.find(asked.reshape(count * m, -1), np.repeat(np.arange(count), m))[1]
+    return np.asarray(place[np.minimum(found, len(place) - 1)].reshape(count, m))

@@ -1,0 +1,133 @@
+"""Choices and counts that the mean distance hardly sees are found by the whole cloud."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import artipg_dsl as apg
+from artipg_dsl.fit.compare import Candidates
+from artipg_dsl.fit.decide import alternatives, decide
+from artipg_dsl.fit.evidence import Clouds, Copies, weigh, weigh_again, weigh_change
+from artipg_dsl.fit.focus import differing
+from artipg_dsl.fit.model import Changes, Model, Placed
+from artipg_dsl.fit.pose import Frame, pose, targets
+from artipg_dsl.fit.reading import Cloud
+from artipg_dsl.fit.search import Effort
+from tests.cli.helpers import CHEST
+
+TEXT = Path(CHEST).read_text()  # its knobs are 2 cm wide, some sixty points of 20,000
+N = 3
+
+
+@pytest.fixture(scope="module")
+def samples() -> apg.Samples:
+    return apg.load(TEXT, n=N, seed=5)
+
+
+@pytest.fixture(scope="module")
+def model(samples: apg.Samples) -> Model:
+    return Model(samples.job.sampler)
+
+
+def clouds(samples: apg.Samples, noise: float = 0.0) -> Clouds:
+    points, chance, posed = samples.points(20_000), np.random.default_rng(2), []
+    for place in points.position:
+        across = np.sqrt((np.ptp(place, axis=0) ** 2).sum())
+        place = place[chance.permutation(len(place))]
+        at = place + chance.normal(size=place.shape) * noise * across / np.sqrt(3.0)
+        posed.append(pose(Cloud(at, None, np.full(len(at), -1), ()), Frame(front="x", unit="m"), ".npz", 1.0))
+    return Clouds(targets(posed))
+
+
+def still(count: int) -> Placed:
+    return Placed(np.ones(count), np.zeros((count, 3)))
+
+
+def knobs(model: Model) -> int:
+    return next(k for k in model.discrete if model.program.draws[k].column.name == "knobs")
+
+
+def with_another(model: Model, samples: apg.Samples) -> tuple[Candidates, Candidates]:
+    """The samples as candidates, and with other numbers of knobs."""
+    every, number = np.arange(N), knobs(model)
+    true = model.assembled([(samples.batch, every)])
+    other = np.where(true.state.values[number] == 1.0, 3.0, true.state.values[number] - 1.0)
+    wrong = model.altered(true, every, Changes(every, np.full(N, number), every, other))
+    return tuple(Candidates(batch, every, still(N), np.zeros(N)) for batch in (true, wrong))  # type: ignore[return-value]
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.004])
+def test_a_wrong_count_of_small_parts_is_mended(model: Model, samples: apg.Samples, noise: float) -> None:
+    true, wrong = with_another(model, samples)
+    found = decide(model, clouds(samples, noise).targets, wrong, Effort())
+    assert found.batch.state.values[knobs(model)].tolist() == true.batch.state.values[knobs(model)].tolist()
+    assert found.target.tolist() == [0, 1, 2]
+
+
+def test_what_is_right_is_left_alone(model: Model, samples: apg.Samples) -> None:
+    true, _ = with_another(model, samples)
+    found = decide(model, clouds(samples).targets, true, Effort())
+    for number in (*model.discrete, *model.smooth):
+        assert found.batch.state.values[number].tolist() == true.batch.state.values[number].tolist()
+
+
+def test_the_cloud_speaks_for_the_true_object(model: Model, samples: apg.Samples) -> None:
+    (true, wrong), cloud = with_another(model, samples), clouds(samples)
+    told = [weigh(one.batch, one.target, one.placed, cloud).total for one in (true, wrong)]
+    assert (told[0] + 12.0 < told[1]).all()
+
+
+def test_a_part_that_changes_is_weighed_alone(model: Model, samples: apg.Samples) -> None:
+    (true, wrong), cloud = with_another(model, samples), clouds(samples)
+    every = np.arange(N)
+    for origin, copy, sign in ((true, wrong, 1.0), (wrong, true, -1.0)):
+        base = weigh(origin.batch, every, still(N), cloud)
+        change = differing(origin.batch, copy.batch, every)
+        copies = Copies(copy.batch, every, every, still(N))
+        for told in (weigh_change(copies, cloud, base, change), weigh_again(copies, origin.batch, cloud, base, change)):
+            assert (sign * told.loss > 12.0).all()
+        same = differing(origin.batch, origin.batch, every)
+        assert not same.anywhere(N).any()
+
+
+def test_what_differs_is_named(model: Model, samples: apg.Samples) -> None:
+    true, wrong = with_another(model, samples)
+    found = differing(true.batch, wrong.batch, np.arange(N))
+    begin = np.cumsum([0, *(len(table) for table in true.batch.sites())])
+    paths = [table.path for table in true.batch.sites()]
+    gone = {paths[int(np.searchsorted(begin, row, side="right")) - 1] for row in found.old[1]}
+    assert found.anywhere(N).all() and len(gone) == 1 and "cap" in gone.pop()
+
+
+def test_changes_of_several_copies_are_put_together(model: Model, samples: apg.Samples) -> None:
+    true, wrong = with_another(model, samples)
+    number = next(k for k in model.smooth if model.program.draws[k].column.name == "depth")
+    one = np.array([1])
+    deep = model.altered(true.batch, one, Changes(np.zeros(1, int), np.array([number]), one, np.array([0.37])))
+    several = model.assembled([(wrong.batch, one), (deep, np.zeros(1, int))])
+    both = model.merged(true.batch, several, np.array([1, 1]), np.array([0, 1]))
+    expected = true.batch.state.values[number].copy()
+    expected[1] = 0.37
+    assert both.state.values[number].tolist() == expected.tolist()
+    counts = both.state.values[knobs(model)]
+    assert counts[1] == wrong.batch.state.values[knobs(model)][1]
+    assert counts[[0, 2]].tolist() == true.batch.state.values[knobs(model)][[0, 2]].tolist()
+
+
+def test_every_other_value_is_tried(model: Model, samples: apg.Samples) -> None:
+    true, _ = with_another(model, samples)
+    copy, draw, row, value = alternatives(model, true.batch)
+    mine = draw == knobs(model)
+    assert (value[mine] != true.batch.state.values[knobs(model)][row[mine]]).all()
+    assert set(copy.tolist()) == {0, 1, 2}
+
+
+def test_candidates_do_not_depend_on_their_company(model: Model, samples: apg.Samples) -> None:
+    _, wrong = with_another(model, samples)
+    cloud = clouds(samples)
+    together = weigh(wrong.batch, np.arange(N), still(N), cloud).total
+    alone = model.assembled([(wrong.batch, np.array([1]))])
+    assert weigh(alone, np.array([1]), still(1), cloud).total == together[1]
