@@ -1,10 +1,11 @@
-"""How well `apgc fit` finds objects: real ones, those of a wrong category, and samples of our own with noise and holes.
+"""How near `apgc fit` comes to real objects; `benchmarks/round_trip.py` fits samples of our own.
 
-    python benchmarks/fitting.py real FOLDER Door=Door Chair=Chair        # a category and the folder of its objects below FOLDER
-    python benchmarks/fitting.py real FOLDER Bottle=Chair                 # chairs fitted by bottles: what a wrong category gives
-    python benchmarks/fitting.py round Bottle Chair -n 6 --noise 0.01 --missing 0.3
+    python benchmarks/fitting.py FOLDER Door Chair               # a category and the folder of its objects below FOLDER
+    python benchmarks/fitting.py FOLDER TrashCan=Trashcan        # where the folder has another name
+    python benchmarks/fitting.py FOLDER Bottle=Chair             # chairs fitted by bottles: what a wrong category gives
 
-Beside each distance stands that of one box along the axes for each link. CPU seconds are those of this process, divided by the objects.
+Beside each distance stands that of one box along the axes for each link, and what is chosen. CPU seconds are those of this process,
+divided by the objects.
 """
 
 from __future__ import annotations
@@ -15,13 +16,13 @@ from pathlib import Path
 
 import numpy as np
 
-import artipg_dsl as apg
 from artipg_dsl.fit.fitting import fit, usual_size
 from artipg_dsl.fit.measure import Surface, distances
 from artipg_dsl.fit.model import Model
 from artipg_dsl.fit.outer import outer
 from artipg_dsl.fit.pose import Frame, Posed, pose, turn
-from artipg_dsl.fit.reading import Cloud, find_files, read_cloud
+from artipg_dsl.fit.reading import find_files, read_cloud
+from artipg_dsl.fit.states import can_open
 from artipg_dsl.session import Session
 
 POINTS = 16_384
@@ -54,12 +55,14 @@ def boxed(posed: Posed, up: str, front: str) -> float:
 
 def real(folder: Path, category: str, objects: str, frame: Frame) -> list[tuple[float, float]]:
     """The distances of real objects from what is fitted to them, and from their boxes."""
-    model = Model(Session.of(category).sampler)
+    sampler = Session.of(category).sampler
+    model = Model(sampler)
+    opened = Model(sampler, opened=True) if can_open(sampler.program) else None
     files = find_files([str(folder / objects)])
     usual = usual_size(model)
     posed = [pose(read_cloud(file), frame, file.suffix, usual) for file in files]
     begun = time.process_time()
-    found = fit(model, posed)
+    found = fit(model, posed, opened=opened)
     spent = (time.process_time() - begun) / len(files)
     told = []
     for file, cloud, one in zip(files, posed, found, strict=True):
@@ -74,64 +77,16 @@ def real(folder: Path, category: str, objects: str, frame: Frame) -> list[tuple[
     return told
 
 
-def round_trip(category: str, n: int, noise: float, missing: float) -> None:
-    """Samples fitted again: which choices and counts are right, and how far numbers are off, in ranges."""
-    samples = apg.sample(category, n=n, seed=77)
-    model = Model(samples.job.sampler)
-    points, chance, posed = samples.points(20_000), np.random.default_rng(0), []
-    for place, normal in zip(points.position, points.normal, strict=True):
-        across = np.sqrt((np.ptp(place, axis=0) ** 2).sum())
-        away = ((place - place[chance.integers(len(place))]) ** 2).sum(axis=1)
-        kept = np.sort(np.argsort(away)[int(missing * len(place)) :])
-        at = place[kept] + chance.normal(size=(len(kept), 3)) * noise * across / np.sqrt(3.0)
-        cloud = Cloud(at, None if noise else normal[kept], np.full(len(kept), -1), ())
-        posed.append(pose(cloud, Frame(up="z", front="x", unit="m"), ".npz", 1.0))
-    begun = time.process_time()
-    found = fit(model, posed)
-    spent = (time.process_time() - begun) / n
-    right = total = 0
-    errors: list[float] = []
-    for row, one in enumerate(found):
-        truth = samples.batch.drawn(row)
-        for number in (*model.discrete, *model.smooth):
-            draw = model.program.draws[number]
-            rows = np.flatnonzero(samples.batch.owner(draw.column.scope) == row)
-            was, now = truth.get(draw.column.name), one.values.get(draw.column.name)
-            if not len(rows) or was is None:
-                continue
-            if number in model.discrete:
-                total += 1
-                right += was == now
-            elif isinstance(was, float) and isinstance(now, float):
-                low, high = samples.batch.read(draw.ends, draw.column.scope)
-                errors.append(abs(was - now) / max(high[rows[0]] - low[rows[0]], 1e-9))
-    both = np.median([one.told["distance"]["both"] for one in found])
-    print(
-        f"{category:<17} {n} objects  distance {both:5.2f}  choices and counts {right}/{total}  "
-        f"numbers off by {100 * np.median(errors):.1f} % of their range "
-        f"(90th percentile {100 * np.quantile(errors, 0.9):.0f} %)  {spent:.1f} s",
-        flush=True,
-    )
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("real", "round"))
-    parser.add_argument("names", nargs="+")
-    parser.add_argument("-n", type=int, default=6)
-    parser.add_argument("--noise", type=float, default=0.0)
-    parser.add_argument("--missing", type=float, default=0.0)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("pairs", nargs="+", metavar="CATEGORY=FOLDER")
     parser.add_argument("--front", default="auto")
     asked = parser.parse_args()
-    if asked.what == "round":
-        for category in asked.names:
-            round_trip(category, asked.n, asked.noise, asked.missing)
-        return
-    folder, *pairs = asked.names
     told = []
-    for pair in pairs:
+    for pair in asked.pairs:
         category, _, objects = pair.partition("=")
-        told += real(Path(folder), category, objects or category, Frame(front=asked.front))
+        told += real(asked.folder, category, objects or category, Frame(front=asked.front))
     shares = np.array(told)
     print(f"{len(shares)} objects: median {np.median(shares[:, 0]):.2f}, boxes {np.median(shares[:, 1]):.2f}")
 

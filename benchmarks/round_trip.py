@@ -1,0 +1,168 @@
+"""Samples of our own fitted again: how many of the choices and counts that can be seen are right, how far numbers are off, what it costs.
+
+    python benchmarks/round_trip.py Door Chair -n 4 --json clean.json
+    python benchmarks/round_trip.py Door Chair -n 4 --noise 0.01 --missing 0.3
+
+A choice can be seen if the cloud that is fitted, with its noise and its holes, speaks against every other value of it for the true
+object: by more than 12 in natural logarithms, whatever is drawn for parts that are new (two draws). Choices and counts of parts that occur
+several times count each. A choice is right if the part has it in the same place among its like. CPU seconds are those of this process,
+for all of a fit.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import artipg_dsl as apg
+from artipg_dsl.fit.decide import alternatives
+from artipg_dsl.fit.evidence import Clouds, weigh
+from artipg_dsl.fit.fitting import Fitted, fit, usual_size
+from artipg_dsl.fit.model import Changes, Model, Placed
+from artipg_dsl.fit.pose import Frame, Posed, pose, targets
+from artipg_dsl.fit.reading import Cloud
+from artipg_dsl.runtime.batch import Batch
+from artipg_dsl.sampling.search import domain_ends
+
+CATEGORIES = ("Door", "Bottle", "Microwave", "Chair", "StorageFurniture", "Window", "WashingMachine", "Kettle")
+SURE = 12.0
+LANES = 2
+TOGETHER = 64
+Row = tuple[int, ...]  # object, draw, and which of its rows, by the ranks of what it repeats in
+Values = list[dict[Row, float]]  # of each object
+
+
+def clouds(samples: apg.Samples, usual: float, noise: float, missing: float) -> list[Posed]:
+    """The surfaces of samples, with noise (of the diagonal) and without what is nearest to one of their points."""
+    points, chance, posed = samples.points(20_000), np.random.default_rng(0), []
+    for place, normal in zip(points.position, points.normal, strict=True):
+        across = np.sqrt((np.ptp(place, axis=0) ** 2).sum())
+        away = ((place - place[chance.integers(len(place))]) ** 2).sum(axis=1)
+        kept = np.sort(np.argsort(away)[int(missing * len(place)) :])
+        at = place[kept] + chance.normal(size=(len(kept), 3)) * noise * across / np.sqrt(3.0)
+        cloud = Cloud(at, None if noise else normal[kept], np.full(len(kept), -1), ())
+        posed.append(pose(cloud, Frame(up="z", front="x", unit="m"), ".npz", usual))
+    return posed
+
+
+def rows_of(batch: Batch, number: int) -> list[Row]:
+    scope = batch.program.draws[number].column.scope
+    ranks = [rank for _, rank in batch.rowmap.ranks(scope)]
+    columns = [batch.owner(scope), np.full(len(batch.owner(scope)), number), *ranks]
+    return list(zip(*(column.tolist() for column in columns), strict=True))
+
+
+def margins(model: Model, true: Batch, posed: list[Posed]) -> dict[Row, float]:
+    """For each choice and count what the cloud says against the value that is nearest to being as likely."""
+    asked = Clouds(targets(posed))
+    copy, draw, row, value = (np.tile(column, LANES) for column in alternatives(model, true))
+    lane = 1 + np.arange(len(copy)) * LANES // len(copy)
+    order = np.argsort(copy, kind="stable")
+    copy, draw, row, value, lane = (column[order] for column in (copy, draw, row, value, lane))
+    own = weigh(true, np.arange(len(true)), _placed(len(true)), asked).total
+    structures = model.structures(true)
+    found: dict[Row, float] = {}
+    named = {number: rows_of(true, number) for number in model.discrete}
+    for start in range(0, len(copy), TOGETHER):
+        part = slice(start, start + TOGETHER)
+        of = copy[part]
+        changes = Changes(np.arange(len(of)), draw[part], row[part], value[part])
+        tried = model.altered(true, of, changes, lane=lane[part])
+        good = np.flatnonzero(~tried.state.failed & (model.structures(tried) != structures[of]))
+        if not len(good):
+            continue
+        tried = model.assembled([(tried, good)])
+        against = weigh(tried, of[good], _placed(len(good)), asked).total - own[of[good]]
+        for k, much in zip(good + start, against.tolist(), strict=True):
+            key = named[int(draw[k])][int(row[k])]
+            found[key] = min(found.get(key, np.inf), much)
+    return found
+
+
+def _placed(count: int) -> Placed:
+    return Placed(np.ones(count), np.zeros((count, 3)))
+
+
+def values_of(model: Model, found: list[Fitted]) -> Values:
+    """The values of what was found, each object by its place."""
+    told: Values = []
+    for place, one in enumerate(found):
+        own = {}
+        for number in (*model.discrete, *model.smooth):
+            named = zip(rows_of(one.batch, number), one.batch.state.values[number].tolist(), strict=True)
+            own |= {(place, *row[1:]): value for row, value in named if row[0] == one.row}
+        told.append(own)
+    return told
+
+
+def beside(model: Model, true: Batch, posed: list[Posed], found: Values) -> dict[str, Any]:
+    """What of the true objects was found."""
+    seen = margins(model, true, posed)
+    right = total = unseen = 0
+    wrong: dict[str, int] = {}
+    errors: list[float] = []
+    for number in (*model.discrete, *model.smooth):
+        values = true.state.values[number]
+        low, high = domain_ends(true, number)
+        for k, key in enumerate(rows_of(true, number)):
+            now = found[key[0]].get(key)
+            if number not in model.discrete:
+                if now is not None and high[k] > low[k]:
+                    errors.append(abs(now - values[k]) / (high[k] - low[k]))
+            elif seen.get(key, 0.0) > SURE:
+                total += 1
+                good = now is not None and abs(now - values[k]) < 1e-9
+                right += int(good)
+                name = model.program.draws[number].column.name
+                wrong |= {} if good else {name: wrong.get(name, 0) + 1}
+            else:
+                unseen += 1
+    return {"right": right, "seen": total, "unseen": unseen, "wrong": wrong, "errors": errors}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("categories", nargs="*", default=CATEGORIES)
+    parser.add_argument("-n", type=int, default=4)
+    parser.add_argument("--noise", type=float, default=0.0)
+    parser.add_argument("--missing", type=float, default=0.0)
+    parser.add_argument("--seed", type=int, default=77)
+    parser.add_argument("--json", type=Path)
+    asked = parser.parse_args()
+    told: dict[str, dict[str, Any]] = {}
+    print(f"{'':<17} right of seen  not seen  median error  90th percentile  distance  CPU s", flush=True)
+    for category in asked.categories or CATEGORIES:
+        samples = apg.sample(category, n=asked.n, seed=asked.seed)
+        model = Model(samples.job.sampler)
+        posed = clouds(samples, usual_size(model), asked.noise, asked.missing)
+        begun = time.process_time()
+        found = fit(model, posed)
+        spent = (time.process_time() - begun) / asked.n
+        true = model.assembled([(samples.batch, np.arange(asked.n))])
+        one = beside(model, true, posed, values_of(model, found))
+        errors = one.pop("errors")
+        one |= {
+            "median_error": round(float(np.median(errors)), 4),
+            "p90_error": round(float(np.quantile(errors, 0.9)), 4),
+            "distance": float(np.median([each.told["distance"]["both"] for each in found])),
+            "seconds": round(spent, 2),
+        }
+        told[category] = one
+        print(
+            f"{category:<17} {one['right']:>5} of {one['seen']:<5} {one['unseen']:>8} {100 * one['median_error']:>11.1f} % "
+            f"{100 * one['p90_error']:>14.0f} % {one['distance']:>8.2f} {one['seconds']:>7.1f}  {one['wrong']}",
+            flush=True,
+        )
+    right, seen = (sum(one[name] for one in told.values()) for name in ("right", "seen"))
+    print(f"{'all':<17} {right:>5} of {seen:<5} ({100 * right / max(seen, 1):.0f} %)")
+    if asked.json:
+        asked.json.write_text(json.dumps(told, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
