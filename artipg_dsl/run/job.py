@@ -165,7 +165,7 @@ def prepare(sampler: Sampler, request: Request, *, values: str = "values") -> Jo
     if request.program not in ("", program.hash):
         raise UserError(
             f"the program {request.source} has changed since these samples were made",
-            "sample it again, with --force into the same folder",
+            "make them again, with --force into the same folder",
         )
     known = replace(request, program=program.hash, prior=None)
     prior = None if request.prior is None else request.prior.of(program.name)
