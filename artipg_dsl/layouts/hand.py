@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ..export.robot import Robot
+from ..export.robot import Robot, RobotJoint
 from ..export.substitute import simple_joints
 from ..export.urdf import urdf_files
 
@@ -41,6 +41,7 @@ _SPEED = 0.1  # units per second
 _WAIT = 0.4  # s at the end
 STILL, CALM = 1e-4, 1.5  # rad or m in a tenth of a second; s that an object is given to come to rest
 _IMPULSE = 1e-4  # N s above which a contact counts: 0.05 N over a step
+_LATCHED = 1e-4  # rad or m from rest within which a latch catches
 _BRISTLE = 1e-4  # rad or m by which a joint gives before its friction slips: P. R. Dahl, A Solid Friction Model, 1968
 
 
@@ -77,9 +78,35 @@ def _sapien() -> Any:
     return sapien
 
 
+@dataclass(eq=False)
+class Latch:
+    """Holds a ``joint`` of SAPIEN (number ``k``) where it rests while what it waits for is not there: ``gates`` are numbers of joints, from
+    and to. Elsewhere it goes between its ``ends`` (1, 2)."""
+
+    joint: Any
+    k: int
+    rest: float
+    ends: np.ndarray
+    gates: list[tuple[int, float, float]]
+    shut: bool = False
+
+    def free(self) -> None:
+        self.shut = False
+        self.joint.set_limits(self.ends)
+
+    def turn(self, now: np.ndarray) -> None:
+        """Shut or open it, with the joints at ``now``. What is latched stays so until it may go."""
+        waits = any(not low <= now[gate] <= high for gate, low, high in self.gates)
+        if self.shut and not waits:
+            self.free()
+        elif waits and not self.shut and abs(now[self.k] - self.rest) < _LATCHED:
+            self.shut = True
+            self.joint.set_limits(np.array([[self.rest - _LATCHED, self.rest + _LATCHED]], dtype=np.float32))
+
+
 class Standing:
     """One object in SAPIEN, its base held, with the friction and the damping that its file states. Joint values are by name,
-    those of ``order``."""
+    those of ``order``. A joint that waits for others is latched while it rests and they are not there yet: URDF cannot say so."""
 
     def __init__(self, robot: Robot):
         sapien = _sapien()
@@ -99,11 +126,21 @@ class Standing:
         self.damping = [stated[name].damping for name in self.order]
         bodies = {link.name: link for link in self.body.links}
         self.links = [bodies[link.name] for link in robot.links]
+        self.latches = list(self._latches(stated))
         for joint in self.active:  # without it, a gram goes through the ends of its joint
             joint.set_armature(np.array([ROTOR[stated[joint.name].kind == "prismatic"]]))
 
+    def _latches(self, stated: Mapping[str, RobotJoint]) -> Iterator[Latch]:
+        at = {name: k for k, name in enumerate(self.order)}
+        for k, (name, joint) in enumerate(zip(self.order, self.active, strict=True)):
+            gates = [(at[gate], low, high) for gate, low, high in stated[name].gates if gate in at]
+            if gates:
+                yield Latch(joint, k, stated[name].rest, joint.get_limits(), gates)
+
     def place(self, values: Mapping[str, float]) -> None:
         """Put the joints there, at a standstill."""
+        for latch in self.latches:
+            latch.free()
         self.body.set_qpos([values[name] for name in self.order])
         self.body.set_qvel(np.zeros(len(self.order)))
         self.held = self.now()
@@ -122,6 +159,8 @@ class Standing:
 
     def step(self) -> None:
         now = self.now()
+        for latch in self.latches:
+            latch.turn(now)
         off = self.held - now
         for k in np.flatnonzero((np.abs(off) > _BRISTLE) & (self.rubs > 0)):  # what slips is held where it has come to
             self.held[k] = now[k] + np.copysign(_BRISTLE, off[k])

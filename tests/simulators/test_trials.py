@@ -94,3 +94,41 @@ def test_a_gripper_beside_a_grasp_holds_nothing(monkeypatch: pytest.MonkeyPatch)
     right = closing.hand_of
     monkeypatch.setattr(closing, "hand_of", lambda grasp: replace(right(grasp), point=right(grasp).point - [0.5, 0, 0]))
     assert {one.fault for one in closing.grips(batch("storage_furniture", 1))} == {"closes on nothing"}
+
+
+LOCKED = """apg 1
+use primitives { Cuboid }
+category Locker {
+  root part body : Cuboid(size = [30cm, 40cm, 50cm])
+  part door : Cuboid(size = [2cm, 40cm, 50cm])
+  align door.back = body.front + 1mm
+  part knob : Cuboid(size = [2cm, 4cm, 4cm])
+  align knob.back = door.front + 1mm
+  joint open : revolute body -> door about door.left.back range 0deg .. 100deg when turn >= 60deg
+  joint turn : revolute door -> knob about line(at = knob.center, along = x) range 0deg .. 90deg
+}
+"""
+
+
+def test_what_waits_is_latched_until_it_may_go() -> None:
+    """A door that swings once its knob is turned, and does not close by the latch while it stands open."""
+    from artipg_dsl.export.robot import Robots
+    from artipg_dsl.layouts.hand import Standing
+
+    standing = Standing(Robots(Session.of_text(LOCKED).sampler.batch(np.arange(1), 0)).robot(0))
+    door, knob = (standing.order.index(name) for name in ("open", "turn"))
+
+    def swung(turned: float, opened: float) -> float:
+        standing.place({"open": opened, "turn": turned})
+        speed = np.zeros(2)
+        speed[door] = 2.0
+        standing.body.set_qvel(speed)
+        standing.step()
+        standing.body.set_qvel(speed)
+        for _ in range(20):
+            standing.step()
+        assert abs(standing.now()[knob] - turned) < 0.05
+        return float(standing.now()[door] - opened)
+
+    assert abs(swung(0.0, 0.0)) < 1e-3 and swung(1.2, 0.0) > 5e-3
+    assert abs(swung(0.0, 0.0)) < 1e-3 and swung(0.0, 0.5) > 5e-3
