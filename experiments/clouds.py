@@ -77,3 +77,8 @@ def normalise(points: np.ndarray) -> np.ndarray:
     """Clouds (..., n, 3) about the centre of their box, as large as fits a ball of radius 1."""
     centre, radius = ball(points)
     return ((points - centre) / radius).astype(np.float32)
+
+
+def unit(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (..., 3) with length 1; those without a length stay 0."""
+    return (vectors / np.maximum(np.sqrt((vectors**2).sum(axis=-1, keepdims=True)), 1e-12)).astype(np.float32)

@@ -7,11 +7,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 import artipg_dsl as apg
+from artipg_dsl.annotate.cloud import Points
 from artipg_dsl.annotate.states import joint_twist
 
-from .clouds import Clouds, join, normalise
+from .clouds import Clouds, join, normalise, unit
 from .part import Part, part_arrays
 
+STATES = "rest,random:1"
 HINGES = ("revolute", "continuous")
 LEAST = 0.03  # of the surface: people who describe objects leave smaller parts to what they are on
 
@@ -28,16 +30,25 @@ def our_shapes(known: tuple[str, ...], each: int, n: int, seed: int) -> Clouds:
 
 def our_motion(known: tuple[str, ...], each: int, n: int, seed: int) -> Clouds:
     """Fresh objects of the categories, each at rest and in a random state; ``moves`` (K, n) tells what moves."""
-    points, moves, names = [], [], []
+    made = []
     for category in known:
         objects = apg.sample(category, n=each, seed=seed)
-        made = objects.points(n, objects.joint_values("rest,random:1"), surface="outside")
+        made.append((objects, objects.points(n, objects.joint_values(STATES), surface="outside"), category, -1))
+    return motion_clouds(made, known)
+
+
+def motion_clouds(made: Sequence[tuple[apg.Samples, Points, str, int]], known: tuple[str, ...]) -> Clouds:
+    """Clouds of objects with their points (B, 2, n) in STATES, what they are called, and the real object they were made from, -1 for none."""
+    points, moves, category, names, origin = [], [], [], [], []
+    for objects, drawn, title, of in made:
         for k, state in enumerate(("at rest", "open")):
-            points.append(normalise(made.position[:, k]))
-            moves.append(moving(objects, made.link))
-            names += [f"{category} {number} {state}" for number in objects.numbers]
+            points.append(normalise(drawn.position[:, k]))
+            moves.append(moving(objects, drawn.link))
+            names += [f"{title} {number} {state}" for number in objects.numbers]
+        category += [known.index(objects.category)] * (2 * len(objects))
+        origin += [of] * (2 * len(objects))
     arrays = {"points": np.concatenate(points), "moves": np.concatenate(moves)}
-    return _clouds(arrays, np.repeat(np.arange(len(known)), 2 * each), known, names)
+    return Clouds(arrays, np.array(category), known, tuple(names), np.array(origin))
 
 
 def _clouds(
@@ -51,7 +62,7 @@ def our_parts(known: tuple[str, ...], each: int, n: int, seed: int) -> Clouds:
     found = []
     for kind, category in enumerate(known):
         objects = apg.sample(category, n=each, seed=seed)
-        states = objects.joint_values("rest,random:1")
+        states = objects.joint_values(STATES)
         made = objects.points(n, states, surface="outside")
         by = np.take_along_axis(carriers(objects, made.link), made.link, axis=1)
         parts, names = [], []
@@ -64,12 +75,37 @@ def our_parts(known: tuple[str, ...], each: int, n: int, seed: int) -> Clouds:
     return join(found)
 
 
+def our_ways(known: tuple[str, ...], each: int, n: int, seed: int) -> Clouds:
+    """Fresh objects of the categories at rest; ``opens`` (K, n, 3) is the unit vector along which each point opens, 0 where nothing moves it;
+    ``both`` (K, n): whether it goes the other way, too."""
+    points, opens, both, names = [], [], [], []
+    for category in known:
+        objects = apg.sample(category, n=each, seed=seed)
+        made = objects.points(n, surface="outside")
+        by = np.take_along_axis(carriers(objects, made.link), made.link, axis=1)
+        joints, moved = objects.joints(), by >= 0
+        ways = joint_twist(objects.batch).at(by, made.position) * _opening(objects)[by][..., None]
+        points.append(normalise(made.position))
+        opens.append(unit(np.where(moved[..., None], ways, 0.0)))
+        ends = (joints.rest <= joints.low) | (joints.rest >= joints.high)  # none, where a limit is nan
+        both.append(moved & ~ends[by])
+        names += [f"{category} {number}" for number in objects.numbers]
+    arrays = {"points": np.concatenate(points), "opens": np.concatenate(opens), "both": np.concatenate(both)}
+    return _clouds(arrays, np.repeat(np.arange(len(known)), each), known, names)
+
+
+def _opening(objects: apg.Samples) -> np.ndarray:
+    """(J,) 1 for joints that have more room above their rest than below it, else -1."""
+    joints = objects.joints()
+    return np.where(joints.rest - joints.low > joints.high - joints.rest, -1.0, 1.0)
+
+
 def _parts(
     objects: apg.Samples, states: np.ndarray, points: np.ndarray, by: np.ndarray
 ) -> Iterator[tuple[int, int, Part]]:
     """The row of an object, a joint and the part that it moves; ``by`` (B, n) tells by which joint each of the points (B, n, 3) goes."""
     joints, motion = objects.joints(), joint_twist(objects.batch, states)
-    back = joints.rest - joints.low > joints.high - joints.rest
+    opening = _opening(objects)
     for joint, kind in enumerate(joints.kind):
         row = int(joints.owner[joint])
         own = by[row] == joint
@@ -78,7 +114,7 @@ def _parts(
             continue
         axis = shift if kind == "prismatic" else turn
         hinge = None if kind == "prismatic" else np.cross(turn, shift)
-        yield row, joint, Part(points[row], own, -axis if back[joint] else axis, hinge)
+        yield row, joint, Part(points[row], own, opening[joint] * axis, hinge)
 
 
 def moving(objects: apg.Samples, link: np.ndarray) -> np.ndarray:

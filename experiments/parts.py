@@ -37,12 +37,8 @@ class Parts(Experiment):
         "a10": Metric("A10, %", "higher"),
         "joint": Metric("joint found, %", "higher"),
     }
-    arms = {
-        "real": Arm(("real",), 500),
-        "ours": Arm(("ours",), 500),
-        "ours, then both": Arm(("real", "ours"), 100, after="ours"),
-    }
-    pairs = [("ours", "real"), ("ours, then both", "real"), ("ours, then both", "ours")]
+    arms = {"real": Arm(("real",)), "ours": Arm(("ours",)), "real and ours": Arm(("real", "ours"))}
+    pairs = [("ours", "real"), ("real and ours", "real"), ("real and ours", "ours")]
     each = 40
 
     def real(self, objects: Sequence[Real]) -> Clouds:

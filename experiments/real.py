@@ -29,13 +29,14 @@ LEAST = 256  # points of a cloud
 @dataclass(frozen=True, slots=True, eq=False)
 class Joint:
     """``parent`` and ``child`` number links; unit ``axis`` (3,) and ``origin`` (3,). From rest, at 0, the joint goes along the axis, or turns
-    about it by the right hand."""
+    about it by the right hand; ``both``: the other way, too."""
 
     kind: str
     parent: int
     child: int
     axis: np.ndarray
     origin: np.ndarray
+    both: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -203,8 +204,9 @@ def make_joint(
     length = float(np.sqrt((axis**2).sum()))
     if not length > 1e-9 or not np.isfinite(origin).all():
         raise ValueError(f"axis {axis}")
-    back = low is not None and high is not None and -low > high + 1e-9
-    return Joint(kind, parent, child, (-axis if back else axis) / length, origin)
+    least, most = (end if end is not None else sign * np.inf for end, sign in ((low, -1), (high, 1)))
+    back = -least > most + 1e-9
+    return Joint(kind, parent, child, (-axis if back else axis) / length, origin, least < -1e-9 and most > 1e-9)
 
 
 def to_clouds(objects: Sequence[Real], arrays: Mapping[str, Sequence[np.ndarray]]) -> Clouds:

@@ -15,6 +15,12 @@ def mean_iou(found: np.ndarray, truth: np.ndarray) -> np.ndarray:
     return np.mean(each, axis=0)
 
 
+def f1_score(found: np.ndarray, truth: np.ndarray) -> float:
+    """Harmonic mean of precision and recall of what was found, bool arrays of one shape; 1 if nothing was to be found, and nothing was."""
+    both, all_of_both = int((found & truth).sum()), int(found.sum()) + int(truth.sum())
+    return 2 * both / all_of_both if all_of_both else 1.0
+
+
 def _apart(found: np.ndarray, truth: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """For each of K pairs of clouds the distances of either's points from the nearest of the other."""
     return [(cKDTree(b).query(a)[0], cKDTree(a).query(b)[0]) for a, b in zip(found, truth, strict=True)]

@@ -20,12 +20,10 @@ Scores = dict[str, np.ndarray]
 
 @dataclass(frozen=True, slots=True)
 class Arm:
-    """A way of training: ``steps`` on as many clouds of each of the ``sources``, ``after`` another arm or from the start; ``warped``: half
-    of the clouds are warped locally."""
+    """A way of training, which all take as many steps of as many clouds: as many of each of the ``sources``; ``warped``: half of the
+    clouds are warped locally."""
 
     sources: tuple[str, ...]
-    steps: int
-    after: str = ""
     warped: bool = False
 
 
@@ -44,17 +42,11 @@ def folds_of(real: Clouds, folds: int) -> np.ndarray:
     return np.unique(real.origin, return_inverse=True)[1] % folds
 
 
-def sees_real(arms: Mapping[str, Arm], sources: Mapping[str, Clouds], name: str) -> bool:
-    """Whether an arm has seen real objects or what was made from them: then it is trained for each fold, otherwise once."""
-    arm = arms[name]
-    return any(sources[s].of_real for s in arm.sources) or bool(arm.after and sees_real(arms, sources, arm.after))
-
-
 def run(
     real: Clouds,
     sources: Mapping[str, Clouds],
     arms: Mapping[str, Arm],
-    train: Callable[[Arm, Sequence[Clouds], Network | None, list[int]], Network],
+    train: Callable[[Arm, Sequence[Clouds], list[int]], Network],
     judge: Callable[[Network, Clouds, int], Scores],
     seeds: int,
     folds: int,
@@ -62,23 +54,22 @@ def run(
 ) -> dict[str, Scores]:
     """Per arm and metric (seeds, K): every cloud of ``real``, by a network that has seen neither its object nor anything made from it.
 
-    ``train(arm, clouds of each source, the network of the arm before, numbers of a seed)`` gives a network, ``judge(network, clouds, seed)``
-    the metrics (k,) of some objects.
+    ``train(arm, clouds of each source, numbers of a seed)`` gives a network, ``judge(network, clouds, seed)`` the metrics (k,) of some
+    objects. An arm that sees nothing made from a real object is trained once for all folds.
     """
     found: dict[str, Scores] = {arm: {} for arm in arms}
     fold = folds_of(real, folds)
     for seed in range(seeds):
-        kept: dict[str, Network] = {}
         for k in range(folds):
             held = np.flatnonzero(fold == k)
             for name, arm in arms.items():
-                once = not sees_real(arms, sources, name)
+                once = not any(sources[s].of_real for s in arm.sources)
                 if once and k:
                     continue
                 tested = np.arange(len(real)) if once else held
-                seen = [sources[s].without(real.origin[held]) for s in arm.sources]
-                kept[name] = train(arm, seen, kept.get(arm.after), [seed] if once else [seed, k])
-                for metric, values in judge(kept[name], real.take(tested), seed).items():
+                seen = [left for s in arm.sources if len(left := sources[s].without(real.origin[held]))]
+                network = train(arm, seen, [seed] if once else [seed, k])
+                for metric, values in judge(network, real.take(tested), seed).items():
                     found[name].setdefault(metric, np.zeros((seeds, len(real))))[seed, tested] = values
                 means = ", ".join(
                     f"{metric} {values[seed, tested].mean():.4f}" for metric, values in found[name].items()

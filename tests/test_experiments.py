@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +13,13 @@ import pytest
 import artipg_dsl as apg
 from artipg_dsl.errors import UserError
 from experiments.clouds import Clouds, draw, normalise
-from experiments.ours import LEAST, our_motion, our_parts
+from experiments.mutants import Fit, fit_each, mutants
+from experiments.ours import LEAST, our_motion, our_parts, our_ways
 from experiments.page import written
 from experiments.part import Part, part_arrays
 from experiments.pose import Pose, box_iou, distance_of_lines, fit_pose, line_error, rotation_error
 from experiments.real import Real, read_real, real_motion, real_shapes
-from experiments.scores import chamfer_l1, f_score, mean_iou, paired_test
+from experiments.scores import chamfer_l1, f1_score, f_score, mean_iou, paired_test
 from experiments.study import Arm, Metric, by_object, folds_of, run, summarise
 from experiments.warp import turn_and_scale, warp_locally
 
@@ -183,6 +185,35 @@ def test_small_parts_go_with_what_they_are_on() -> None:
     assert (ours["moves"][:3] == ours["moves"][3:]).all()
 
 
+def test_doors_open_the_way_that_they_have_room() -> None:
+    """Of a closed microwave; the lid of a laptop, which rests open, goes both ways."""
+    ours = our_ways(("Laptop", "Microwave"), 2, 512, seed=2)
+    length = np.sqrt((ours["opens"] ** 2).sum(axis=-1))
+    assert set(length.round(4).ravel()) == {0.0, 1.0}
+    assert (ours["opens"][2:, :, 0].sum(axis=1) > 10).all()  # to the front
+    assert ours["both"][:2].any(axis=1).all() and not ours["both"][2:].any()
+    assert not ours["both"][length == 0.0].any()
+
+
+@pytest.fixture(scope="module")
+def fits(objects: list[Real], tmp_path_factory: pytest.TempPathFactory) -> list[Fit]:
+    """A real microwave, fitted, as the object 1 of some."""
+    (one,) = [one for one in objects if one.category == "Microwave"]
+    return fit_each({1: one}, tmp_path_factory.mktemp("fits"))
+
+
+def test_mutants_are_of_the_object_that_was_fitted(fits: list[Fit]) -> None:
+    """They go with it where it is held out; in its details they are other points of the same objects."""
+    bare, worn = (mutants(fits, ("Door", "Microwave"), ("cpa",), 3, 512, details) for details in (False, True))
+    assert (
+        bare.origin.tolist() == [1] * 6 and bare.category.tolist() == [1] * 6 and not len(bare.without(np.array([1])))
+    )
+    assert (bare["moves"].mean(axis=1) > LEAST).all() and (bare["moves"] == worn["moves"]).all()
+    assert not np.allclose(bare["points"][0], bare["points"][1], atol=1e-3)  # of one another
+    away = np.sqrt(((bare["points"] - worn["points"]) ** 2).sum(axis=-1))
+    assert 0.001 < away.mean() < 0.1
+
+
 def test_canonical_places_give_the_pose_the_box_and_the_joint() -> None:
     """Of doors at rest and open; the hinge is at one edge."""
     parts = our_parts(("Microwave",), 2, 512, seed=2)
@@ -217,6 +248,7 @@ def test_scores() -> None:
     truth = np.array([[True, True, False, False], [False] * 4])
     found = np.array([[True, False, False, False], [False] * 4])
     assert mean_iou(found, truth) == pytest.approx([(1 / 2 + 2 / 3) / 2, 1.0])
+    assert f1_score(found[0], truth[0]) == pytest.approx(2 / 3) and f1_score(found[1], truth[1]) == 1.0
     same = np.linspace(0, 1, 12)
     assert paired_test(same, same) == 1.0
     assert paired_test(same + 0.1, same, rounds=20_000) < 0.001
@@ -266,26 +298,20 @@ def clouds(origin: list[int], known: tuple[str, ...] = ("Box",)) -> Clouds:
 def test_no_network_sees_what_it_is_judged_on_or_what_was_made_from_it() -> None:
     """Objects 0 to 4, of which 1 has two clouds; mutants of them; and objects of ours."""
     real, mutants, ours = clouds([0, 1, 1, 2, 3, 4]), clouds([0, 0, 1, 2, 3, 4, 4]), clouds([-1, -1, -1])
-    arms = {
-        "ours": Arm(("ours",), 1),
-        "real": Arm(("real",), 2),
-        "mutants": Arm(("mutants", "ours"), 3),
-        "both": Arm(("ours",), 4, after="mutants"),
-    }
-    trained: list[tuple[int, list[int]]] = []
+    arms = {"ours": Arm(("ours",)), "real": Arm(("real",)), "mutants": Arm(("mutants", "ours"))}
+    trained: list[tuple[Arm, list[int]]] = []
 
-    def train(arm: Arm, sources: object, before: set[int] | None, seed: list[int]) -> set[int]:
-        trained.append((arm.steps, seed))
-        assert (before is not None) == bool(arm.after)
-        return {int(of) for source in sources for of in source.origin} | (before or set())
+    def train(arm: Arm, sources: Sequence[Clouds], seed: list[int]) -> set[int]:
+        trained.append((arm, seed))
+        return {int(of) for source in sources for of in source.origin}
 
     def judge(seen: set[int], tested: Clouds, seed: int) -> dict[str, np.ndarray]:
         assert not seen & set(tested.origin.tolist())
         return {"score": tested.origin + 10.0 * seed}
 
     found = run(real, {"real": real, "mutants": mutants, "ours": ours}, arms, train, judge, 2, 3, lambda line: None)
-    assert [seed for steps, seed in trained if steps == 1] == [[0], [1]]  # has seen no real object: once a seed
-    assert [seed for steps, seed in trained if steps == 4] == [[s, k] for s in (0, 1) for k in (0, 1, 2)]
+    assert [seed for arm, seed in trained if arm is arms["ours"]] == [[0], [1]]  # has seen no real object: once a seed
+    assert [seed for arm, seed in trained if arm is arms["mutants"]] == [[s, k] for s in (0, 1) for k in (0, 1, 2)]
     fold = folds_of(real, 3)
     assert fold[1] == fold[2] and set(fold) == {0, 1, 2}
     for scores in found.values():
@@ -337,13 +363,17 @@ def few(tmp_path: Path) -> Path:
     return tmp_path / "few"
 
 
-@pytest.mark.parametrize("name", ["moving", "completion", "parts"])
-def test_an_experiment_runs_and_repeats(name: str, few: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["moving", "mutated", "completion", "parts", "critic"])
+def test_an_experiment_runs_and_repeats(
+    name: str, few: Path, tmp_path: Path, fits: list[Fit], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Mutants are of the microwave alone: in the fold that holds it out there are none."""
     torch = pytest.importorskip("torch", reason=TORCH)
     from importlib import import_module
 
     from experiments.training import perform
 
+    monkeypatch.setattr("experiments.mutated.fit_each", lambda objects, folder: fits)
     torch.set_num_threads(1)
     experiment = getattr(import_module(f"experiments.{name}"), name.title())()
     one, again = (perform(experiment, few, None, 1, 1, 2, 0.005, tmp_path / f"{k}.json") for k in "ab")
@@ -363,8 +393,7 @@ def test_networks_learn() -> None:
     torch.set_num_threads(1)
     ours, moving = our_motion(("Laptop",), 4, 512, seed=2), Moving()
     before, after = (
-        moving.judge(moving.train(Arm(("ours",), steps), [ours], None, [0]), ours, 0)["mean_iou"].mean()
-        for steps in (5, 60)
+        moving.judge(moving.train(Arm(("ours",)), [ours], [0], steps), ours, 0)["mean_iou"].mean() for steps in (5, 60)
     )
     assert after > before + 0.1
 
