@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import tempfile
 import zlib
 from collections.abc import Iterator
@@ -14,6 +15,9 @@ from artipg_dsl.lower import program as lowering
 _KEPT = "ARTIPG_TEST_CACHE"
 if _KEPT not in os.environ:  # one for the run: its workers and the commands that tests start inherit it
     os.environ[_KEPT] = os.environ["APGC_CACHE"] = tempfile.mkdtemp(prefix="apgc-tests-")
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # in the background: what tests interrupt would ignore it, too
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SMALL = 40  # parts: larger programs are verified pass by pass in tests/lower/test_passes.py
 SHORT = 200_000  # characters: so are those with longer formulas
