@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from .expr import Column, Expr, Scope
-from .linear import Circle
+from .linear import follow
 from .program import Program
 
 _SIDEWAYS = frozenset({"reduce", "element", "previous", "scan"})
@@ -69,10 +69,7 @@ class Last:
         return found
 
     def _of_definition(self, column: Column) -> int:
-        if column in self._running:
-            way = list(self._running)
-            raise Circle(way[way.index(column) :])
-        self._running[column] = None
+        follow(column, self._running)
         found = self.of(self.definitions[column])
         del self._running[column]
         return found

@@ -23,6 +23,14 @@ class Circle(Exception):
         self.columns = columns
 
 
+def follow(column: Column, running: dict[Column, None]) -> None:
+    """Note that the definition of a column is being followed, inside those that are ``running``. Raises Circle if it is one of them."""
+    if column in running:
+        way = list(running)
+        raise Circle(way[way.index(column) :])
+    running[column] = None
+
+
 class Linear:
     """Linear forms in the columns for which ``unknown`` holds, reading defined columns through ``definitions``.
 
@@ -53,10 +61,7 @@ class Linear:
                 definition = self.definitions.get(column)
                 known = self.unknown(column)
                 if not known and definition is not None:
-                    if column in self.running:
-                        way = list(self.running)
-                        raise Circle(way[way.index(column) :])
-                    self.running[column] = None
+                    follow(column, self.running)
                     known = self.reads(definition)
                     del self.running[column]
             elif node.op == "previous" and not self.through:

@@ -190,10 +190,10 @@ def linear(alone: Ends, scope: Scope, difference: Expr, guard: Expr) -> list[Hal
     if form is None or alone.column not in form[0] or alone.linear.reads(guard):
         return None
     factor = form[0][alone.column]
-    low, high = alone.intervals.of(factor)
-    if low <= 0 <= high:
+    least, most = alone.intervals.of(factor)
+    if not (least > 0 or most < 0):  # of either sign, or not known: nan
         return None
-    return [Half("high" if low > 0 else "low", E.div(E.neg(form[1]), factor), guard, scope)]
+    return [Half("high" if least > 0 else "low", E.div(E.neg(form[1]), factor), guard, scope)]
 
 
 def lift(scope: Scope, target: Scope, value: Expr, guard: Expr, side: str) -> tuple[Expr, Expr] | None:
