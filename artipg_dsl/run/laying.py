@@ -8,7 +8,7 @@ the names of its own files, which go when it is replaced.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -49,6 +49,7 @@ def write_layout(
     the category is refused, or replaced by ``force``. Raises ExportError, UserError.
     """
     out = Path(out)
+    there = out.exists()
     require(layout)
     entry = layout.entry(job.program, job.request.seed, job.request.objects, shares, own)
     place = out / _RECORDS / f"{entry.category}.json"
@@ -61,6 +62,8 @@ def write_layout(
         lists = layout.index([*others, entry], out)
     except UserError:
         _clear(out, layout, entry.category, others)
+        if not there and out.is_dir() and not any(out.iterdir()):
+            out.rmdir()
         raise
     record = {
         "layout": layout.name,
@@ -133,11 +136,15 @@ class Piece:
     numbers: np.ndarray
 
     def write(self, job: Job) -> list[str]:
-        """The names of what is written."""
-        names = []
-        for name, data in LAYOUTS[self.layout].files(job.batch(self.numbers), self.entry, self.shard):
-            write_bytes(self.out / name, data, force=True)
-            names.append(name)
+        """The names of what is written; nothing is, where an object is refused. Raises UserError."""
+        names: list[str] = []
+        try:
+            for name, data in LAYOUTS[self.layout].files(job.batch(self.numbers), self.entry, self.shard):
+                names.append(name)
+                write_bytes(self.out / name, data, force=True)
+        except UserError:
+            _remove(self.out, names)
+            raise
         return names
 
 
@@ -151,13 +158,18 @@ def _clear(out: Path, layout: Layout, category: str, others: list[Entry]) -> Non
         else:
             names += [name for name in layout.index([_entry(_read(place))], out) if not name.endswith("/")]
     place.unlink(missing_ok=True)
-    for name in (*names, str(listed.relative_to(out))):
+    _remove(out, [*names, str(listed.relative_to(out))])
+
+
+def _remove(out: Path, names: Iterable[str]) -> None:
+    """Remove files, and folders in ``out`` that are empty then."""
+    for name in names:
         path = out / name
         if not path.resolve().is_relative_to(out.resolve()):
             continue
         path.unlink(missing_ok=True)
         for folder in path.parents:
-            if folder == out.parent or not folder.is_dir() or any(folder.iterdir()):
+            if folder == out or not folder.is_dir() or any(folder.iterdir()):
                 break
             folder.rmdir()
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from artipg_dsl import sample
-from artipg_dsl.errors import UsageError
+from artipg_dsl.errors import UsageError, UserError
+from artipg_dsl.layouts.registry import LAYOUTS
 from artipg_dsl.run import laying
 
 from .helpers import Apgc, tree
@@ -95,11 +97,27 @@ def test_a_category_that_no_list_takes_leaves_nothing(apgc: Apgc, tmp_path: Path
     code, _, said = apgc(*refused)
     assert code == 1 and "no object of Microwave is one that ManiSkill's tasks take" in said
     assert not out.exists()
+    out.mkdir()  # a folder of the user's is left where it is
+    assert apgc(*refused)[0] == 1 and not list(out.iterdir())
     assert apgc("export", "Faucet", "-n", 2, "--format", "maniskill", "-o", out)[0] == 0
     before = tree(out)
     assert apgc(*refused)[0] == 1
     assert tree(out) == before
     assert apgc("layout", out)[0] == 0
+
+
+def test_an_object_that_is_refused_midway_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    layout = LAYOUTS["cage"]
+    whole = layout.files
+
+    def refuse(*asked: object) -> Iterator[tuple[str, bytes]]:
+        yield next(iter(whole(*asked)))
+        raise UserError("the second object is refused")
+
+    monkeypatch.setattr(type(layout), "files", lambda self, *asked: refuse(*asked))
+    with pytest.raises(UserError, match="refused"):
+        sample("StorageFurniture", n=2).lay_out(tmp_path / "cage", "cage")
+    assert not (tmp_path / "cage").exists()
 
 
 def test_a_category_that_is_written_again_is_in_no_list_meanwhile(
