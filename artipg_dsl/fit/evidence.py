@@ -24,10 +24,8 @@ from .outer import outer
 from .states import tables
 
 _POINTS = 3072, 2048  # of a candidate: of its large primitives and of the small ones
-_BY = (
-    6,
-    3,
-)  # axes by which what is nearest is found: places and normals, and places alone, as normals of small parts are guessed
+# axes by which what is nearest is found: places and normals, and places alone, as normals of small parts are guessed
+_BY = 6, 3
 _AROUND, _NEAR = 512, 320  # of a copy: of what it shares with its origin, and of what is new
 _ASKED = 512  # points of a cloud that are asked about a copy
 _MARGIN = 0.02  # diagonals around what is new
