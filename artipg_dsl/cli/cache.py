@@ -12,6 +12,7 @@ _KINDS = {
     "check": "findings",
     "tree": "syntax trees",
     "tables": "tables of the parser",
+    "grammar": "the parser that explains mistakes",
     "program": "compiled programs",
     "facts": "what surfaces and pieces are like",
     "machine": "the compiled backend",

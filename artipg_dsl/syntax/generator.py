@@ -1,24 +1,19 @@
-"""Lark's parser of grammar/apg.lark, and its cache in the user's cache folder.
+"""Lark's parser of grammar/apg.lark, kept between runs (see ``cache``).
 
-It makes the tables by which texts are parsed (see ``tables``), and knows what is wrong with a text that has a mistake. The cache is a
-convenience: missing, unreadable, corrupt or read-only, it is made anew or done without.
+It makes the tables by which texts are parsed (see ``tables``), and knows what is wrong with a text that has a mistake.
 """
 
 from __future__ import annotations
 
-import hashlib
 import io
 import json
-import os
 import pickle
-import sys
-import tempfile
-from pathlib import Path
 from typing import Any
 
 import lark
 from lark import Lark
 
+from .. import cache
 from .layout import Layout
 
 OPTIONS: dict[str, Any] = {
@@ -33,27 +28,18 @@ OPTIONS: dict[str, Any] = {
 def generate(text: str, layout: Layout, use_cache: bool = True) -> Lark:
     """The parser of a grammar, its tokens through a layout."""
     live = {"postlex": layout, "lexer_callbacks": {"COMMENT": layout.comment, "DOC": layout.comment}}
-    path = _cache_path(text) if use_cache else None
-    return _from_cache(path, live) or _built(text, path, live)
+    if not use_cache or cache.folder() is None:
+        return _built(text, live)
+    entry = cache.key("grammar", text, repr(sorted(OPTIONS.items())), lark.__version__)
+    found = _from_cache(entry, live)
+    if found is None:
+        found = _built(text, live)
+        _store(found, entry)
+    return found
 
 
-def _built(text: str, path: Path | None, live: dict[str, Any]) -> Lark:
-    parser = Lark(text, **OPTIONS, **live)
-    if path is not None:
-        _store(parser, path)
-    return parser
-
-
-def _cache_path(grammar: str) -> Path | None:
-    """Where the tables of this grammar belong, for this lark and Python; None where no home is known."""
-    key = "\0".join((grammar, repr(sorted(OPTIONS.items())), lark.__version__, sys.version))
-    name = f"tables-{hashlib.sha256(key.encode()).hexdigest()[:20]}.json"
-    chosen = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
-    try:
-        folder = Path(chosen) if chosen else Path.home() / ".cache"
-    except RuntimeError:
-        return None
-    return folder / "artipg_dsl" / name
+def _built(text: str, live: dict[str, Any]) -> Lark:
+    return Lark(text, **OPTIONS, **live)
 
 
 def _as_data(tables: Any) -> list[Any]:
@@ -95,29 +81,19 @@ def _from_data(rows: list[Any]) -> Any:
     return found[-1]
 
 
-def _from_cache(path: Path | None, live: dict[str, Any]) -> Lark | None:
-    if path is None:
+def _from_cache(entry: str, live: dict[str, Any]) -> Lark | None:
+    body = cache.read(entry)
+    if body is None:
         return None
     try:
-        data = _from_data(json.loads(path.read_text(encoding="utf-8")))
         parser = Lark.__new__(Lark)
-        return parser._load(data, **live)
-    except Exception:  # whatever is wrong with the file, building the tables anew is the answer
+        return parser._load(_from_data(json.loads(body)), **live)
+    except Exception:  # whatever is wrong with the entry, building the tables anew is the answer
+        cache.drop(entry)
         return None
 
 
-def _store(parser: Lark, path: Path) -> None:
-    """Writes beside the place and renames, so that no reader ever sees half a file."""
-    temporary = None
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        tables = io.BytesIO()
-        parser.save(tables, ("postlex", "lexer_callbacks"))
-        text = json.dumps(_as_data(pickle.loads(tables.getvalue())), separators=(",", ":"))
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=path.name, delete=False) as file:
-            temporary = file.name
-            file.write(text.encode("utf-8"))
-        os.replace(temporary, path)
-    except OSError:
-        if temporary is not None and os.path.exists(temporary):
-            os.unlink(temporary)
+def _store(parser: Lark, entry: str) -> None:
+    tables = io.BytesIO()
+    parser.save(tables, ("postlex", "lexer_callbacks"))
+    cache.write(entry, json.dumps(_as_data(pickle.loads(tables.getvalue())), separators=(",", ":")).encode())

@@ -1,6 +1,5 @@
 """The grammar's health: strict LALR, the reserved words, units, the cache."""
 
-import os
 import pickle
 import re
 import threading
@@ -8,7 +7,7 @@ import threading
 import pytest
 from lark import Lark
 
-from artipg_dsl.source import Source
+from artipg_dsl import cache
 from artipg_dsl.syntax import generator
 from artipg_dsl.syntax.grammar import Machine, grammar_path, machine, reserved_words, terminal_words
 from artipg_dsl.syntax.layout import CONTINUES, Layout
@@ -72,30 +71,36 @@ def test_mistakes_stop_where_no_other_does():
 
 
 @pytest.fixture
-def cache_folder(tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setenv("APGC_CACHE", "off")  # the tables that are made from it are kept elsewhere
-    return tmp_path / "artipg_dsl"
+def kept(tmp_path, monkeypatch):
+    monkeypatch.setenv("APGC_CACHE", str(tmp_path / "kept"))
+    return tmp_path / "kept"
 
 
-def works(tools: Machine) -> bool:
-    text = "category C { part a : B when c is D | none }"
-    return without_spans(tools.tree(Source("", text), text)) == without_spans(tree_of(text))
+MISTAKEN = "category C { part a : B when c is D | none"
 
 
-def test_cache_is_written_and_read(cache_folder, monkeypatch):
-    assert works(Machine())
-    (file,) = cache_folder.iterdir()
+def explains() -> bool:
+    """Lark's parser, which is asked about mistakes alone."""
+    return Machine().mistake(MISTAKEN) is not None
+
+
+def parsers(folder):
+    return [entry.path for entry in cache.entries(folder) if entry.kind == "grammar"]
+
+
+def test_parser_of_mistakes_is_kept(kept, monkeypatch):
+    assert explains()
+    (file,) = parsers(kept)
     monkeypatch.setattr(generator, "_built", lambda *_: pytest.fail("the cache was not used"))
-    assert works(Machine())
-    assert list(cache_folder.iterdir()) == [file]
+    assert explains()
+    assert parsers(kept) == [file]
 
 
 class Runs:
     """What a pickle can hold: a call, made when it is read."""
 
     def __reduce__(self):
-        return pytest.fail, ("a file of the cache was run",)
+        return pytest.fail, ("an entry of the cache was run",)
 
 
 # each has the tables made again, which takes seconds
@@ -103,28 +108,19 @@ OTHERS = [b"", b"\x80\x05garbage", b"3", b'{"x":1}', b'{"pairs":[["memo",{"pairs
 
 
 @pytest.mark.parametrize("content", [pickle.dumps(Runs()), *(pytest.param(c, marks=pytest.mark.slow) for c in OTHERS)])
-def test_corrupt_cache(cache_folder, content):
-    cache_folder.mkdir()
-    file = generator._cache_path(grammar_path().read_text(encoding="utf-8"))
-    file.write_bytes(content)
-    assert works(Machine())
-    assert file.parent == cache_folder and file.read_bytes() != content  # and is made anew
+def test_entry_that_is_no_parser(kept, content):
+    assert explains()
+    (file,) = parsers(kept)
+    cache.write(file.name, content)  # sealed, so that it is read
+    assert explains()
+    assert cache.read(file.name) != content  # and is made anew
 
 
-def test_cache_folder_is_a_file(tmp_path, monkeypatch):
-    (tmp_path / "taken").write_text("")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "taken"))
+def test_nothing_is_written_where_nothing_is_kept(tmp_path, monkeypatch):
     monkeypatch.setenv("APGC_CACHE", "off")
-    assert works(Machine())
-
-
-def test_failed_write_leaves_nothing(cache_folder, monkeypatch):
-    def refuse(*_):
-        raise PermissionError
-
-    monkeypatch.setattr(os, "replace", refuse)
-    assert works(Machine())
-    assert list(cache_folder.iterdir()) == []
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert explains()
+    assert not any(tmp_path.iterdir())
 
 
 def test_parsing_in_threads():
