@@ -5,10 +5,10 @@ In: the words after ``apgc``. Out: text, files and an exit code. Begin with ``ma
     main, options, shared         commands, their options, and those that several share
     arguments                     kinds of arguments
     messages, progress            findings and errors on the terminal, and how far a run has come
-    check, fmt, new, explain      programs as text
+    check, watch, fmt, new        programs as text
     compile, ledger               a program at one of its stages; what determines each part
     sample, export, mutate        folders of objects
     layout                        a folder in a layout of the field, checked against the model
     render, report, validate      pictures and figures
-    categories                    what is shipped
+    categories, explain           what is shipped, and what errors mean
 """

@@ -107,6 +107,10 @@ def picture(text: str) -> str:
     """A picture to write: a terminal is no place for one."""
     if text == STREAM:
         raise ArgumentTypeError("- means standard output, but a picture needs a file: give a name that ends in .png")
+    if not text.lower().endswith(".png"):
+        raise ArgumentTypeError(
+            f"the picture is a PNG, and {text} is not the name of one: choose a name that ends in .png"
+        )
     return place(text)
 
 

@@ -41,6 +41,19 @@ def _add_check(to: argparse.ArgumentParser) -> None:
     shape.add_argument("--sarif", action="store_true", help="print the findings as SARIF, for editors and code hosts")
 
 
+def _add_watch(to: argparse.ArgumentParser) -> None:
+    add_program(to)
+    add_drawing(to, 6)
+    to.add_argument(
+        "-o",
+        "--out",
+        type=picture,
+        metavar="FILE",
+        help="also draw a contact sheet to this file whenever nothing is wrong",
+    )
+    to.add_argument("--force", action="store_true", help="overwrite a picture that is there before")
+
+
 def _add_fmt(to: argparse.ArgumentParser) -> None:
     to.add_argument("files", nargs="+", metavar="FILE", help="an .apg file, or - to read stdin and write stdout")
     to.add_argument(
@@ -369,6 +382,7 @@ def _add_layout(to: argparse.ArgumentParser) -> None:
 
 COMMANDS = {
     "check": ("check programs for errors", _add_check),
+    "watch": ("check a program whenever it is saved, and draw it", _add_watch),
     "fmt": ("format programs", _add_fmt),
     "new": ("create a category to start from", _add_new),
     "compile": ("compile a program, and show one of its stages", _add_compile),

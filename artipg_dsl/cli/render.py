@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..errors import UsageError
 from .messages import say
 from .progress import Progress
 from .sample import read_resolution
@@ -17,10 +16,6 @@ def run(options: argparse.Namespace) -> int:
     from ..geometry.resolution import SMOOTH
     from ..view.sheet import read_direction, write_sheet
 
-    if Path(options.out).suffix.lower() != ".png":
-        raise UsageError(
-            f"the picture is a PNG, and {options.out} is not the name of one", "choose a name that ends in .png"
-        )
     refuse_existing(Path(options.out), options.force)
     read_direction(options.view)
     job = open_wanted(options)
