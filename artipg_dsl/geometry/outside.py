@@ -3,8 +3,9 @@
 A point counts as seen when one of ``_DIRECTIONS`` rays from it, the same evenly spread ones for all points and objects,
 leaves the object without entering a solid: a camera far away in that direction sees it. So what shows itself only
 through a slit or hole narrower than the spacing of the rays, about 17 degrees, counts as not seen. Solids are
-represented by their meshes. The rays of one direction are parallel: which triangles they may enter is looked up on a
-grid in the plane across, for all objects at once.
+represented by their meshes. On a hollow surface the chords of the mesh lie before the point: a ray from there begins within the
+mesh, and must leave it by that surface; one that leaves by another has gone through the wall of a lid, and does not count. The rays of one
+direction are parallel: which triangles they may meet is looked up on a grid in the plane across, for all objects at once.
 """
 
 from __future__ import annotations
@@ -15,11 +16,13 @@ import numpy as np
 
 from . import mesh
 from .cells import Cells
+from .flat import BENT
 from .hidden import runs
 
 _DIRECTIONS = 144
 _STEPS = 24  # of the meshes, per full turn
 _GRAZING = 0.02  # sine of the angle to the surface below which a ray is not asked
+_LOW = 0.5  # that sine below which a ray from a hollow surface may pass between it and its chords
 _BINS = 24  # of the grid, along either axis
 _LARGE = 0.004  # area of a triangle that is asked first, relative to the square of the object's diagonal
 _EDGE = 1e-9  # a ray this far beyond an edge, relative to the picture, still meets the triangle
@@ -37,12 +40,12 @@ def spread_directions(count: int = _DIRECTIONS) -> np.ndarray:
 
 
 class Outlook:
-    """The solids of a block as triangles, ``corner`` (3 corners, 3 axes, T), sorted by object."""
+    """The solids of a block as triangles, ``corner`` (3 corners, 3 axes, T), sorted by object; ``cell`` (T,) that each is of."""
 
     def __init__(self, cells: Cells, off: np.ndarray, buried: np.ndarray):
         self.cells, self.off = cells, off
         rows = cells.rows
-        corners, owners = [np.empty((3, 3, 0))], [np.empty(0, np.int64)]
+        corners, owners, sources = [np.empty((3, 3, 0))], [np.empty(0, np.int64)], [np.empty(0, np.int64)]
         for shelf in rows.shelves:
             for made in mesh.build(shelf.primitive, shelf.params, _STEPS):
                 own = shelf.start + made.rows
@@ -58,12 +61,15 @@ class Outlook:
                 corner = np.stack([placed[:, :, made.faces[:, c]] for c in range(3)])  # (corner, axis, row, face)
                 inside_out = np.flatnonzero(rows.mirror[own] < 0)
                 corner[:, :, inside_out] = corner[::-1, :, inside_out]
-                shown = ~buried[cells.first[own, None] + made.face_patch]
+                source = cells.first[own, None] + made.face_patch
+                shown = ~buried[source]
                 corners.append(corner[:, :, shown])
+                sources.append(source[shown])
                 owners.append(np.broadcast_to(rows.owner[own, None], shown.shape)[shown])
         owner = np.concatenate(owners)
         order = np.argsort(owner, kind="stable")
-        self.owner, self.corner = owner[order], np.concatenate(corners, axis=2)[:, :, order]
+        self.owner, self.cell = owner[order], np.concatenate(sources)[order]
+        self.corner = np.concatenate(corners, axis=2)[:, :, order]
         a, b, c = self.corner
         e, f = b - a, c - a
         self.normal = np.stack([e[(k + 1) % 3] * f[(k + 2) % 3] - e[(k + 2) % 3] * f[(k + 1) % 3] for k in range(3)])
@@ -85,27 +91,44 @@ class Outlook:
         owner = self.cells.owner[cell]
         start = [p + self.off[owner] * n for p, n in zip(position, normal, strict=True)]
         seen = np.zeros(len(cell), dtype=bool)
-        left = np.arange(len(cell))
+        left, bent = np.arange(len(cell)), self.cells.shape[cell] == BENT
         for way in spread_directions():
             slope = way[0] * normal[0][left] + way[1] * normal[1][left] + way[2] * normal[2][left]
-            asked = left[slope > _GRAZING]
+            asked, low = left[slope > _GRAZING], left[(slope > _GRAZING) & (slope < _LOW) & bent[left]]
             if len(asked):
                 for triangles in self.asked:  # the large ones stop most rays that are stopped at all
-                    asked = asked[self._leaves(way, owner[asked], [s[asked] for s in start], triangles)]
+                    asked = asked[self._free(way, owner[asked], [s[asked] for s in start], triangles)]
                 seen[asked] = True
+                low = low[seen[low]]
+                for triangles in self.asked:
+                    free = self._free(way, owner[low], [s[low] for s in start], triangles, cell[low])
+                    seen[low[~free]], low = False, low[free]
                 left = left[~seen[left]]
         return seen
 
-    def _leaves(self, way: np.ndarray, owner: np.ndarray, start: list[np.ndarray], triangles: np.ndarray) -> np.ndarray:
-        """(m,) bool: whether rays along ``way`` from points of objects ``owner`` enter none of the triangles."""
+    def _free(
+        self,
+        way: np.ndarray,
+        owner: np.ndarray,
+        start: list[np.ndarray],
+        triangles: np.ndarray,
+        own: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """(m,) bool: whether rays along ``way`` from points of objects ``owner`` enter none of the triangles; with ``own``, the cells
+        of the points, whether they leave none from behind but those of their own cell."""
+        out = np.ones(len(owner), dtype=bool)
+        if not len(owner):
+            return out
         frame = _frame(way)
         objects = np.zeros(self.low.shape[1], dtype=bool)
         objects[owner] = True
         facing = triangles[objects[self.owner[triangles]]]
+        side = 1.0 if own is None else -1.0
         slope = way[0] * self.normal[0][facing] + way[1] * self.normal[1][facing] + way[2] * self.normal[2][facing]
-        facing = facing[slope < 0.0]
+        facing = facing[side * slope < 0.0]
         whose = self.owner[facing]
-        corner = [[f[0] * c[0] + f[1] * c[1] + f[2] * c[2] for f in frame] for c in self.corner[:, :, facing]]
+        turning = self.corner if own is None else self.corner[::-1]
+        corner = [[f[0] * c[0] + f[1] * c[1] + f[2] * c[2] for f in frame] for c in turning[:, :, facing]]
         point = [f[0] * start[0] + f[1] * start[1] + f[2] * start[2] for f in frame]
         # the grid: each object's picture has its own, _BINS by _BINS
         middle, reach = (self.low + self.high) / 2, (self.high - self.low) / 2
@@ -139,10 +162,9 @@ class Outlook:
         some = np.flatnonzero(many)
         of, first, many = of[some], first[some], many[some]
         edge = [_edges(corner, k) for k in range(3)]
-        normal = self.normal[:, facing]
+        normal = side * self.normal[:, facing]
         turned = [f[0] * normal[0] + f[1] * normal[1] + f[2] * normal[2] for f in frame]
         size = _EDGE / (scale[0] * scale[1])[whose]
-        out = np.ones(len(owner), dtype=bool)
         total = np.cumsum(many)
         cuts = np.searchsorted(total, np.arange(_PAIRS, int(total[-1]) if len(total) else 0, _PAIRS))
         for part in np.split(np.arange(len(of)), cuts):
@@ -155,7 +177,10 @@ class Outlook:
                 ray, with_ = ray[kept], with_[kept]
             # what faces the ray lies before it where the start is on the outer side of its plane
             gap = sum(turned[k][with_] * (corner[0][k][with_] - point[k][ray]) for k in range(3))
-            out[ray[gap < 0.0]] = False
+            ahead = gap < 0.0
+            if own is not None:
+                ahead &= self.cell[facing[with_]] != own[ray]
+            out[ray[ahead]] = False
         return out
 
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from artipg_dsl import random
+from artipg_dsl.annotate.cloud import sample_points
+from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.geometry import outside, points
 from artipg_dsl.geometry.block import block_of
 from artipg_dsl.geometry.cells import Cells
 from artipg_dsl.geometry.hidden import scales
+from artipg_dsl.session import Session
 
 from . import scenes, shapes
 
@@ -54,6 +57,28 @@ def test_the_inside_of_an_open_box_is_seen() -> None:
     boundary, seen = (points.sample(walls(False), 1, 3000, KEY, one, outside=o) for o in (False, True))
     share = [(np.abs(f.position[0][:, 2] + 0.14) < 1e-9).mean() for f in (boundary, seen)]
     assert share[0] > 0.08 and abs(share[0] - share[1]) < 0.005
+
+
+DOME = """apg 1
+use cookware { LidShell }
+use primitives { Cylinder }
+category Closed {
+  root part plate : Cylinder(radius = 12cm, height = 1cm)
+  part lid : LidShell(radius = 11cm, edge = 2mm, brim = 6mm, rise = 3cm, wall = 1.5mm)
+  connect lid.bottom to plate.top gap 0.2mm
+}
+"""
+
+
+def test_the_hollow_of_a_thin_dome_is_not_seen() -> None:
+    """The chords of its mesh lie further in than the points, so that flat rays begin between them and the skin."""
+    batch = Session.of_text(DOME).sampler.batch(np.arange(1), 0)
+
+    def hollow(surface: str) -> float:
+        points = sample_points(batch, Sampling(2000, surface=surface))
+        return float(((points.normal[0][:, 2] < -0.1) & (points.position[0][:, 2] > 0.0079)).mean())
+
+    assert hollow("boundary") > 0.2 and hollow("outside") == 0.0
 
 
 def test_the_grid_gives_what_rays_give_one_by_one() -> None:
