@@ -2,11 +2,12 @@
 
     python benchmarks/round_trip.py Door Chair -n 4 --json clean.json
     python benchmarks/round_trip.py Door Chair -n 4 --noise 0.01 --missing 0.3
+    python benchmarks/round_trip.py Door Chair -n 4 --labels
 
 A choice can be seen if the cloud that is fitted, with its noise and its holes, speaks against every other value of it for the true
 object: by more than 12 in natural logarithms, whatever is drawn for parts that are new (two draws). Choices and counts of parts that occur
 several times count each. A choice is right if the part has it in the same place among its like. CPU seconds are those of this process,
-for all of a fit.
+for all of a fit. With ``--labels`` the points of clouds bear the words of ``semantic``.
 """
 
 from __future__ import annotations
@@ -38,16 +39,22 @@ Values = list[dict[Row, float]]  # of each object
 
 
 def clouds(samples: apg.Samples, usual: float, noise: float, missing: float) -> list[Posed]:
-    """The surfaces of samples, with noise (of the diagonal) and without what is nearest to one of their points."""
+    """The labelled surfaces of samples, with noise (of the diagonal) and without what is nearest to one of their points."""
     points, chance, posed = samples.points(20_000), np.random.default_rng(0), []
-    for place, normal in zip(points.position, points.normal, strict=True):
+    names = tuple(samples.batch.program.vocabularies["semantic"])
+    for place, normal, word in zip(points.position, points.normal, points.semantic, strict=True):
         across = np.sqrt((np.ptp(place, axis=0) ** 2).sum())
         away = ((place - place[chance.integers(len(place))]) ** 2).sum(axis=1)
         kept = np.sort(np.argsort(away)[int(missing * len(place)) :])
         at = place[kept] + chance.normal(size=(len(kept), 3)) * noise * across / np.sqrt(3.0)
-        cloud = Cloud(at, None if noise else normal[kept], np.full(len(kept), -1), ())
+        cloud = Cloud(at, None if noise else normal[kept], word[kept].astype(np.int64), names)
         posed.append(pose(cloud, Frame(up="z", front="x", unit="m"), ".npz", usual))
     return posed
+
+
+def said(posed: list[Posed]) -> dict[str, str]:
+    """Each word that the clouds bear, meant as itself."""
+    return {one.names[k]: one.names[k] for one in posed for k in np.unique(one.label).tolist() if k > 0}
 
 
 def rows_of(batch: Batch, number: int) -> list[Row]:
@@ -131,6 +138,7 @@ def main() -> None:
     parser.add_argument("-n", type=int, default=4)
     parser.add_argument("--noise", type=float, default=0.0)
     parser.add_argument("--missing", type=float, default=0.0)
+    parser.add_argument("--labels", action="store_true")
     parser.add_argument("--seed", type=int, default=77)
     parser.add_argument("--json", type=Path)
     asked = parser.parse_args()
@@ -141,7 +149,7 @@ def main() -> None:
         model = Model(samples.job.sampler)
         posed = clouds(samples, usual_size(model), asked.noise, asked.missing)
         begun = time.process_time()
-        found = fit(model, posed)
+        found = fit(model, posed, words=said(posed) if asked.labels else None)
         spent = (time.process_time() - begun) / asked.n
         true = model.assembled([(samples.batch, np.arange(asked.n))])
         one = beside(model, true, posed, values_of(model, found))

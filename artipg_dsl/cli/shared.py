@@ -147,5 +147,5 @@ def add_real(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--map",
         metavar="FILE",
-        help="a JSON file of names of labels and the words that they mean, to compare labels by",
+        help="a JSON file of names of labels and the words that they mean; they are compared, and guide `fit`",
     )

@@ -17,8 +17,9 @@ from .match import Gaps, features, gaps, nearest
 from .model import Placed
 from .outer import outer, spacing
 from .states import tables
+from .words import axes, unlike, words_of_rows
 
-_FARTHEST = 0.08  # diagonals: what lies farther off counts as lying so far
+FARTHEST = 0.08  # diagonals: what lies farther off counts as lying so far, and what is another thing by its label
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,7 +27,8 @@ class Targets:
     """Clouds of the outer surface of T objects, each in one pose: ``points``, ``normals`` (T, M, 3), ``diagonal`` (T,) of the box
     ``low`` .. ``high`` (T, 3), ``apart`` (T, M) how far each lies from others, ``noise`` (T,) across the surface, in diagonals.
     ``of`` (T,): which object it is; ``known`` (T,): whether its scale is. ``count`` (T,): how many points there are; others
-    are the same again. The first points of a cloud are a sample of it."""
+    are the same again. The first points of a cloud are a sample of it. ``word`` (T, M) of ``semantic``, 0 where nothing is said; ``meant``
+    (W,): which words may be."""
 
     points: np.ndarray
     normals: np.ndarray
@@ -38,6 +40,8 @@ class Targets:
     known: np.ndarray
     noise: np.ndarray
     count: np.ndarray
+    word: np.ndarray
+    meant: np.ndarray
 
     def __len__(self) -> int:
         return len(self.of)
@@ -48,13 +52,15 @@ class Targets:
 
     def take(self, at: np.ndarray) -> Targets:
         """Some of them."""
-        return Targets(*(getattr(self, field.name)[at] for field in fields(self)))
+        each = {field.name: getattr(self, field.name)[at] for field in fields(self) if field.name != "meant"}
+        return replace(self, **each)
 
     def first(self, count: int) -> Targets:
         """With ``count`` points at most."""
         fewer = np.minimum(self.count, count)
         apart = self.apart[:, :count] * np.sqrt(self.count / fewer)[:, None]
-        return replace(self, points=self.points[:, :count], normals=self.normals[:, :count], apart=apart, count=fewer)
+        columns = {name: getattr(self, name)[:, :count] for name in ("points", "normals", "word")}
+        return replace(self, apart=apart, count=fewer, **columns)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +81,7 @@ class Compared:
     """Points of candidates (K, n), each bound to (site, ``element`` of the candidate's primitives of that site, patch, u, v), and their
     ``position`` in the frames of the targets, with ``gaps`` from the targets' points (K, m) and
     their own (K, n), ``hidden`` (K, n) those inside; the pairs: ``there`` (K, m) and ``here`` (K, n); how much normals of
-    pairs agree."""
+    pairs agree, and whether words do not."""
 
     points: PointSet
     element: np.ndarray
@@ -86,6 +92,7 @@ class Compared:
     to_surface: Gaps
     to_cloud: Gaps
     agree: tuple[np.ndarray, np.ndarray]
+    unlike: tuple[np.ndarray, np.ndarray]
     score: np.ndarray
 
 
@@ -131,17 +138,34 @@ def compare(
         hidden = ~outer(position)
     diagonal = targets.diagonal[target]
     cloud, facing = targets.points[target], targets.normals[target]
-    there, here = nearest(features(position, points.normal, diagonal, hidden), features(cloud, facing, diagonal))
+    word, theirs = words_of(batch, points, targets.meant), targets.word[target]
+    there, here = nearest(
+        features(position, points.normal, diagonal, hidden, axes(word, targets.meant)),
+        features(cloud, facing, diagonal, said=axes(theirs, targets.meant)),
+    )
     every = np.arange(len(target))[:, None]
     near, outward = position[every, there], points.normal[every, there]
     found, back = cloud[every, here], facing[every, here]
     to_surface = gaps(near, cloud, outward, apart[every, there], diagonal)
     to_cloud = gaps(position, found, back, targets.apart[target[:, None], here], diagonal)
     agree = (outward * facing).sum(axis=2), (points.normal * back).sum(axis=2)
-    own = np.where(hidden, 0.0, np.minimum(np.abs(to_cloud.value), _FARTHEST)).sum(axis=1)
+    apart_by = unlike(word[every, there], theirs), unlike(word, theirs[every, here])
+    own = np.where(hidden, 0.0, _off(to_cloud, apart_by[1])).sum(axis=1)
     own /= np.maximum((~hidden).sum(axis=1), 1)
-    score = 0.5 * (np.minimum(np.abs(to_surface.value), _FARTHEST).mean(axis=1) + own)
+    score = 0.5 * (_off(to_surface, apart_by[0]).mean(axis=1) + own)
     sites = tables(batch)
     rank = np.concatenate([table.rank for table in sites])
     element = rank[starts(sites)[points.site] + points.row]
-    return Compared(points, element, position, hidden, there, here, to_surface, to_cloud, agree, score)
+    return Compared(points, element, position, hidden, there, here, to_surface, to_cloud, agree, apart_by, score)
+
+
+def words_of(batch: Batch, points: PointSet, meant: np.ndarray) -> np.ndarray:
+    """(K, n) the words of points of candidates, as ``Targets.word`` has them."""
+    if not len(meant):
+        return np.zeros(points.site.shape, dtype=np.int64)
+    return np.asarray(words_of_rows(batch, meant)[starts(tables(batch))[points.site] + points.row])
+
+
+def _off(gap: Gaps, unlike: np.ndarray) -> np.ndarray:
+    """What gaps count, in diagonals."""
+    return np.where(unlike, FARTHEST, np.minimum(np.abs(gap.value), FARTHEST))

@@ -140,7 +140,8 @@ def _views(targets: Targets, target: np.ndarray, told: Asked) -> Targets:
     apart = own.apart[every, at]
     apart[:, :_WHOLE] *= fewer
     apart[:, _WHOLE:] *= np.where(near, np.sqrt(np.maximum(told.many / _THERE, 1.0))[:, None], fewer)
-    return replace(own, points=own.points[every, at], normals=own.normals[every, at], apart=apart)
+    columns = {name: getattr(own, name)[every, at] for name in ("points", "normals", "word")}
+    return replace(own, apart=apart, **columns)
 
 
 def alternatives(model: Model, batch: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

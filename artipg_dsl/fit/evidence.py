@@ -11,21 +11,23 @@ that lie there alone, so that hundreds can be asked about.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
 from ..geometry.nearest import Nearest
 from ..runtime.batch import Batch
-from .compare import Targets, starts
+from .compare import FARTHEST, Targets, starts, words_of
 from .focus import Differing, Rows, small, spread
-from .match import features, gaps
+from .match import Gaps, features, gaps
 from .model import Placed
 from .outer import outer
 from .states import tables
+from .words import axes, unlike
 
 _POINTS = 3072, 2048  # of a candidate: of its large primitives and of the small ones
-# axes by which what is nearest is found: places and normals, and places alone, as normals of small parts are guessed
-_BY = 6, 3
+# what is found nearest by: places and normals, and places alone, as normals of small parts are guessed; and words
+_BY = slice(0, 0), slice(3, 6)  # columns left out
 _AROUND, _NEAR = 512, 320  # of a copy: of what it shares with its origin, and of what is new
 _ASKED = 512  # points of a cloud that are asked about a copy
 _MARGIN = 0.02  # diagonals around what is new
@@ -69,20 +71,22 @@ class Clouds:
     def __init__(self, targets: Targets):
         self.targets = targets
         own = np.repeat(np.arange(len(targets)), targets.points.shape[1])
-        theirs = features(targets.points, targets.normals, targets.diagonal).reshape(-1, 6)
-        self._trees = [Nearest(theirs[:, :axes], own, _SETS_APART) for axes in _BY]
+        said = axes(targets.word, targets.meant)
+        theirs = _flat(features(targets.points, targets.normals, targets.diagonal, said=said))
+        self._trees = [Nearest(_without(theirs, left), own, _SETS_APART) for left in _BY]
 
     def unlikely(self, laid: _Laid, target: np.ndarray) -> np.ndarray:
         """(K, n) how unlikely points of candidates are for the cloud of each, the ``target`` (K,)."""
         targets, (count, n) = self.targets, laid.hidden.shape
         diagonal, noise = targets.diagonal[target], self.noise(target)
-        asked, of = features(laid.position, laid.normal, diagonal).reshape(-1, 6), np.repeat(target, n)
+        said = axes(laid.word, targets.meant)
+        asked, of = _flat(features(laid.position, laid.normal, diagonal, said=said)), np.repeat(target, n)
         found = []
-        for tree, axes in zip(self._trees, _BY, strict=True):
-            near = tree.find(asked[:, :axes], of)[1].reshape(count, n) - target[:, None] * targets.points.shape[1]
+        for tree, left in zip(self._trees, _BY, strict=True):
+            near = tree.find(_without(asked, left), of)[1].reshape(count, n) - target[:, None] * targets.points.shape[1]
             at = target[:, None], near
             off = gaps(laid.position, targets.points[at], targets.normals[at], targets.apart[at], diagonal)
-            found.append(_unlikely(off.value, noise))
+            found.append(_unlikely(off, unlike(laid.word, targets.word[at]), noise))
         return np.asarray(np.minimum(*found))
 
     def noise(self, target: np.ndarray) -> np.ndarray:
@@ -93,7 +97,7 @@ class Clouds:
 class _Laid:
     """Points of candidates in the frames of their clouds (K, n), how far each lies ``apart`` from others, which are ``hidden`` from
     without; the last ones lie on rows that are marked, and are ``fresh`` if there are any; the visible surface ``area`` (K, 2) of the
-    other rows and of these; ``on``: the row, among those of all tables, on which a point lies."""
+    other rows and of these; ``on``: the row, among those of all tables, on which a point lies; ``word``: what it is."""
 
     position: np.ndarray
     normal: np.ndarray
@@ -102,40 +106,45 @@ class _Laid:
     fresh: np.ndarray
     area: np.ndarray
     on: np.ndarray
+    word: np.ndarray
 
     def unlikely(
-        self, points: np.ndarray, normals: np.ndarray, taken: np.ndarray, diagonal: np.ndarray, noise: np.ndarray
+        self, clouds: Clouds, target: np.ndarray, asked: tuple[Any, Any], taken: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(K, m) how unlikely points of clouds are for those ``taken`` (K, n) of these, inf where there are none, and which of these is
-        nearest."""
-        ours, theirs = features(self.position, self.normal, diagonal), features(points, normals, diagonal)
+        """(K, m) how unlikely the points ``asked`` of clouds are for those ``taken`` (K, n) of these, inf where there are none, and which of
+        these is nearest."""
+        targets, diagonal, noise = clouds.targets, clouds.targets.diagonal[target], clouds.noise(target)
+        points, normals, word = targets.points[asked], targets.normals[asked], targets.word[asked]
+        ours = features(self.position, self.normal, diagonal, said=axes(self.word, targets.meant))
+        theirs = features(points, normals, diagonal, said=axes(word, targets.meant))
         every, some = np.arange(len(points))[:, None], taken.any(axis=1, keepdims=True)
         found, near = [], []
-        for axes in _BY:
-            there = _nearest(ours[..., :axes], theirs[..., :axes], taken)
+        for left in _BY:
+            there = _nearest(_without(ours, left), _without(theirs, left), taken)
             off = gaps(
                 self.position[every, there], points, self.normal[every, there], self.apart[every, there], diagonal
             )
-            found.append(np.where(some, _unlikely(off.value, noise), np.inf))
+            apart = _unlikely(off, unlike(self.word[every, there], word), noise)
+            found.append(np.where(some, apart, np.inf))
             near.append(there)
         return np.minimum(*found), np.where(found[0] <= found[1], *near)
 
 
-def _lay(batch: Batch, marked: Rows, placed: Placed, around: int, near: int) -> _Laid:
+def _lay(batch: Batch, marked: Rows, placed: Placed, around: int, near: int, meant: np.ndarray) -> _Laid:
     laid = spread(batch, marked, around, near)
     position = placed.of(laid.points.position)
     fresh = (np.arange(position.shape[1]) >= around) & (laid.area[:, 1:] > 0.0)
     apart = laid.apart * placed.scale[:, None]
     on = starts(tables(batch))[laid.points.site] + laid.points.row
-    return _Laid(position, laid.points.normal, apart, ~outer(position), fresh, laid.area, on)
+    word = words_of(batch, laid.points, meant)
+    return _Laid(position, laid.points.normal, apart, ~outer(position), fresh, laid.area, on, word)
 
 
 def weigh(batch: Batch, target: np.ndarray, placed: Placed, clouds: Clouds) -> Evidence:
     """What the clouds say of candidates, each of its target."""
     targets = clouds.targets
-    laid = _lay(batch, small(batch), placed, *_POINTS)
-    diagonal, noise = targets.diagonal[target], clouds.noise(target)
-    cloud, there = laid.unlikely(targets.points[target], targets.normals[target], ~laid.hidden, diagonal, noise)
+    laid = _lay(batch, small(batch), placed, *_POINTS, targets.meant)
+    cloud, there = laid.unlikely(clouds, target, (target, slice(None)), ~laid.hidden)
     count, stands = targets.count[target], np.where(laid.hidden, 0.0, laid.apart**2)
     stands *= (count / np.maximum(stands.sum(axis=1), 1e-12))[:, None]
     surface = clouds.unlikely(laid, target) * stands
@@ -182,7 +191,7 @@ def weigh_change(copies: Copies, clouds: Clouds, base: Evidence, change: Differi
     origins, what is gone is asked about as coarsely as all else."""
     of = copies.of
     gone = _gone(base, change, len(of))
-    laid = _lay(copies.batch, change.new, copies.placed, _AROUND, _NEAR)
+    laid = _lay(copies.batch, change.new, copies.placed, _AROUND, _NEAR, clouds.targets.meant)
     told = _ask(copies, clouds, base, gone, laid)
     cloud, surface = _told(laid, copies, clouds, told)
     was = np.where(gone[np.arange(len(of))[:, None], base.on[of]], base.surface[of], 0.0).sum(axis=1)
@@ -195,7 +204,8 @@ def weigh_again(copies: Copies, origins: Batch, clouds: Clouds, base: Evidence, 
     of = copies.of
     own = replace(copies, batch=origins)
     laid, was = (
-        _lay(one.batch, rows, copies.placed, _AROUND, _NEAR) for one, rows in ((copies, change.new), (own, change.gone))
+        _lay(one.batch, rows, copies.placed, _AROUND, _NEAR, clouds.targets.meant)
+        for one, rows in ((copies, change.new), (own, change.gone))
     )
     told = _ask(copies, clouds, base, _gone(base, change, len(of)), laid)
     (cloud, surface), (cloud_was, surface_was) = (_told(one, copies, clouds, told) for one in (laid, was))
@@ -230,11 +240,9 @@ def _ask(copies: Copies, clouds: Clouds, base: Evidence, gone: np.ndarray, laid:
 def _told(laid: _Laid, copies: Copies, clouds: Clouds, told: Asked) -> tuple[np.ndarray, np.ndarray]:
     """How unlikely the points asked are (K, m), and in sum the points of what is marked (K,)."""
     targets, target = clouds.targets, copies.target
-    at = target[:, None], told.some
-    asked = targets.points[at], targets.normals[at]
+    asked = target[:, None], told.some
     fresh, every = (
-        laid.unlikely(*asked, taken, targets.diagonal[target], clouds.noise(target))[0]
-        for taken in (laid.fresh & ~laid.hidden, ~laid.hidden)
+        laid.unlikely(clouds, target, asked, taken)[0] for taken in (laid.fresh & ~laid.hidden, ~laid.hidden)
     )
     cloud = np.where(told.owned, np.minimum(fresh, every), np.minimum(fresh, told.before))
     shown = ~laid.hidden
@@ -254,9 +262,19 @@ def _within(points: np.ndarray, clouds: np.ndarray, target: np.ndarray, margin: 
     return found
 
 
-def _unlikely(gap: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """Of distances, in logarithms: Cauchy's, which is 0 at none."""
+def _unlikely(off: Gaps, unlike: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """Of distances, in logarithms: Cauchy's, which is 0 at none. Points of different words lie far apart."""
+    gap = np.where(unlike, np.maximum(np.abs(off.value), FARTHEST), off.value)
     return np.asarray(np.log1p(0.5 * (gap / noise[:, None]) ** 2))
+
+
+def _flat(columns: np.ndarray) -> np.ndarray:
+    return columns.reshape(-1, columns.shape[-1])
+
+
+def _without(columns: np.ndarray, left: slice) -> np.ndarray:
+    """Without some of the last axis."""
+    return np.delete(columns, left, axis=-1)
 
 
 def _nearest(points: np.ndarray, asked: np.ndarray, taken: np.ndarray) -> np.ndarray:

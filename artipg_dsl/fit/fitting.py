@@ -57,8 +57,8 @@ def fit(
     opened: Model | None = None,
 ) -> list[Fitted]:
     """The objects of a program that come nearest to some clouds, in their order. ``checked``: without links that collide.
-    ``words``: which word of the vocabulary ``semantic`` a name of a cloud's labels means. ``opened``: a model of the same program with
-    joints anywhere, for clouds that nothing at rest fits."""
+    ``words``: which word of the vocabulary ``semantic`` a name of a cloud's labels means; points of different words do not belong
+    together. ``opened``: a model of the same program with joints anywhere, for clouds that nothing at rest fits."""
     found = _fit(model, several, seed, checked, effort, words)
     rough = [k for k, one in enumerate(found) if one.told["verdict"] != verdict(0.0)]
     if opened is None or not rough:
@@ -79,7 +79,9 @@ def _fit(
     effort: Effort | None,
     words: Mapping[str, str] | None,
 ) -> list[Fitted]:
-    asked = targets(several)
+    semantic = model.program.vocabularies.get("semantic", ())
+    said = [_words(posed, words or {}, semantic) for posed in several]
+    asked = targets(several, said, sorted(semantic.index(word) for word in set((words or {}).values())))
     effort = effort or Effort()
     found = search(model, asked, effort, seed)
     found = decide(model, asked, found, effort)
@@ -93,7 +95,6 @@ def _fit(
         sites = moved(batch, states)
     low, high = object_boxes(batch.sites(), len(batch))
     whole, outside = surfaces(batch, sites, found.placed.scale, found.placed.shift)
-    semantic = batch.program.vocabularies.get("semantic", ())
     made = []
     for row, posed in enumerate(several):
         mine = found.target[row] - int(np.searchsorted(asked.of, row))
@@ -115,7 +116,7 @@ def _fit(
             told["joints"] = {
                 batch.joints().name[j]: round(float(states[j]), 6) for j in own if states[j] != 0.0 or at_rest[j] != 0.0
             }
-        agreed = agreement(points, _words(posed, words or {}, semantic), whole[row], semantic)
+        agreed = agreement(points, said[row], whole[row], semantic)
         told |= {"iou": agreed} if agreed else {}
         made.append(Fitted(batch.drawn(row), told, (points - shift) / scale, batch, row, states))
     return made

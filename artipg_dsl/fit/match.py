@@ -32,10 +32,16 @@ def nearest(points: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def features(
-    points: np.ndarray, normals: np.ndarray, diagonal: np.ndarray, left_out: np.ndarray | None = None
+    points: np.ndarray,
+    normals: np.ndarray,
+    diagonal: np.ndarray,
+    left_out: np.ndarray | None = None,
+    said: np.ndarray | None = None,
 ) -> np.ndarray:
-    """(K, n, 6) places and normals in diagonals; what is ``left_out`` (K, n) lies far from everything."""
-    found = np.concatenate([points / diagonal[:, None, None], _TURN * normals], axis=2)
+    """(K, n, 6) places and normals in diagonals; what is ``left_out`` (K, n) lies far from everything. With ``said`` (K, n, W), the axes
+    of words, as many more."""
+    columns = [points / diagonal[:, None, None], _TURN * normals]
+    found = np.concatenate(columns if said is None else [*columns, said], axis=2)
     if left_out is not None:
         found[..., 0] += np.where(left_out, _FAR, 0.0)
     return found

@@ -117,9 +117,10 @@ def _estimated(points: np.ndarray) -> np.ndarray:
     return found
 
 
-def targets(several: Sequence[Posed]) -> Targets:
-    """The targets of some objects, one for each way in which each may stand."""
-    columns: list[list[np.ndarray]] = [[] for _ in range(4)]
+def targets(several: Sequence[Posed], words: Sequence[np.ndarray] = (), meant: Sequence[int] = ()) -> Targets:
+    """The targets of some objects, one for each way in which each may stand. ``words``: of each object those of its points (n,), places in
+    ``semantic``, 0 where nothing is said; ``meant``: all that may be."""
+    columns: list[list[np.ndarray]] = [[] for _ in range(5)]
     of, known, noise, count = [], [], [], []
     for number, one in enumerate(several):
         roughness = _roughness(one)
@@ -127,19 +128,31 @@ def targets(several: Sequence[Posed]) -> Targets:
         for up, front in one.turns:
             matrix = turn(up, front)
             points = one.points @ matrix.T
-            told = points[taken], (one.normals @ matrix.T)[taken], points.min(axis=0), points.max(axis=0)
+            word = words[number][taken] if len(words) else np.zeros(len(taken), dtype=np.int64)
+            told = points[taken], (one.normals @ matrix.T)[taken], points.min(axis=0), points.max(axis=0), word
             for column, value in zip(columns, told, strict=True):
                 column.append(value)
             of.append(number)
             known.append(one.known)
             noise.append(roughness)
             count.append(min(len(one.points), _COMPARED))
-    points, normals, low, high = (np.stack(column) for column in columns)
+    points, normals, low, high, word = (np.stack(column) for column in columns)
     diagonal = np.sqrt(((high - low) ** 2).sum(axis=1))
     counts = np.array(count)
     apart = np.repeat((spacing(points) * np.sqrt(_COMPARED / counts))[:, None], _COMPARED, axis=1)
     return Targets(
-        points, normals, diagonal, apart, low, high, np.array(of), np.array(known), np.array(noise) / diagonal, counts
+        points=points,
+        normals=normals,
+        diagonal=diagonal,
+        apart=apart,
+        low=low,
+        high=high,
+        of=np.array(of),
+        known=np.array(known),
+        noise=np.array(noise) / diagonal,
+        count=counts,
+        word=word,
+        meant=np.array(meant, dtype=np.int64),
     )
 
 

@@ -93,7 +93,8 @@ def _step(
     grown = targets.known[target]
     seen = [np.ones(now.there.shape), np.where(now.hidden, 0.0, 1.0)]
     index = [now.there, None]
-    for gap, agree, weight, at in zip((now.to_surface, now.to_cloud), now.agree, seen, index, strict=True):
+    pairs = zip((now.to_surface, now.to_cloud), now.agree, now.unlike, seen, index, strict=True)
+    for gap, agree, unlike, weight, at in pairs:
         carried = moved if at is None else np.take_along_axis(moved, at[:, None, :, None], axis=2)
         out = local if at is None else local[every, at]
         columns = (
@@ -107,7 +108,7 @@ def _step(
             )
             / diagonal[:, None, None]
         )
-        weight = weight * _trust(gap, width) * np.maximum(agree, _OPPOSED)
+        weight = weight * _trust(gap, width) * np.where(unlike, 0.0, np.maximum(agree, _OPPOSED))
         weight = weight / np.maximum(_count(weight), 1.0)[:, None]
         leaned = columns * weight[:, None, :]
         matrix += leaned @ columns.transpose(0, 2, 1)

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.sites import object_boxes
-from .compare import Candidates, Targets, clouds
+from .compare import Candidates, Targets, clouds, words_of
 from .match import features, nearest
 from .model import Model, Placed
 from .outer import outer
 from .refine import Schedule, refine
 from .states import tables
+from .words import axes
 
 _SIZES = 0.15  # what a difference of boxes counts beside one of clouds of equal boxes: diagonals for a factor of e
 _COARSE = 192  # points of a candidate and of a target, where thousands are compared
@@ -94,7 +95,7 @@ def _chosen(model: Model, targets: Targets, effort: Effort, seed: int) -> Candid
     looked = model.assembled([(drawn, wanted)])
     points = clouds(looked, _COARSE)
     position, normal = points.position, points.normal
-    hidden = ~outer(position)
+    hidden, word = ~outer(position), words_of(looked, points, targets.meant)
     low, high = position.min(axis=1), position.max(axis=1)
     unit = (position - low[:, None]) / np.maximum(high - low, 1e-9)[:, None]
     coarse = targets.first(_COARSE)
@@ -104,8 +105,9 @@ def _chosen(model: Model, targets: Targets, effort: Effort, seed: int) -> Candid
         at = place.reshape(near.shape)[number]
         scale = targets.size[number] / targets.diagonal[number]
         cloud = (coarse.points[number] - targets.low[number]) / targets.diagonal[number]
-        mine = features(unit[at] * scale, normal[at], one, hidden[at])
-        theirs = features(cloud[None], coarse.normals[number][None], one[:1])
+        said, asked = axes(word[at], targets.meant), axes(coarse.word[number][None], targets.meant)
+        mine = features(unit[at] * scale, normal[at], one, hidden[at], said)
+        theirs = features(cloud[None], coarse.normals[number][None], one[:1], said=asked)
         there, here = nearest(mine, np.broadcast_to(theirs, (len(at), *theirs.shape[1:])))
         every = np.arange(len(at))[:, None]
         forth = np.sqrt(((mine[every, there] - theirs) ** 2).sum(axis=2))

@@ -1,0 +1,92 @@
+"""Labels guide the search: what bears a word is matched with what bears the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import artipg_dsl as apg
+from artipg_dsl.fit.compare import clouds, compare, words_of
+from artipg_dsl.fit.fitting import fit, usual_size
+from artipg_dsl.fit.model import Model, Placed
+from artipg_dsl.fit.pose import Frame, Posed, pose, targets
+from artipg_dsl.fit.reading import Cloud
+from artipg_dsl.fit.words import axes, unlike
+from tests.cli.helpers import CHEST
+
+N = 3
+TEXT = Path(CHEST).read_text()
+NAMES = ("trunk_7", "lid", "knob", "dust")
+WORDS = {"trunk_7": "body", "lid": "door", "knob": "handle"}
+
+
+@pytest.fixture(scope="module")
+def samples() -> apg.Samples:
+    return apg.load(TEXT, n=N, seed=5)
+
+
+@pytest.fixture(scope="module")
+def model(samples: apg.Samples) -> Model:
+    return Model(samples.job.sampler)
+
+
+def labelled(samples: apg.Samples, model: Model, noise: float) -> list[Posed]:
+    """The surfaces with noise, and with the names that annotators gave them."""
+    points, chance, found = samples.points(8000), np.random.default_rng(3), []
+    ids = {samples.batch.program.vocabularies["semantic"].index(WORDS[n]): k for k, n in enumerate(NAMES[:3])}
+    for place, word in zip(points.position, points.semantic, strict=True):
+        at = place + chance.normal(size=place.shape) * noise
+        label = np.array([ids.get(int(one), 3) for one in word])
+        found.append(pose(Cloud(at, None, label, NAMES), Frame(front="x", unit="m"), ".npz", usual_size(model)))
+    return found
+
+
+def test_words_lie_apart_and_what_says_nothing_is_as_far_from_all():
+    meant = np.array([2, 5, 9])
+    place = axes(np.array([0, 2, 5, 9]), meant)
+    apart = np.sqrt(((place[:, None] - place[None]) ** 2).sum(axis=2))
+    assert np.allclose(apart[1:, 1:], 0.15 * (1 - np.eye(3))) and np.allclose(apart[0, 1:], apart[0, 1])
+    assert axes(np.zeros((2, 4), dtype=np.int64), meant[:0]).shape == (2, 4, 0)
+    assert unlike(np.array([2, 2, 2, 0]), np.array([2, 5, 0, 5])).tolist() == [False, True, False, False]
+
+
+def test_what_no_word_is_meant_by_says_nothing(samples: apg.Samples, model: Model):
+    batch = model.assembled([(samples.batch, np.arange(N))])
+    made = clouds(batch, 512)
+    body, door, handle = (batch.program.vocabularies["semantic"].index(word) for word in ("body", "door", "handle"))
+    assert set(np.unique(words_of(batch, made, np.array([body, door, handle])))) == {body, door, handle}
+    assert set(np.unique(words_of(batch, made, np.array([door])))) == {0, door}
+    assert not words_of(batch, made, np.array([], dtype=np.int64)).any()
+
+
+def test_formulas_that_say_what_is_labelled_leave_it_open():
+    text = TEXT.replace("label semantic.door on lid\n", "label semantic.door on lid where n.z > 0.5\n")
+    batch = apg.load(text, n=1, seed=5).batch
+    semantic = batch.program.vocabularies["semantic"]
+    words = np.array([semantic.index(word) for word in ("body", "door", "handle")])
+    assert semantic.index("door") not in words_of(batch, clouds(batch, 512), words)
+
+
+def test_a_wrong_word_is_as_far_off_as_what_is_not_there(samples: apg.Samples, model: Model):
+    posed = labelled(samples, model, 0.0)
+    batch, every = model.assembled([(samples.batch, np.arange(N))]), np.arange(N)
+    still, semantic = Placed(np.ones(N), np.zeros((N, 3))), batch.program.vocabularies["semantic"]
+
+    def score(words: dict[str, str]) -> np.ndarray:
+        said = [np.array([*(semantic.index(words[n]) if n in words else 0 for n in NAMES), 0])[p.label] for p in posed]
+        meant = sorted({semantic.index(word) for word in words.values()})
+        return compare(batch, every, still, targets(posed, said, meant), 2048).score
+
+    right, swapped = score(WORDS), score(WORDS | {"trunk_7": "door", "lid": "body"})
+    assert np.abs(right - score({})).max() < 1e-3 and (swapped > right + 0.03).all()
+
+
+def test_knobs_in_noise_are_counted_by_their_labels(samples: apg.Samples, model: Model):
+    """Their 2 cm are hidden by 7 mm of noise."""
+    posed = labelled(samples, model, 0.007)
+    blind, told = fit(model, posed), fit(model, posed, words=WORDS)
+    true = samples["knobs"].astype(int).tolist()
+    assert [one.values["knobs"] for one in told] == true != [one.values["knobs"] for one in blind]
+    assert all(one.told["iou"]["handle"] > 0.3 for one in told)
