@@ -78,10 +78,11 @@ def test_an_axis_that_is_turned_is_found_out(monkeypatch: pytest.MonkeyPatch) ->
     assert sum(one.foretold != one.came for one in found) > 0.15 * len(found)
 
 
-def test_a_gripper_that_closes_holds() -> None:
+@pytest.mark.parametrize(("category", "number"), [("storage_furniture", 1), ("kettle", 7)])  # handles; a round knob
+def test_a_gripper_that_closes_holds(category: str, number: int) -> None:
     from .closing import grips
 
-    found = grips(batch("storage_furniture", 1))
+    found = grips(batch(category, number))
     assert len(found) >= 5
     assert not [one for one in found if one.fault]
 
