@@ -17,7 +17,7 @@ from .match import Gaps, features, gaps, nearest
 from .model import Placed
 from .outer import outer, spacing
 from .states import tables
-from .words import axes, unlike, words_of_rows
+from .words import unlike, words_of_rows
 
 FARTHEST = 0.08  # diagonals: what lies farther off counts as lying so far, and what is another thing by its label
 
@@ -139,24 +139,22 @@ def compare(
     diagonal = targets.diagonal[target]
     cloud, facing = targets.points[target], targets.normals[target]
     word, theirs = words_of(batch, points, targets.meant), targets.word[target]
-    there, here = nearest(
-        features(position, points.normal, diagonal, hidden, axes(word, targets.meant)),
-        features(cloud, facing, diagonal, said=axes(theirs, targets.meant)),
-    )
+    ours, asked = features(position, points.normal, diagonal, hidden), features(cloud, facing, diagonal)
+    there, here = nearest(ours, asked, (word, theirs), targets.meant)
     every = np.arange(len(target))[:, None]
     near, outward = position[every, there], points.normal[every, there]
     found, back = cloud[every, here], facing[every, here]
     to_surface = gaps(near, cloud, outward, apart[every, there], diagonal)
     to_cloud = gaps(position, found, back, targets.apart[target[:, None], here], diagonal)
     agree = (outward * facing).sum(axis=2), (points.normal * back).sum(axis=2)
-    apart_by = unlike(word[every, there], theirs), unlike(word, theirs[every, here])
-    own = np.where(hidden, 0.0, _off(to_cloud, apart_by[1])).sum(axis=1)
+    others = unlike(word[every, there], theirs), unlike(word, theirs[every, here])
+    own = np.where(hidden, 0.0, _off(to_cloud, others[1])).sum(axis=1)
     own /= np.maximum((~hidden).sum(axis=1), 1)
-    score = 0.5 * (_off(to_surface, apart_by[0]).mean(axis=1) + own)
+    score = 0.5 * (_off(to_surface, others[0]).mean(axis=1) + own)
     sites = tables(batch)
     rank = np.concatenate([table.rank for table in sites])
     element = rank[starts(sites)[points.site] + points.row]
-    return Compared(points, element, position, hidden, there, here, to_surface, to_cloud, agree, apart_by, score)
+    return Compared(points, element, position, hidden, there, here, to_surface, to_cloud, agree, others, score)
 
 
 def words_of(batch: Batch, points: PointSet, meant: np.ndarray) -> np.ndarray:

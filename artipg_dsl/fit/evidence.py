@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from ..geometry.nearest import Nearest
 from ..runtime.batch import Batch
 from .compare import FARTHEST, Targets, starts, words_of
 from .focus import Differing, Rows, small, spread
@@ -23,16 +22,15 @@ from .match import Gaps, features, gaps
 from .model import Placed
 from .outer import outer
 from .states import tables
-from .words import axes, unlike
+from .words import Nearest, unlike
 
 _POINTS = 3072, 2048  # of a candidate: of its large primitives and of the small ones
-# what is found nearest by: places and normals, and places alone, as normals of small parts are guessed; and words
-_BY = slice(0, 0), slice(3, 6)  # columns left out
+# axes by which what is nearest is found: places and normals, and places alone, as normals of small parts are guessed
+_BY = 6, 3
 _AROUND, _NEAR = 512, 320  # of a copy: of what it shares with its origin, and of what is new
 _ASKED = 512  # points of a cloud that are asked about a copy
 _MARGIN = 0.02  # diagonals around what is new
 _ODD = 1.0  # a point that is less likely than this, in logarithms, may belong to something else
-_SETS_APART = 1e3  # diagonals
 _LEAST_NOISE = 1.5e-3  # diagonals: by so much described surfaces differ from real ones in any case
 
 
@@ -71,20 +69,18 @@ class Clouds:
     def __init__(self, targets: Targets):
         self.targets = targets
         own = np.repeat(np.arange(len(targets)), targets.points.shape[1])
-        said = axes(targets.word, targets.meant)
-        theirs = _flat(features(targets.points, targets.normals, targets.diagonal, said=said))
-        self._trees = [Nearest(_without(theirs, left), own, _SETS_APART) for left in _BY]
+        theirs, word = features(targets.points, targets.normals, targets.diagonal).reshape(-1, 6), targets.word.ravel()
+        self._trees = [Nearest(theirs[:, :axes], own, word, targets.meant) for axes in _BY]
 
     def unlikely(self, laid: _Laid, target: np.ndarray) -> np.ndarray:
         """(K, n) how unlikely points of candidates are for the cloud of each, the ``target`` (K,)."""
         targets, (count, n) = self.targets, laid.hidden.shape
         diagonal, noise = targets.diagonal[target], self.noise(target)
-        said = axes(laid.word, targets.meant)
-        asked, of = _flat(features(laid.position, laid.normal, diagonal, said=said)), np.repeat(target, n)
+        asked, of = features(laid.position, laid.normal, diagonal).reshape(-1, 6), np.repeat(target, n)
         found = []
-        for tree, left in zip(self._trees, _BY, strict=True):
-            near = tree.find(_without(asked, left), of)[1].reshape(count, n) - target[:, None] * targets.points.shape[1]
-            at = target[:, None], near
+        for tree, axes in zip(self._trees, _BY, strict=True):
+            near = tree.find(asked[:, :axes], of, laid.word.ravel()).reshape(count, n)
+            at = target[:, None], near - target[:, None] * targets.points.shape[1]
             off = gaps(laid.position, targets.points[at], targets.normals[at], targets.apart[at], diagonal)
             found.append(_unlikely(off, unlike(laid.word, targets.word[at]), noise))
         return np.asarray(np.minimum(*found))
@@ -115,12 +111,11 @@ class _Laid:
         these is nearest."""
         targets, diagonal, noise = clouds.targets, clouds.targets.diagonal[target], clouds.noise(target)
         points, normals, word = targets.points[asked], targets.normals[asked], targets.word[asked]
-        ours = features(self.position, self.normal, diagonal, said=axes(self.word, targets.meant))
-        theirs = features(points, normals, diagonal, said=axes(word, targets.meant))
+        ours, theirs = features(self.position, self.normal, diagonal), features(points, normals, diagonal)
         every, some = np.arange(len(points))[:, None], taken.any(axis=1, keepdims=True)
         found, near = [], []
-        for left in _BY:
-            there = _nearest(_without(ours, left), _without(theirs, left), taken)
+        for axes in _BY:
+            there = _nearest(ours[..., :axes], theirs[..., :axes], taken, (self.word, word), targets.meant)
             off = gaps(
                 self.position[every, there], points, self.normal[every, there], self.apart[every, there], diagonal
             )
@@ -268,21 +263,15 @@ def _unlikely(off: Gaps, unlike: np.ndarray, noise: np.ndarray) -> np.ndarray:
     return np.asarray(np.log1p(0.5 * (gap / noise[:, None]) ** 2))
 
 
-def _flat(columns: np.ndarray) -> np.ndarray:
-    return columns.reshape(-1, columns.shape[-1])
-
-
-def _without(columns: np.ndarray, left: slice) -> np.ndarray:
-    """Without some of the last axis."""
-    return np.delete(columns, left, axis=-1)
-
-
-def _nearest(points: np.ndarray, asked: np.ndarray, taken: np.ndarray) -> np.ndarray:
-    """(K, m) of each of the ``asked`` (K, m, d) which of those ``taken`` of ``points`` (K, n, d) is nearest."""
+def _nearest(
+    points: np.ndarray, asked: np.ndarray, taken: np.ndarray, words: tuple[np.ndarray, np.ndarray], meant: np.ndarray
+) -> np.ndarray:
+    """(K, m) of each of the ``asked`` (K, m, d) which of those ``taken`` of ``points`` (K, n, d) is nearest; ``words`` of these, and of the
+    asked ones."""
     own, place = np.nonzero(taken)
     if not len(place):
         return np.zeros(asked.shape[:2], dtype=np.int64)
-    tree = Nearest(points[own, place], own, _SETS_APART)
+    tree = Nearest(points[own, place], own, words[0][own, place], meant)
     count, m = asked.shape[:2]
-    found = tree.find(asked.reshape(count * m, -1), np.repeat(np.arange(count), m))[1]
+    found = tree.find(asked.reshape(count * m, -1), np.repeat(np.arange(count), m), words[1].ravel())
     return np.asarray(place[np.minimum(found, len(place) - 1)].reshape(count, m))

@@ -10,15 +10,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .words import OTHER, factors
+
 _TURN = 0.06  # what two normals of opposite direction add to a distance, half of it, in diagonals
 _BLOCK = 12_000_000  # pairs at a time
 _FAR = 1e4
 _REACH = 1.5  # how far a point stands for the surface around it, in distances between points: another is nearer than that nearly always
 
 
-def nearest(points: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """For features ``points`` (K, n, d) and ``asked`` (K, m, d): of each asked one the nearest of its candidate (K, m), and
-    of each point the nearest asked one (K, n)."""
+def nearest(
+    points: np.ndarray, asked: np.ndarray, words: tuple[np.ndarray, np.ndarray], meant: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """For features ``points`` (K, n, d) and ``asked`` (K, m, d) with the ``words`` (K, n), (K, m) of both, of those ``meant``: of each asked
+    one the nearest of its candidate (K, m), and of each point the nearest asked one (K, n)."""
     count, n, m = len(points), points.shape[1], asked.shape[1]
     there, here = np.empty((count, m), dtype=np.int64), np.empty((count, n), dtype=np.int64)
     step = max(1, _BLOCK // (n * m))
@@ -27,21 +31,18 @@ def nearest(points: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, np.ndarr
         a, b = points[part].astype(np.float32), asked[part].astype(np.float32)
         apart = (b * b).sum(axis=2)[:, :, None] + (a * a).sum(axis=2)[:, None, :]
         apart -= 2.0 * (b @ a.transpose(0, 2, 1))
+        if len(meant):
+            first, second = factors(words[1][part], meant)[0], factors(words[0][part], meant)[1]
+            apart += OTHER**2 * (first.astype(np.float32) @ second.astype(np.float32).transpose(0, 2, 1))
         there[part], here[part] = apart.argmin(axis=2), apart.argmin(axis=1)
     return there, here
 
 
 def features(
-    points: np.ndarray,
-    normals: np.ndarray,
-    diagonal: np.ndarray,
-    left_out: np.ndarray | None = None,
-    said: np.ndarray | None = None,
+    points: np.ndarray, normals: np.ndarray, diagonal: np.ndarray, left_out: np.ndarray | None = None
 ) -> np.ndarray:
-    """(K, n, 6) places and normals in diagonals; what is ``left_out`` (K, n) lies far from everything. With ``said`` (K, n, W), the axes
-    of words, as many more."""
-    columns = [points / diagonal[:, None, None], _TURN * normals]
-    found = np.concatenate(columns if said is None else [*columns, said], axis=2)
+    """(K, n, 6) places and normals in diagonals; what is ``left_out`` (K, n) lies far from everything."""
+    found = np.concatenate([points / diagonal[:, None, None], _TURN * normals], axis=2)
     if left_out is not None:
         found[..., 0] += np.where(left_out, _FAR, 0.0)
     return found

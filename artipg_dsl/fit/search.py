@@ -13,7 +13,7 @@ from .model import Model, Placed
 from .outer import outer
 from .refine import Schedule, refine
 from .states import tables
-from .words import axes
+from .words import OTHER, unlike
 
 _SIZES = 0.15  # what a difference of boxes counts beside one of clouds of equal boxes: diagonals for a factor of e
 _COARSE = 192  # points of a candidate and of a target, where thousands are compared
@@ -105,13 +105,14 @@ def _chosen(model: Model, targets: Targets, effort: Effort, seed: int) -> Candid
         at = place.reshape(near.shape)[number]
         scale = targets.size[number] / targets.diagonal[number]
         cloud = (coarse.points[number] - targets.low[number]) / targets.diagonal[number]
-        said, asked = axes(word[at], targets.meant), axes(coarse.word[number][None], targets.meant)
-        mine = features(unit[at] * scale, normal[at], one, hidden[at], said)
-        theirs = features(cloud[None], coarse.normals[number][None], one[:1], said=asked)
-        there, here = nearest(mine, np.broadcast_to(theirs, (len(at), *theirs.shape[1:])))
+        mine = features(unit[at] * scale, normal[at], one, hidden[at])
+        theirs = features(cloud[None], coarse.normals[number][None], one[:1])
+        words = word[at], np.broadcast_to(coarse.word[number], (len(at), theirs.shape[1]))
+        there, here = nearest(mine, np.broadcast_to(theirs, (len(at), *theirs.shape[1:])), words, targets.meant)
         every = np.arange(len(at))[:, None]
-        forth = np.sqrt(((mine[every, there] - theirs) ** 2).sum(axis=2))
-        back = np.sqrt(((mine - theirs[0][here]) ** 2).sum(axis=2))
+        others = unlike(words[0][every, there], words[1]), unlike(words[0], words[1][every, here])
+        forth = np.sqrt(((mine[every, there] - theirs) ** 2).sum(axis=2) + OTHER**2 * others[0])
+        back = np.sqrt(((mine - theirs[0][here]) ** 2).sum(axis=2) + OTHER**2 * others[1])
         back = np.where(hidden[at], 0.0, back).sum(axis=1) / np.maximum((~hidden[at]).sum(axis=1), 1)
         score[number] = forth.mean(axis=1) + back + _SIZES * boxes[number, near[number]]
     target = np.repeat(np.arange(len(targets)), near.shape[1])

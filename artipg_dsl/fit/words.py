@@ -1,20 +1,23 @@
 """Labels as the search sees them: words of clouds and of candidates, and which of them speak against each other.
 
-A map of names says which words it means. A point whose word it does not mean says nothing. Two of different words do not belong together:
-the nearest of the same word is looked for, and where there is none a point counts as far off.
+A map of names says which words it means. A point whose word it does not mean says nothing, and belongs to any other. Two of different words do
+not belong together: a different word adds ``OTHER`` to a distance, as if it were one more axis.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.nearest import Nearest as Sets
 from ..geometry.sites import SiteTable
 from ..graph.expr import TRUE
 from ..graph.program import Program
 from ..runtime.batch import Batch
 from .states import tables
 
-_OTHER = 0.15  # what another word adds to a distance, in diagonals
+_APART = 1e3  # diagonals between sets
+_REACH = 2.0  # diagonals, beyond which nothing lies
+OTHER = 0.15  # what another word adds to a distance, in diagonals
 
 
 def words_of_rows(batch: Batch, meant: np.ndarray) -> np.ndarray:
@@ -40,12 +43,39 @@ def _parted(program: Program) -> set[int]:
     }
 
 
-def axes(word: np.ndarray, meant: np.ndarray) -> np.ndarray:
-    """(..., W) for words (...): coordinates in diagonals, by which different words lie apart from each other, and what says nothing as far from
-    all of them."""
-    return np.asarray((word[..., None] == meant) * (_OTHER / np.sqrt(2.0)))
-
-
 def unlike(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Whether two words are different ones."""
     return np.asarray((one > 0) & (other > 0) & (one != other))
+
+
+def factors(word: np.ndarray, meant: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(K, n, W + 1) twice, for words (K, n): the product of one's first and another's second is 1 where the words are unlike, else 0."""
+    each = (word[..., None] == meant).astype(np.float64)
+    said = each.sum(axis=-1, keepdims=True)
+    return np.concatenate([said, each], axis=-1), np.concatenate([said, -each], axis=-1)
+
+
+class Nearest:
+    """Points (n, d) with words (n,), each in the set ``of`` (n,), searched by distances that a different word makes longer."""
+
+    def __init__(self, points: np.ndarray, of: np.ndarray, word: np.ndarray, meant: np.ndarray):
+        self._meant = meant
+        self._every = Sets(points, of, _APART)
+        self._own = Sets(points, self._worded(of, word), _APART) if len(meant) else None
+
+    def find(self, points: np.ndarray, of: np.ndarray, word: np.ndarray) -> np.ndarray:
+        """The index (m,) of the nearest of their sets ``of`` (m,), for points (m, d) with words (m,)."""
+        far, found = self._every.find(points, of)
+        said = np.flatnonzero(word > 0)
+        if self._own is None or not len(said):
+            return found
+        some, sets = points[said], of[said]
+        ways = [self._own.find(some, self._worded(sets, one), _REACH) for one in (word[said], np.zeros(len(said)))]
+        apart = np.stack([*(distance for distance, _ in ways), np.sqrt(far[said] ** 2 + OTHER**2)])
+        index = np.stack([*(at for _, at in ways), found[said]])
+        found[said] = index[apart.argmin(axis=0), np.arange(len(said))]
+        return found
+
+    def _worded(self, of: np.ndarray, word: np.ndarray) -> np.ndarray:
+        """Sets of a set and a word: of what says nothing, the first."""
+        return np.asarray(of * (len(self._meant) + 1) + np.searchsorted(self._meant, word, side="right") * (word > 0))

@@ -10,10 +10,11 @@ import pytest
 import artipg_dsl as apg
 from artipg_dsl.fit.compare import clouds, compare, words_of
 from artipg_dsl.fit.fitting import fit, usual_size
+from artipg_dsl.fit.match import nearest
 from artipg_dsl.fit.model import Model, Placed
 from artipg_dsl.fit.pose import Frame, Posed, pose, targets
 from artipg_dsl.fit.reading import Cloud
-from artipg_dsl.fit.words import axes, unlike
+from artipg_dsl.fit.words import OTHER, Nearest, factors, unlike
 from tests.cli.helpers import CHEST
 
 N = 3
@@ -43,13 +44,29 @@ def labelled(samples: apg.Samples, model: Model, noise: float) -> list[Posed]:
     return found
 
 
-def test_words_lie_apart_and_what_says_nothing_is_as_far_from_all():
-    meant = np.array([2, 5, 9])
-    place = axes(np.array([0, 2, 5, 9]), meant)
-    apart = np.sqrt(((place[:, None] - place[None]) ** 2).sum(axis=2))
-    assert np.allclose(apart[1:, 1:], 0.15 * (1 - np.eye(3))) and np.allclose(apart[0, 1:], apart[0, 1])
-    assert axes(np.zeros((2, 4), dtype=np.int64), meant[:0]).shape == (2, 4, 0)
+MEANT = np.array([2, 5, 9])
+
+
+def test_words_are_unlike_if_both_say_something():
+    word = np.array([0, 2, 5, 9])
     assert unlike(np.array([2, 2, 2, 0]), np.array([2, 5, 0, 5])).tolist() == [False, True, False, False]
+    first, second = factors(word, MEANT)[0], factors(word, MEANT)[1]
+    assert (first @ second.T == unlike(word[:, None], word[None])).all()
+
+
+@pytest.mark.parametrize("silent", [0.0, 0.4, 1.0])
+def test_the_nearest_is_so_with_what_another_word_adds(silent: float):
+    chance = np.random.default_rng(4)
+    points, asked = chance.random((2, 200, 3)), chance.random((2, 50, 3))
+    word, theirs = (
+        np.where(chance.random((2, n)) < silent, 0, MEANT[chance.integers(3, size=(2, n))]) for n in (200, 50)
+    )
+    apart = ((asked[:, :, None] - points[:, None]) ** 2).sum(axis=3)
+    expected = (apart + OTHER**2 * unlike(theirs[:, :, None], word[:, None])).argmin(axis=2)
+    assert (nearest(points, asked, (word, theirs), MEANT)[0] == expected).all()
+    tree = Nearest(points.reshape(-1, 3), np.repeat([0, 1], 200), word.ravel(), MEANT)
+    found = tree.find(asked.reshape(-1, 3), np.repeat([0, 1], 50), theirs.ravel())
+    assert (found.reshape(2, 50) - [[0], [200]] == expected).all()
 
 
 def test_what_no_word_is_meant_by_says_nothing(samples: apg.Samples, model: Model):
