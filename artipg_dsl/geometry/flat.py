@@ -11,8 +11,9 @@ from typing import Any, Literal
 import numpy as np
 
 from ..graph.derive import derive
-from ..graph.expr import ONE, ZERO, Expr, substitute
+from ..graph.expr import ONE, ZERO, Expr
 from ..graph.primitive import Primitive
+from ..graph.substitution import substitute
 from ..shapes import fit
 from . import facts
 from .patches import (

@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 
 from ..graph.derive import derive
-from ..graph.expr import Expr, const, substitute, var
+from ..graph.expr import Expr, const, var
 from ..graph.formula import compile_formula
 from ..graph.primitive import Patch, Primitive, Triple, triple
+from ..graph.substitution import substitute
 
 U, V = var("u"), var("v")
 Params = dict[str, np.ndarray]

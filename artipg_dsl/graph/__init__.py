@@ -4,6 +4,7 @@ In: expressions and records, made by ``lower`` or read from a compiled program. 
 evaluate. Begin with ``program`` (the records) and ``expr`` (the expressions in them).
 
     scopes, expr, functions, show        tables and columns, expressions over them, their operations, how they are read
+    substitution                         expressions with some of their nodes replaced
     interned                             equal expressions are one object
     derive, formula                      derivatives of expressions; formulas as NumPy functions
     program, primitive, reference        the records of a program; which row of which definition is meant

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from .functions import FUNCTIONS, fold_constants
@@ -393,62 +393,3 @@ def variables(exprs: Iterable[Expr]) -> set[str]:
 def leaves(root: Expr) -> set[Column]:
     """The columns an expression reads, those inside phi, reductions and elements too."""
     return {node.value for node in nodes(root) if node.op == "col"}
-
-
-def substitute(root: Expr, mapping: dict[Expr, Expr]) -> Expr:
-    """Replace nodes (columns or variables, as a rule) throughout, folding again."""
-    return substitute_all((root,), mapping)[0]
-
-
-def substitute_all(roots: Iterable[Expr], mapping: dict[Expr, Expr]) -> list[Expr]:
-    """As ``substitute``, in several expressions; what they share is replaced once."""
-    memo = replaced(*mapping, *mapping.values())
-    sought = 0  # the variables to be replaced; -1 where other nodes are
-    for key in mapping:
-        sought |= key.reads if key.op == "var" else -1
-
-    def visit(node: Expr) -> Expr:
-        if node in mapping:
-            return mapping[node]
-        if not node.args or sought >= 0 and not node.reads & sought:
-            return node
-        done = memo.get(node)
-        if done is None:
-            args = tuple([visit(a) for a in node.args])
-            done = memo[node] = node if args == node.args else rebuild(node, args)
-        return done
-
-    return list(map(visit, roots))
-
-
-@functools.lru_cache(maxsize=256)
-def replaced(*mapping: Expr) -> dict[Expr, Expr]:
-    """What nodes have become where the first half of some expressions was replaced by the second; operators ask again and again."""
-    return {}
-
-
-_BUILDERS: dict[str, Callable[..., Expr]] = {
-    "add": add,
-    "sub": sub,
-    "mul": mul,
-    "div": div,
-    "neg": neg,
-    "pow": power,
-    "and": both,
-    "or": either,
-    "not": negate,
-    "where": where,
-}
-
-
-def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:
-    """A node of the same operation on other arguments."""
-    if node.op == "phi":
-        scopes: tuple[Scope, ...] = node.value
-        assert node.scope is not None
-        return phi(node.scope, zip(scopes, args[:-1], strict=True), args[-1])
-    if node.op in CROSSING:
-        return _make(node.op, args, node.value, node.scope)
-    if node.op in ("solve", "root"):
-        return _make(node.op, args, node.value, deepest(args))
-    return _BUILDERS[node.op](*args) if node.op in _BUILDERS else call(node.op, *args)

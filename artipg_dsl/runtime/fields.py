@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from ..graph.expr import Expr, Scope, substitute_all, var, variables
+from ..graph.expr import Expr, Scope, var, variables
 from ..graph.formula import compile_formula, row_values
+from ..graph.substitution import substitute_all
 from .needs import pose_cells
 
 if TYPE_CHECKING:

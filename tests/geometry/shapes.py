@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
-from artipg_dsl.graph.expr import ZERO, Expr, call, const, maximum, minimum, substitute, var, where, wrap
+from artipg_dsl.graph.expr import ZERO, Expr, call, const, maximum, minimum, var, where, wrap
 from artipg_dsl.graph.primitive import Patch, Piece, Primitive, Triple
+from artipg_dsl.graph.substitution import substitute
 
 TURN = 2 * math.pi
 U, V, I = var("u"), var("v"), var("i")  # noqa: E741

@@ -9,8 +9,9 @@ from artipg_dsl import random
 from artipg_dsl.geometry import mesh, points
 from artipg_dsl.geometry.selftest import check_primitive
 from artipg_dsl.geometry.sites import SiteTable
-from artipg_dsl.graph.expr import ZERO, substitute
+from artipg_dsl.graph.expr import ZERO
 from artipg_dsl.graph.formula import compile_formula
+from artipg_dsl.graph.substitution import substitute
 
 from . import scenes, shapes
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.expr import Column, Expr, Scope
 from artipg_dsl.graph.program import Draw
+from artipg_dsl.graph.substitution import rebuild
 
 ROOT = Scope("root")
 X, Y = Column(ROOT, "x"), Column(ROOT, "y")
@@ -85,7 +86,7 @@ def formulas(
 
 
 def _built(op: str, *args: Expr) -> Expr:
-    return E.rebuild(E.raw(op, args), args)
+    return rebuild(E.raw(op, args), args)
 
 
 anything = formulas(st.sampled_from([x, y, E.const(0.5), E.const(-1.5)]), y)

@@ -11,6 +11,7 @@ from artipg_dsl.graph.expr import TRUE, Column, Expr, Scope
 from artipg_dsl.graph.inequality import Ends, Half, bounds_of, least_of
 from artipg_dsl.graph.interval import Intervals
 from artipg_dsl.graph.program import Draw
+from artipg_dsl.graph.substitution import rebuild, substitute
 
 from .brute import DRAWS, LEAST, MOST, ROOT, X, Y, above_zero, anything, evaluate, numbers, within, x, y
 
@@ -46,7 +47,7 @@ def test_no_value_with_which_an_inequality_holds_is_excluded(low: Expr, high: Ex
 @settings(max_examples=EXAMPLES, deadline=None)
 @given(anything, anything, anything, within(X), within(Y))
 def test_nor_where_a_guard_holds(low: Expr, high: Expr, given: Expr, a: float, b: float) -> None:
-    guard = E.call("le", E.substitute(given, {x: E.const(1.0)}), y)
+    guard = E.call("le", substitute(given, {x: E.const(1.0)}), y)
     holds = evaluate(guard, {Y: b})
     assume(not holds or evaluate(E.call("le", low, high), {X: a, Y: b}))
     assert kept(of(low, high, guard), a, b, HAIR)
@@ -60,7 +61,7 @@ def over(inner: Expr, step: str) -> Expr:
         return E.mul(inner, inner)
     if step == "root":
         return E.call("sqrt", E.maximum(inner, E.ZERO))
-    return E.rebuild(E.raw(step, (inner, y)), (inner, y))
+    return rebuild(E.raw(step, (inner, y)), (inner, y))
 
 
 factors = st.tuples(above_zero, st.sampled_from([1.0, -1.0])).map(lambda t: E.const(t[0] * t[1]))

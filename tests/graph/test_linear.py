@@ -6,6 +6,7 @@ from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.expr import Column, Scope
 from artipg_dsl.graph.formula import evaluate
 from artipg_dsl.graph.linear import Linear, isolate, solve_block, tidy
+from artipg_dsl.graph.substitution import substitute
 
 ROOT = Scope("root")
 COLUMNS = {name: Column(ROOT, name) for name in "xyzab"}
@@ -19,7 +20,7 @@ def linear(*names, definitions=None):
 
 def value(expr, **values):
     mapping = {E.col(COLUMNS[k]): E.const(v) for k, v in values.items()}
-    return E.substitute(expr, mapping).constant
+    return substitute(expr, mapping).constant
 
 
 def test_coefficients_of_a_linear_form():

@@ -9,6 +9,7 @@ from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.expr import Expr
 from artipg_dsl.graph.inequality import Ends
 from artipg_dsl.graph.interval import Intervals
+from artipg_dsl.graph.substitution import rebuild
 from artipg_dsl.graph.union import BESIDE, EVERYTHING, LEAST, MOST, MOST_OF_ALL, Region, intersect_regions, region_of
 
 from .brute import DRAWS, X, Y, above_zero, anything, evaluate, numbers, within, x, y
@@ -77,10 +78,10 @@ def nested(inner: Expr, steps: list[str]) -> Expr:
         if step == "square":
             inner = E.mul(inner, inner)
         elif step in ("abs", "neg"):
-            inner = E.rebuild(E.raw(step, (inner,)), (inner,))
+            inner = rebuild(E.raw(step, (inner,)), (inner,))
         else:
             other = OTHER if step in ("min", "max") else y
-            inner = E.rebuild(E.raw(step, (inner, other)), (inner, other))
+            inner = rebuild(E.raw(step, (inner, other)), (inner, other))
     return inner
 
 

@@ -9,6 +9,7 @@ from artipg_dsl.graph import expr as E
 from artipg_dsl.graph import formula
 from artipg_dsl.graph.inequality import Ends
 from artipg_dsl.graph.linear import Linear
+from artipg_dsl.graph.substitution import substitute, substitute_all
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.lower import program as lowering
 from artipg_dsl.lower.solids.probe import Probe
@@ -56,7 +57,7 @@ def test_a_formula_is_seen_along_a_path_at_once_as_at_each_place():
     probe.values = {"": np.zeros(5), "x": np.linspace(0.5, 2.0, 5)}
     places = [k / 8 for k in range(9)]
     for held in ([E.mul(x, E.call("sin", t)), E.add(x, t)], [E.mul(t, E.call("log", t)), x]):
-        each = np.stack([probe(*(E.substitute(e, {t: E.const(p)}) for e in held)) for p in places])
+        each = np.stack([probe(*(substitute(e, {t: E.const(p)}) for e in held)) for p in places])
         assert np.allclose(probe.along(held, places, t), each, rtol=1e-15, atol=0.0, equal_nan=True)
 
 
@@ -64,7 +65,7 @@ def test_substitution_in_several_expressions_is_that_in_each():
     x, y = E.var("x"), E.var("y")
     shared = E.call("sin", E.mul(x, y))
     held = [E.add(shared, x), E.mul(shared, shared), y]
-    assert E.substitute_all(held, {x: E.const(2.0)}) == [E.substitute(e, {x: E.const(2.0)}) for e in held]
+    assert substitute_all(held, {x: E.const(2.0)}) == [substitute(e, {x: E.const(2.0)}) for e in held]
 
 
 def test_requirements_are_read_once_for_each_column(monkeypatch):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope, ScopeError
 from ...graph.formula import row_values
+from ...graph.substitution import substitute
 from ..solve.solve import lifted
 
 
@@ -35,7 +36,7 @@ def shown(value: Expr, to: Scope) -> Expr:
         table = carried[row].scope
         if table is not None and not to.within(table):
             raise ScopeError(table, _common(table, to))
-    return E.substitute(value, carried) if carried else value
+    return substitute(value, carried) if carried else value
 
 
 def _common(scope: Scope, other: Scope) -> Scope:

@@ -17,6 +17,7 @@ from ...graph.interval import Intervals
 from ...graph.linear import tidy
 from ...graph.primitive import triple
 from ...graph.program import Draw, Grasp, Joint, Label, Part, Pose, Program, Requirement, Where
+from ...graph.substitution import substitute
 from ...language import DISTRIBUTIONS, JOINTS
 from ...source import Source, Span
 from ..expressions.context import Draft, Fetched, where
@@ -293,7 +294,7 @@ def _of_grasp(grasp: Grasp) -> Iterator[Quantity]:
     for k in range(_SHARES):
         share = E.const(k / (_SHARES - 1))
         t = E.add(grasp.low, E.mul(E.sub(grasp.high, grasp.low), share))
-        formulas = [E.substitute(f, {**box, E.var("t"): t}) for f in grasp.formulas]
+        formulas = [substitute(f, {**box, E.var("t"): t}) for f in grasp.formulas]
         at, approach, close = (triple(formulas[3 * i : 3 * i + 3]) for i in range(3))
         yield from each(f"the place of {name}", scope, at, PLACE, place)
         yield Quantity(f"the length of `approach` of {name}", scope, norm(approach), DIRECTION, place)

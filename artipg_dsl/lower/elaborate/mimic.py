@@ -9,6 +9,7 @@ from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.program import LEAD
 from ...graph.reference import Elsewhere, Reference, definitions_of
+from ...graph.substitution import substitute
 from ...semantics.meanings import Previous
 from ...semantics.mimic import paths
 from ...semantics.types import JointType
@@ -35,7 +36,7 @@ def resolve(links: Links) -> None:
             continue
         joint = program.joints[number]
         if _straight(formula, lead):
-            straight = (leader, derive(formula, LEAD), E.substitute(formula, {lead: E.ZERO}))
+            straight = (leader, derive(formula, LEAD), substitute(formula, {lead: E.ZERO}))
             program.joints[number] = replace(joint, mimic=straight)
         else:
             program.joints[number] = replace(joint, mimic=(leader, E.ONE, E.ZERO), curve=formula)

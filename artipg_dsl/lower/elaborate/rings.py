@@ -16,6 +16,7 @@ from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope
 from ...graph.program import Draw
 from ...graph.reference import Elsewhere, Onward, Reference, Under, definitions_of
+from ...graph.substitution import substitute
 from ...source import Span
 from ..solve.cases import TooManyCases, combinations
 from ..values.kinds import part_of
@@ -45,7 +46,7 @@ class Row:
             moved = [s for s in column.scope.ancestors() if s in self.ranks]
             if moved:  # the same column of another row: a value of its own
                 names[E.col(column)] = E.var(f"{column.path} at {', '.join(E.show(self.ranks[s]) for s in moved)}")
-        return E.substitute(expr, names) if names else expr
+        return substitute(expr, names) if names else expr
 
     def within(self, scope: Scope) -> Row:
         """The same row, known to be one where the guards of ``scope`` hold."""
@@ -158,10 +159,10 @@ class Chains:
             return
         for picked in product(*counts.values(), *(range(_COUNTS) for _ in ranks)):
             given = {node: E.const(value) for node, value in zip((*counts, *ranks), picked, strict=True)}
-            case = E.substitute(condition, given)
+            case = substitute(condition, given)
             for node, repeat in ranks.items():
                 if repeat.count is not None:
-                    case = E.both(case, E.call("lt", given[node], E.substitute(repeat.count, given)))
+                    case = E.both(case, E.call("lt", given[node], substitute(repeat.count, given)))
             if case is not E.FALSE:
                 yield case
 

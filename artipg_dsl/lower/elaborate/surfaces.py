@@ -10,6 +10,7 @@ from ...graph.derive import derive
 from ...graph.expr import Column, Expr, Scope
 from ...graph.linear import Linear, isolate
 from ...graph.primitive import Patch, triple
+from ...graph.substitution import substitute
 from ...language import Form
 from ...syntax import ast
 from ..expressions.builtins import bound
@@ -50,8 +51,8 @@ def frame_on(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
             mapping = {k: lifted(e, scope) for k, e in instance.solid.mapping(instance).items()}
             v = ev.scalar(arguments["v"]) if "v" in arguments else _solve_v(ev, node, arguments, patch, mapping, u)
             values: dict[Expr, Expr] = {**mapping, E.var("u"): u, E.var("v"): v}
-            position = triple(E.substitute(c, values) for c in patch.position)
-            du, dv = (triple(E.substitute(derive(c, name), values) for c in patch.position) for name in ("u", "v"))
+            position = triple(substitute(c, values) for c in patch.position)
+            du, dv = (triple(substitute(derive(c, name), values) for c in patch.position) for name in ("u", "v"))
             frame = Frame(position, frame_of(normalized(cross(du, dv)), unit(2)), (part,))
             pose = mapped_pose(outer, lambda e: lifted(e, scope))
             found.append((has_row(instance.scope, scope), moved(frame, pose)))
@@ -68,11 +69,11 @@ def _solve_v(
     axis = next((a for a in AXES if a in arguments), None)
     if axis is None:
         raise ev.env.context.internal(node.span, "neither v nor a coordinate is given")
-    coordinate = E.substitute(patch.position[AXES.index(axis)], {**mapping, E.var("u"): u})
+    coordinate = substitute(patch.position[AXES.index(axis)], {**mapping, E.var("u"): u})
     marker = Column(coordinate.scope or Scope("surface"), "v")
     target = E.col(marker)
     linear = Linear(lambda c: c is marker, {})
-    found = isolate(E.substitute(coordinate, {E.var("v"): target}), marker, ev.scalar(arguments[axis]), linear)
+    found = isolate(substitute(coordinate, {E.var("v"): target}), marker, ev.scalar(arguments[axis]), linear)
     if found is None:
         raise ev.env.context.error(
             "not-solvable", node.span, f"u and v cannot be found from {axis} on this surface", hint="give u and v"

@@ -10,6 +10,7 @@ import numpy as np
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import Piece, Triple, pair
+from ...graph.substitution import substitute, substitute_all
 from ..values.vectors import dot, minus, plus, times
 from .curves import TURN
 from .frames import Frames, turning
@@ -69,7 +70,7 @@ def mixed(a: Span, b: Span, blend: Expr) -> Span:
 
 
 def swapped(point: Sequence[Expr], mapping: dict[Expr, Expr]) -> Point:
-    return pair(E.substitute_all(point, mapping))
+    return pair(substitute_all(point, mapping))
 
 
 # ---------------------------------------------------------------- pieces
@@ -111,11 +112,11 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
             cuts = [_sagitta(bay, ends, k / count, (k + 1) / count) if bent else ZERO for k in range(count)]
             if twist is not ZERO:
                 cuts = [E.add(c, _screwed(bay, wide, twist, k / count, (k + 1) / count)) for k, c in enumerate(cuts)]
-            least = [E.substitute(narrow, {BLEND: E.const((k + 0.5) / count)}) for k in range(count)]
+            least = [substitute(narrow, {BLEND: E.const((k + 0.5) / count)}) for k in range(count)]
             if bay.course is not None:
                 cuts = [_hollow(rings, sign, k / count, (k + 1) / count) for k in range(count)]
                 least = [
-                    E.minimum(*(E.substitute(narrow, {BLEND: E.const((k + f) / count)}) for f in _INNER))
+                    E.minimum(*(substitute(narrow, {BLEND: E.const((k + f) / count)}) for f in _INNER))
                     for k in range(count)
                 ]
             share = probe(*(E.div(a, b) for a, b in zip(cuts, least, strict=True)))
@@ -201,7 +202,7 @@ def change(probe: Probe, rings: Rings, narrow: Expr, low: float, high: float) ->
     first, last = rings.shown(low), rings.shown(high)
     half = (first + last) / 2
     pairs = (first[:, :, None] + last[:, None]).reshape(len(half), -1, 2) / 2
-    least = probe(E.substitute(narrow, {BLEND: E.const((low + high) / 2)}))[0]
+    least = probe(substitute(narrow, {BLEND: E.const((low + high) / 2)}))[0]
     share = float((_beyond(half, pairs).max(axis=(1, 2)) / least).max())
     return 0.0 if share < 1e-7 else min(1.05 * share, 0.9)
 

@@ -13,6 +13,7 @@ from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import pair
+from ...graph.substitution import substitute
 from ...language import Form
 from ...semantics.types import CURVE
 from ...syntax import ast
@@ -86,7 +87,7 @@ def offset(ev: Evaluator, node: ast.CallExpr, form: Form) -> Vec:
     point = plane(ev, curve.point(), call.span)
     normal = right_of((derive(point[0], "v"), derive(point[1], "v")), ONE)
     moved = (E.add(p, E.mul(distance, n)) for p, n in zip(point, normal, strict=True))
-    return Vec(tuple(E.substitute(c, {V: at}) for c in moved))
+    return Vec(tuple(substitute(c, {V: at}) for c in moved))
 
 
 def named_curve(ev: Evaluator, node: ast.Expr | None) -> Value | None:

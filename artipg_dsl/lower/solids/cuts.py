@@ -14,6 +14,7 @@ import numpy as np
 from ...graph import expr as E
 from ...graph.expr import ONE, Expr
 from ...graph.primitive import triple
+from ...graph.substitution import substitute_all
 from .probe import SMALL
 
 V = E.var("v")
@@ -84,7 +85,7 @@ def starts(point: Sequence[Expr], curve: Sequence[Expr], cuts: Sequence[Cut], mo
 
 def _by_parabola(point: Sequence[Expr], curve: Sequence[Expr], low: float, high: float) -> tuple[Expr, Expr]:
     """Squared distance of a point to a cut, and its v there: where the point lies above the chord, on the parabola."""
-    a, middle, b = (E.substitute_all(curve, {V: E.const(v)}) for v in (low, (low + high) / 2, high))
+    a, middle, b = (substitute_all(curve, {V: E.const(v)}) for v in (low, (low + high) / 2, high))
     chord = [E.sub(q, p) for p, q in zip(a, b, strict=True)]
     bulge = [
         E.mul(E.const(4.0), E.sub(m, E.mul(E.const(0.5), E.add(p, q)))) for p, m, q in zip(a, middle, b, strict=True)

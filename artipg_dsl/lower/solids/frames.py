@@ -16,6 +16,7 @@ from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import Triple, triple
+from ...graph.substitution import substitute_all
 from ..values.vectors import cross, dot, minus, normalized, plus, times, unit
 from .paths import Stretch, turned
 from .probe import Probe
@@ -66,7 +67,7 @@ def at(vector: Triple) -> Vector:
     def there(v: float | Expr) -> Triple:
         place = E.wrap(v)
         if place not in known:
-            known[place] = triple(E.substitute_all(vector, {V: place}))
+            known[place] = triple(substitute_all(vector, {V: place}))
         return known[place]
 
     return there

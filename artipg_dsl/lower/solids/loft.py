@@ -19,6 +19,7 @@ import numpy as np
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import Patch, Triple, pair, triple
+from ...graph.substitution import substitute
 from ...syntax import ast
 from ..expressions.context import Abort
 from ..expressions.env import Env
@@ -241,7 +242,7 @@ def moving(bay: Bay) -> list[Span]:
     """The outer curves of a bay's section over W, where the section changes along the path by its v."""
     found = []
     for a, b in zip(bay.first[0], bay.last[0], strict=True):
-        one, other = (tuple(E.substitute(c, {V: W}) for c in span.by_fraction) for span in (a, b))
+        one, other = (tuple(substitute(c, {V: W}) for c in span.by_fraction) for span in (a, b))
         mixing = (E.add(p, E.mul(V, E.sub(q, p))) for p, q in zip(one, other, strict=True))
         found.append(Span(a.name, pair(mixing), closing=a.closing))
     return found
@@ -297,7 +298,7 @@ def _inside_bay(probe: Probe, bay: Bay, flat: Expr, begins: bool, closes: bool) 
     """``flat``, a length in the section, where the foot of p on the path lies; cut off at the ends of the whole path."""
     wide = _widest(probe, bay)
     at = foot(probe, bay.rail, bay.frames.side, bay.frames.up, wide)
-    value = E.substitute(flat, {X: at.x, Y: at.y, BLEND: at.v})
+    value = substitute(flat, {X: at.x, Y: at.y, BLEND: at.v})
     if bay.rail.length is ZERO:  # further out than the section reaches, the distance to the path counts
         value = E.maximum(E.div(value, _twisted(probe, bay, wide)), at.start, at.end)
         return E.mul(E.maximum(E.minimum(value, E.mul(wide, NEAR)), E.sub(at.gap, wide)), SLOPE)

@@ -21,6 +21,7 @@ from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.interval import Interval, Intervals
 from ...graph.primitive import Triple, triple
+from ...graph.substitution import substitute, substitute_all
 from ...language import FORMS
 from ...syntax import ast
 from ..expressions.builtins import bound
@@ -58,10 +59,10 @@ class Stretch:
     angle: Expr = ZERO
 
     def at(self, value: float | Expr) -> Triple:
-        return triple(E.substitute_all(self.place, {V: E.wrap(value)}))
+        return triple(substitute_all(self.place, {V: E.wrap(value)}))
 
     def towards(self, value: float | Expr) -> Triple:
-        return triple(E.substitute_all(self.direction, {V: E.wrap(value)}))
+        return triple(substitute_all(self.direction, {V: E.wrap(value)}))
 
 
 _CLOSED = tuple(form for form in FORMS if form.meaning in OUTLINES)
@@ -88,7 +89,7 @@ def steps_of(curve: Curve) -> tuple[Step, ...]:
                 hint="write [x, y, z], or from(point, direction) line(length) ...",
             )
         v = E.add(low, E.mul(V, E.sub(high, low)))
-        return (Step("formula", tuple(E.substitute(c, {V: v}) for c in point)),)
+        return (Step("formula", tuple(substitute(c, {V: v}) for c in point)),)
     found = []
     for piece in curve.value.pieces:
         form = ev.env.context.form(piece)
@@ -206,7 +207,7 @@ def _handed(curve: Curve, name: str) -> Handed:
     numbers = {number: kind for step in steps for number, kind in zip(step.numbers, KINDS[step.word], strict=True)}
     found = _variables_of(numbers)
     variables = {node: E.var(f"{name}.{k}") for k, node in enumerate(found)}
-    moved = tuple(Step(s.word, tuple(E.substitute(e, variables) for e in s.numbers)) for s in steps)
+    moved = tuple(Step(s.word, tuple(substitute(e, variables) for e in s.numbers)) for s in steps)
     names = tuple(str(v.value) for v in variables.values())
     return Handed(curve, moved, names, tuple(found), tuple(_test_range(kind, known.of(e)) for e, kind in found.items()))
 

@@ -11,6 +11,7 @@ from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.interval import Interval, Intervals, holds_always
 from ...graph.primitive import Patch, Piece, Primitive, Triple, triple
+from ...graph.substitution import replaced, substitute
 from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
@@ -85,13 +86,13 @@ class Lowered:
 
     def box(self, instance: Instance) -> Box:
         mapping = self.mapping(instance)
-        low, high = (triple(E.substitute(c, mapping) for c in end) for end in (self.primitive.low, self.primitive.high))
+        low, high = (triple(substitute(c, mapping) for c in end) for end in (self.primitive.low, self.primitive.high))
         return Box(low, high)
 
     def member(self, instance: Instance, name: str) -> Value | None:
         if name in self.ports:
             mapping = self.mapping(instance)
-            return mapped(self.ports[name], lambda e: E.substitute(e, mapping))
+            return mapped(self.ports[name], lambda e: substitute(e, mapping))
         if name in self.primitive.surfaces:
             if name in FACES:
                 return None  # the face of the box is the same plane, and a frame
@@ -104,11 +105,11 @@ class Lowered:
         mapping = self.mapping(instance)
         part, context = instance.part, instance.part.context
         for condition in self.conditions:
-            here = E.substitute(condition.holds, mapping)
+            here = substitute(condition.holds, mapping)
             if here is E.TRUE or holds_always(here, context.draws):
                 continue
             sides, bend = (
-                None if pair is None else (E.substitute(pair[0], mapping), E.substitute(pair[1], mapping))
+                None if pair is None else (substitute(pair[0], mapping), substitute(pair[1], mapping))
                 for pair in (condition.sides, condition.bend)
             )
             place, message, name = part.span, condition.message, "the path"
@@ -161,7 +162,7 @@ def shaped(context: Draft, symbol: Symbol, paths: dict[str, Handed], tested: dic
         found = make(context, symbol, name, paths)
     finally:
         context.blamed, context.tested = None, {}
-        E.replaced.cache_clear()  # another primitive has other formulas
+        replaced.cache_clear()  # another primitive has other formulas
     found.paths, found.trace = tuple(paths.values()), tuple(context.trace)
     return found
 

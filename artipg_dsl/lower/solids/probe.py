@@ -14,6 +14,7 @@ from ... import random
 from ...graph import expr as E
 from ...graph.expr import Expr
 from ...graph.formula import evaluate
+from ...graph.substitution import substitute
 from ...source import Span
 from ...syntax import ast
 from ..expressions.env import Env
@@ -72,7 +73,7 @@ class Probe:
         if np.isfinite(seen).all():
             return seen
         # 0 times what has no value is 0 where the 0 is written: only a formula of its own at each place tells
-        each = [self(*(E.substitute(e, {variable: E.wrap(place)}) for e in exprs)) for place in places]
+        each = [self(*(substitute(e, {variable: E.wrap(place)}) for e in exprs)) for place in places]
         return np.stack(each)
 
     def zero(self, *exprs: Expr) -> bool:

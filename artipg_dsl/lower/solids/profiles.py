@@ -16,6 +16,7 @@ from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import pair
+from ...graph.substitution import substitute, substitute_all
 from .cuts import FINE, TINY, WHOLE, Cut, Fold, clamp, fold, halved, rivals, starts, within
 from .cuts import V as V
 from .probe import SMALL, Probe
@@ -81,7 +82,7 @@ Loop = tuple[Side, ...]
 
 
 def substituted(point: Point, value: Expr) -> Point:
-    return pair(E.substitute_all(point, {V: value}))
+    return pair(substitute_all(point, {V: value}))
 
 
 def between(name: str, a: Point, b: Point) -> Span:
@@ -337,21 +338,19 @@ def extreme(probe: Probe, spans: Sequence[Span], axis: int, sign: int) -> Expr:
     found: list[Expr] = []
     for span in spans:
         height = E.mul(factor, span.by_fraction[axis])
-        found += (
-            [E.substitute(height, {V: end}) for end in (ZERO, ONE)] if straight(probe, span) else tops(probe, height)
-        )
+        found += [substitute(height, {V: end}) for end in (ZERO, ONE)] if straight(probe, span) else tops(probe, height)
     greatest = probe.greatest(found)
     return greatest if sign > 0 else E.neg(greatest)
 
 
 def tops(probe: Probe, height: Expr, windows: int = 1) -> list[Expr]:
     """Places of which the highest is the highest of a function of v: the ends of equal windows, and summits within."""
-    return [E.substitute(height, {V: v}) for v in (*steps(windows), *summits(probe, height, windows))]
+    return [substitute(height, {V: v}) for v in (*steps(windows), *summits(probe, height, windows))]
 
 
 def crests(probe: Probe, height: Expr, windows: int = 1) -> list[Expr]:
     """The summit of a function of v in each of equal windows where it has one for some test value."""
-    return [E.substitute(height, {V: v}) for v in summits(probe, height, windows)]
+    return [substitute(height, {V: v}) for v in summits(probe, height, windows)]
 
 
 def steps(windows: int) -> list[Expr]:
@@ -364,11 +363,11 @@ def summits(probe: Probe, height: Expr, windows: int = 1) -> list[Expr]:
     found = []
     for k in range(windows):
         share = E.mul(E.add(V, E.const(float(k))), E.const(1 / windows))
-        part = height if windows == 1 else E.substitute(height, {V: share})
+        part = height if windows == 1 else substitute(height, {V: share})
         values = probe.along([part], [k / _STEPS for k in range(_STEPS + 1)], V)[:, 0]
         slope = derive(part, "v")
         if _rises(probe, slope, values):
-            found.append(E.substitute(share, {V: _summit(probe, part, slope, values)}))
+            found.append(substitute(share, {V: _summit(probe, part, slope, values)}))
     return found
 
 
@@ -377,7 +376,7 @@ def _rises(probe: Probe, slope: Expr, values: np.ndarray) -> bool:
     ends = np.maximum(values[0], values[-1])
     if (values.max(axis=0) > ends + 1e-12).any():
         return True
-    begin, end = probe(*(E.substitute(slope, {V: v}) for v in (ZERO, ONE)))
+    begin, end = probe(*(substitute(slope, {V: v}) for v in (ZERO, ONE)))
     return bool(((values[0] >= ends) & (begin > FLAT) | (values[-1] >= ends) & (end < -FLAT)).any())
 
 
@@ -387,18 +386,18 @@ def _summit(probe: Probe, height: Expr, slope: Expr, values: np.ndarray) -> Expr
     """
     near = np.flatnonzero((values >= values.max(axis=0) - SMALL).all(axis=1))
     for k in map(int, near):
-        if (np.abs(probe(E.substitute(slope, {V: E.const(k / _STEPS)}))) < SMALL).all():
+        if (np.abs(probe(substitute(slope, {V: E.const(k / _STEPS)}))) < SMALL).all():
             return E.const(k / _STEPS)
     best: Expr = ZERO
-    top = E.substitute(height, {V: ZERO})
+    top = substitute(height, {V: ZERO})
     for k in range(1, _COARSE + 1):
-        value = E.substitute(height, {V: E.const(k / _COARSE)})
+        value = substitute(height, {V: E.const(k / _COARSE)})
         best = E.where(E.call("lt", top, value), E.const(k / _COARSE), best)
         top = E.maximum(top, value)
     low, high = (E.add(best, E.const(d / _COARSE)) for d in (-1.0, 1.0))
     second = derive(slope, "v")
     for _ in range(6):
-        rise, bend = (E.substitute(f, {V: best}) for f in (slope, second))
+        rise, bend = (substitute(f, {V: best}) for f in (slope, second))
         moved = E.sub(best, E.div(rise, E.minimum(bend, E.const(-1e-12))))
         best = clamp(within(moved, low, high), 0.0, 1.0)
     return best

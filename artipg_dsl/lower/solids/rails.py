@@ -11,6 +11,7 @@ from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ZERO, Expr
 from ...graph.primitive import Triple, triple
+from ...graph.substitution import substitute
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
@@ -72,7 +73,7 @@ def foot(probe: Probe, rail: Stretch, side: Across, up: Across, wide: Expr) -> F
         v = clamp(E.div(along, rail.length), 0.0, 1.0)
         return Foot(v, dot(from_start, side(0.0)), dot(from_start, up(0.0)), before, after, before, after)
     square, v = nearest(probe, rail)
-    away = minus(P, triple(E.substitute(c, {V: v}) for c in rail.place))
+    away = minus(P, triple(substitute(c, {V: v}) for c in rail.place))
     before, after = (disc(rail, v, end, wide) for end in (0.0, 1.0))
     gap = E.call("sqrt", square)
     return Foot(v, dot(away, side(v)), dot(away, up(v)), before, after, before, after, gap=gap)
@@ -162,9 +163,7 @@ def nearest(probe: Probe, rail: Stretch) -> tuple[Expr, Expr]:
     bend: Triple = triple(derive(c, "v") for c in speed)
 
     def moved(t: Expr, turn: int) -> tuple[Triple, Triple, Expr]:
-        here, tangent, curved = (
-            triple(E.substitute(c, {V: t}) for c in vector) for vector in (rail.place, speed, bend)
-        )
+        here, tangent, curved = (triple(substitute(c, {V: t}) for c in vector) for vector in (rail.place, speed, bend))
         away = minus(P, here)
         move = onwards(dot(away, tangent), dot(tangent, tangent), dot(away, curved), turn)
         return away, tangent, move
@@ -213,6 +212,6 @@ def reach(
         else:  # a line at one distance from the path is highest where the path is: both run in the same direction there
             turns = windows(probe, rail)
             spots = [*steps(turns), *summits(probe, place if low is high else height, turns)]
-        found += [E.substitute(height, {V: v}) for v in spots]
+        found += [substitute(height, {V: v}) for v in spots]
     greatest = probe.greatest(found)
     return greatest if sign > 0 else E.neg(greatest)

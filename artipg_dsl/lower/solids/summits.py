@@ -9,6 +9,7 @@ import numpy as np
 from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
+from ...graph.substitution import substitute
 from .cuts import clamp
 from .probe import Probe
 from .profiles import FLAT, Span, V, straight, tops
@@ -29,37 +30,37 @@ def reached(
     for span in spans:
         x, y = span.position
         height = E.add(place, E.add(E.mul(side, x), E.mul(up, y)))
-        corner = E.substitute(height, {W: ZERO})
-        found += [E.substitute(corner, {V: end}) for end in (ZERO, ONE)] if line else tops(probe, corner, windows)
+        corner = substitute(height, {W: ZERO})
+        found += [substitute(corner, {V: end}) for end in (ZERO, ONE)] if line else tops(probe, corner, windows)
         if all(straight(probe, _at_end(span, end)) for end in (ZERO, ONE)):
             continue
         for end in (ZERO, ONE):
-            found += tops(probe, E.substitute(height, {V: end, W: V}))
+            found += tops(probe, substitute(height, {V: end, W: V}))
         for k in range(0 if line else windows):
             share = E.mul(E.add(V, E.const(float(k))), E.const(1 / windows))
-            found += between(probe, height if windows == 1 else E.substitute(height, {V: share}))
+            found += between(probe, height if windows == 1 else substitute(height, {V: share}))
     return found
 
 
 def _at_end(span: Span, end: Expr) -> Span:
     """A curve of a section at an end of its path, as a curve of its own."""
-    x, y = (E.substitute(E.substitute(c, {V: end}), {W: V}) for c in span.position)
+    x, y = (substitute(substitute(c, {V: end}), {W: V}) for c in span.position)
     return Span(span.name, (x, y))
 
 
 def between(probe: Probe, height: Expr) -> list[Expr]:
     """The summit of a function of v and w, where it has one off the edges for some test value."""
     steps = [k / 16 for k in range(17)]
-    values = np.stack([probe.along([E.substitute(height, {V: E.const(v)})], steps, W)[:, 0] for v in steps])
+    values = np.stack([probe.along([substitute(height, {V: E.const(v)})], steps, W)[:, 0] for v in steps])
     edges = np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
     if not (values.max(axis=(0, 1)) > edges.max(axis=0) + 1e-12).any() and not _leads_in(probe, height, values):
         return []
     v, w = E.const(0.5), E.const(0.5)
-    top = E.substitute(height, {V: v, W: w})
+    top = substitute(height, {V: v, W: w})
     for i in range(_GRID + 1):
         for j in range(_GRID + 1):
             here = E.const(i / _GRID), E.const(j / _GRID)
-            value = E.substitute(height, {V: here[0], W: here[1]})
+            value = substitute(height, {V: here[0], W: here[1]})
             higher = E.call("lt", top, value)
             v, w, top = E.where(higher, here[0], v), E.where(higher, here[1], w), E.maximum(top, value)
     first = [derive(height, name) for name in (V, W)]
@@ -67,14 +68,14 @@ def between(probe: Probe, height: Expr) -> list[Expr]:
     tiny = E.const(-1e-12)
     for _ in range(6):
         at = {V: v, W: w}
-        (a, b), (p, q, r) = ([E.substitute(f, at) for f in group] for group in (first, second))
+        (a, b), (p, q, r) = ([substitute(f, at) for f in group] for group in (first, second))
         spread = E.sub(E.mul(p, r), E.mul(q, q))
         good = E.both(E.call("lt", ZERO, spread), E.call("lt", p, ZERO))
         safe = E.where(good, spread, ONE)
         dv = E.where(good, E.div(E.sub(E.mul(q, b), E.mul(r, a)), safe), E.neg(E.div(a, E.minimum(p, tiny))))
         dw = E.where(good, E.div(E.sub(E.mul(q, a), E.mul(p, b)), safe), E.neg(E.div(b, E.minimum(r, tiny))))
         v, w = (clamp(E.add(t, clamp(d, -1 / _GRID, 1 / _GRID)), 0.0, 1.0) for t, d in ((v, dv), (w, dw)))
-    return [E.substitute(height, {V: v, W: w})]
+    return [substitute(height, {V: v, W: w})]
 
 
 def _leads_in(probe: Probe, height: Expr, values: np.ndarray) -> bool:
@@ -85,7 +86,7 @@ def _leads_in(probe: Probe, height: Expr, values: np.ndarray) -> bool:
         other = (W, V)[axis]
         slope = derive(height, name)
         for end, way in ((0, 1.0), (last, -1.0)):
-            at = [E.substitute(slope, {name: E.const(end / last), other: E.const(k / last)}) for k in steps]
+            at = [substitute(slope, {name: E.const(end / last), other: E.const(k / last)}) for k in steps]
             highest = np.take(values, end, axis=axis) >= values.max(axis=(0, 1))
             if (highest & (way * probe(*at) > FLAT)).any():
                 return True

@@ -14,6 +14,7 @@ from ...graph.expr import Column, Expr, Scope
 from ...graph.inequality import Ends, Half, bounds_of, least_of
 from ...graph.linear import LinearForm
 from ...graph.program import Bound, Draw, Limit, Program
+from ...graph.substitution import substitute
 from .inline import inline
 from .readers import Readers
 from .unions import unite
@@ -132,7 +133,7 @@ def _limit_choice(readers: Readers, draw: Draw, scope: Scope, condition: Expr, g
         return
     holds = inline(holds, [last], readers.definitions)
     for code in range(len(draw.options)):
-        allowed = E.substitute(holds, {E.col(last): E.const(float(code))})
+        allowed = substitute(holds, {E.col(last): E.const(float(code))})
         if allowed is not E.TRUE:
             draw.limits.append(Limit(code, allowed, number))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...graph import expr as E
 from ...graph.expr import Column, Expr
 from ...graph.linear import Linear
+from ...graph.substitution import substitute
 
 
 def inline(node: Expr, columns: list[Column], definitions: dict[Column, Expr], *, through: bool = False) -> Expr:
@@ -14,4 +15,4 @@ def inline(node: Expr, columns: list[Column], definitions: dict[Column, Expr], *
         hidden = [c for c in E.leaves(node) if c not in columns and c in definitions and reader.reads(E.col(c))]
         if not hidden:
             return node
-        node = E.substitute(node, {E.col(c): definitions[c] for c in hidden})
+        node = substitute(node, {E.col(c): definitions[c] for c in hidden})

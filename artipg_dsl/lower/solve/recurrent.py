@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope
 from ...graph.linear import Linear
+from ...graph.substitution import substitute
 from ..expressions.context import Draft
 from .inline import inline
 
@@ -25,7 +26,7 @@ def closed(context: Draft, column: Column, value: Expr) -> Expr:
         if node.value is not scope or form is None or form[0].get(column) is not E.ONE:
             raise refused(context, column)
         mapping[node] = E.add(E.col(before), E.previous(scope, form[1], node.args[1]))
-    form = Linear(lambda c: c is before, {}).form(E.substitute(value, mapping))
+    form = Linear(lambda c: c is before, {}).form(substitute(value, mapping))
     if form is None or column in E.leaves(form[1]) or not _carried_on(form[0].get(before, E.ZERO), scope):
         raise refused(context, column)
     return E.add(E.scan(scope, form[1]), form[1])

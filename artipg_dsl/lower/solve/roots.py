@@ -8,6 +8,7 @@ from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import CROSSING, Column, Expr
 from ...graph.linear import Linear
+from ...graph.substitution import rebuild, substitute
 from ..expressions.context import Equation, Unknown
 from ..expressions.env import Env
 from .inline import inline
@@ -63,7 +64,7 @@ class _Formulas:
             return self.unknowns[node.value]
         if node.op in CROSSING or node.op in ("root", "solve"):
             raise _NoFormula
-        return E.rebuild(node, tuple(self.of(a) for a in node.args))
+        return rebuild(node, tuple(self.of(a) for a in node.args))
 
 
 def start(env: Env, unknown: Unknown, columns: Sequence[Column], equations: Sequence[Equation]) -> Expr:
@@ -95,7 +96,7 @@ def demand(
     definitions = env.context.program.definitions
     for equation in equations:
         sides = [
-            E.substitute(inline(side, list(solution), definitions), mapping) for side in (equation.left, equation.right)
+            substitute(inline(side, list(solution), definitions), mapping) for side in (equation.left, equation.right)
         ]
         apart = E.call("abs", E.sub(*sides))
         size = E.add(E.call("abs", sides[0]), E.call("abs", sides[1]))

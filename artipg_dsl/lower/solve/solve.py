@@ -16,6 +16,7 @@ from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope
 from ...graph.linear import Circle, Linear
 from ...graph.matching import Matching, match
+from ...graph.substitution import substitute
 from ..expressions.context import Abort, Equation, Settled, Unknown
 from ..expressions.env import Env
 from .cases import TooManyCases, combinations, condition
@@ -343,7 +344,7 @@ def _written_out(node: Expr, definitions: dict[Column, Expr]) -> Expr:
         known = [c for c in E.leaves(node) if c in definitions]
         if not known:
             break
-        node = E.substitute(node, {E.col(c): definitions[c] for c in known})
+        node = substitute(node, {E.col(c): definitions[c] for c in known})
     return node
 
 

@@ -8,6 +8,7 @@ from ...graph import expr as E
 from ...graph.expr import Column, Expr
 from ...graph.linear import Linear, LinearForm, Parts, combine, isolate, solve_block, tidy
 from ...graph.matching import Matching, components
+from ...graph.substitution import substitute
 from ..expressions.context import Abort, Equation, Settled, Unknown
 from ..expressions.env import Env
 from .inline import inline
@@ -111,10 +112,10 @@ def _eliminate(differences: list[Expr], columns: list[Column]) -> dict[Column, E
             if value is None:
                 continue
             mapping = {E.col(column): value}
-            rest = [E.substitute(d, mapping) for j, d in enumerate(differences) if j != k]
+            rest = [substitute(d, mapping) for j, d in enumerate(differences) if j != k]
             found = _eliminate(rest, [c for c in columns if c is not column])
             if found is not None:
-                return {column: E.substitute(value, {E.col(c): v for c, v in found.items()}), **found}
+                return {column: substitute(value, {E.col(c): v for c, v in found.items()}), **found}
     return None
 
 
