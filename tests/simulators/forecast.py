@@ -112,7 +112,8 @@ def take_along(
     """As ``follow``, of a finger that is pressed on a surface with the outward ``normal`` by ``press`` and then led, (T, 3) each.
 
     What rubs in a joint is little beside the friction of a finger: the link follows along its joint's motion, while the
-    finger slips across it, as long as the finger presses; and not where no force within the cone of friction moves it so.
+    finger slips across it, as long as the finger presses; and not where no force within the cone of friction moves it so. It
+    sets off once the finger, which goes deeper where it is led into the surface, presses enough for what rubs and weighs.
     """
     ahead = -_dot(press, normal)
     way = follow(scene, link, point, press + lead).way
@@ -120,8 +121,9 @@ def take_along(
     out = _dot(way, normal) / np.maximum(_size(way), 1e-12)
     grip = friction * np.sqrt(np.clip(1 - out**2, 0, 1)) - out  # force along the way per force that presses
     needed = _dot(press + lead - way, way) / np.maximum(_size(way), 1e-12)
-    ahead = np.clip(ahead - np.clip(needed, 0, None) / np.maximum(grip, 1e-9), 0, None)
-    share = np.where(rise > 0, np.clip(ahead / np.where(rise > 0, rise, 1.0), 0.0, 1.0), 1.0)
+    ahead -= np.clip(needed, 0, None) / np.maximum(grip, 1e-9)
+    late = np.clip(-ahead / np.clip(-_dot(lead, normal), 1e-12, None), 0.0, 1.0)
+    share = np.where(rise > 0, np.clip(ahead / np.where(rise > 0, rise, 1.0), 0.0, 1.0), 1.0 - late)
     found = follow(scene, link, point, press + share[:, None] * lead)
     return Paths(found.row, np.where((grip <= 0)[:, None], 0.0, found.gone), found.way)
 

@@ -78,7 +78,9 @@ def test_an_axis_that_is_turned_is_found_out(monkeypatch: pytest.MonkeyPatch) ->
     assert sum(one.foretold != one.came for one in found) > 0.15 * len(found)
 
 
-@pytest.mark.parametrize(("category", "number"), [("storage_furniture", 1), ("kettle", 7)])  # handles; a round knob
+@pytest.mark.parametrize(  # handles; a round knob; a cap that swivels, one that is pulled off
+    ("category", "number"), [("storage_furniture", 1), ("kettle", 7), ("usb", 5), ("usb", 7)]
+)
 def test_a_gripper_that_closes_holds(category: str, number: int) -> None:
     from .closing import grips
 
