@@ -89,6 +89,32 @@ def test_a_gripper_that_closes_holds(category: str, number: int) -> None:
     assert not [one for one in found if one.fault]
 
 
+LIFTED = """apg 1
+use primitives { Cuboid }
+category Lifted {
+  root part body : Cuboid(size = [20cm, 20cm, 10cm])
+  part lid : Cuboid(size = [20cm, 20cm, 1cm])
+  joint lift : prismatic body.top -> lid.bottom gap 1mm range 0cm .. 12cm
+}
+"""
+
+
+def test_a_finger_that_leaves_before_it_presses_enough_moves_nothing() -> None:
+    """It rises off a slope: what it takes along it takes from the first, and what is heavier stays where it is."""
+    from .forecast import Scene, take_along
+
+    made = Session.of_text(LIFTED).sampler.batch(np.arange(1), 0)
+    normal, lead = np.array([[-0.08, -0.35, 0.93]]), 0.014 * np.array([[0.37, 0.73, 0.57]])
+
+    def rises(weight: float, deep: float) -> float:
+        scene = Scene(made, np.zeros(1), np.zeros(1), np.array([weight]), 4000.0)
+        place = np.ones(1, dtype=np.int64), np.array([[-0.02, -0.1, 0.1]])
+        return float(take_along(scene, *place, normal, -deep * normal, lead, 4.0).gone.sum())
+
+    assert rises(0.1, 6e-4) > 5e-3 and rises(2.0, 2e-3) > 4e-3
+    assert rises(2.0, 6e-4) == 0.0
+
+
 def test_a_gripper_beside_a_grasp_holds_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     from dataclasses import replace
 
