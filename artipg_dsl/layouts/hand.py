@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -41,6 +41,7 @@ _SPEED = 0.1  # units per second
 _WAIT = 0.4  # s at the end
 STILL, CALM = 1e-4, 1.5  # rad or m in a tenth of a second; s that an object is given to come to rest
 _IMPULSE = 1e-4  # N s above which a contact counts: 0.05 N over a step
+_TOWED = 8e4  # 1/s2: how stiffly a follower is drawn after its leader, by its rotor
 _LATCHED = 1e-4  # rad or m from rest within which a latch catches
 _BRISTLE = 1e-4  # rad or m by which a joint gives before its friction slips: P. R. Dahl, A Solid Friction Model, 1968
 
@@ -78,6 +79,12 @@ def _sapien() -> Any:
     return sapien
 
 
+def untied(robot: Robot) -> Robot:
+    """The same robot with every joint independent: SAPIEN 3.0.3 inverts the ratio of those that mimic others, which holds both fast."""
+    simple = simple_joints(robot)
+    return replace(simple, joints=tuple(replace(joint, mimic=None) for joint in simple.joints))
+
+
 @dataclass(eq=False)
 class Latch:
     """Holds a ``joint`` of SAPIEN (number ``k``) where it rests while what it waits for is not there: ``gates`` are numbers of joints, from
@@ -106,7 +113,8 @@ class Latch:
 
 class Standing:
     """One object in SAPIEN, its base held, with the friction and the damping that its file states. Joint values are by name,
-    those of ``order``. A joint that waits for others is latched while it rests and they are not there yet: URDF cannot say so."""
+    those of ``order``. A joint that waits for others is latched while it rests and they are not there yet: URDF cannot say so.
+    What follows another joint is drawn after it, and what it rubs its leader feels."""
 
     def __init__(self, robot: Robot):
         sapien = _sapien()
@@ -115,11 +123,12 @@ class Standing:
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = True
         with TemporaryDirectory() as place:
-            for name, data in urdf_files(robot).items():
+            for name, data in urdf_files(untied(robot)).items():
                 (Path(place) / name).parent.mkdir(parents=True, exist_ok=True)
                 (Path(place) / name).write_bytes(data)
             self.body = loader.load(str(Path(place) / "object_physics.urdf"))
         stated = {joint.name: joint for joint in simple_joints(robot).joints}
+        stated |= {joint.name: joint for joint in robot.joints if joint.curve is not None}
         self.active = self.body.active_joints
         self.order = [joint.name for joint in self.active]
         self.rubs = np.array([stated[name].friction for name in self.order])
@@ -127,8 +136,12 @@ class Standing:
         bodies = {link.name: link for link in self.body.links}
         self.links = [bodies[link.name] for link in robot.links]
         self.latches = list(self._latches(stated))
-        for joint in self.active:  # without it, a gram goes through the ends of its joint
-            joint.set_armature(np.array([ROTOR[stated[joint.name].kind == "prismatic"]]))
+        rotors = [ROTOR[stated[name].kind == "prismatic"] for name in self.order]
+        for joint, rotor in zip(
+            self.active, rotors, strict=True
+        ):  # without it, a gram goes through the ends of its joint
+            joint.set_armature(np.array([rotor]))
+        self.towed = list(self._towed(stated, rotors))
 
     def _latches(self, stated: Mapping[str, RobotJoint]) -> Iterator[Latch]:
         at = {name: k for k, name in enumerate(self.order)}
@@ -136,6 +149,26 @@ class Standing:
             gates = [(at[gate], low, high) for gate, low, high in stated[name].gates if gate in at]
             if gates:
                 yield Latch(joint, k, stated[name].rest, joint.get_limits(), gates)
+
+    def _towed(
+        self, stated: Mapping[str, RobotJoint], rotors: list[float]
+    ) -> Iterator[tuple[int, int, RobotJoint, float]]:
+        """Followers: their number, that of their leader, and how stiffly they are drawn. Leaders feel what they rub."""
+        for k, name in enumerate(self.order):
+            mimic = stated[name].mimic
+            if mimic is None or mimic[0] not in self.order:
+                continue
+            yield k, self.order.index(mimic[0]), stated[name], _TOWED * rotors[k]
+            ratio = 1.0
+            while mimic is not None and mimic[0] in self.order:  # up to the one that leads all
+                ratio, leader = ratio * mimic[1], self.order.index(mimic[0])
+                mimic = stated[mimic[0]].mimic
+            self.rubs[leader] += abs(ratio) * stated[name].friction
+            self.rubs[k] = 0.0
+
+    def _tow(self, now: np.ndarray) -> None:
+        for k, leader, joint, _ in self.towed:
+            self.active[k].set_drive_target(float(joint.following(now[leader])))
 
     def place(self, values: Mapping[str, float]) -> None:
         """Put the joints there, at a standstill."""
@@ -150,6 +183,10 @@ class Standing:
             limit = {"force_limit": rubs} if rubs > 0 else {}
             joint.set_drive_properties(stiff, stiff * STEP if rubs > 0 else damping, mode="force", **limit)
             joint.set_drive_target(at)
+        for k, _, _, stiff in self.towed:
+            damping = 2 * np.sqrt(_TOWED) / _TOWED * stiff
+            self.active[k].set_drive_properties(stiff, damping, mode="force")
+        self._tow(self.held)
 
     def now(self) -> np.ndarray:
         return np.asarray(self.body.get_qpos(), dtype=np.float64)
@@ -161,6 +198,7 @@ class Standing:
         now = self.now()
         for latch in self.latches:
             latch.turn(now)
+        self._tow(now)
         off = self.held - now
         for k in np.flatnonzero((np.abs(off) > _BRISTLE) & (self.rubs > 0)):  # what slips is held where it has come to
             self.held[k] = now[k] + np.copysign(_BRISTLE, off[k])

@@ -18,7 +18,7 @@ from sapien import physx
 from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.states import joint_twist, own_joints
 from artipg_dsl.export.robot import Robots
-from artipg_dsl.layouts.hand import GRIP, ROTOR, STEP
+from artipg_dsl.layouts.hand import GRIP, ROTOR, STEP, untied
 from artipg_dsl.runtime.batch import Batch
 
 from .fingers import LONG, THICK, Hand, turned
@@ -141,7 +141,7 @@ def grips(batch: Batch) -> list[Grip]:
                 chosen.append((grasp, joint, path))
         if not chosen:
             continue
-        with written(robots.robot(i), "urdf") as subject:
+        with written(untied(robots.robot(i)), "urdf") as subject:
             sim = SapienSim(subject)
             sim.scene.set_timestep(STEP)
             sim.step_time = STEP

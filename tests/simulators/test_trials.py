@@ -161,3 +161,35 @@ def test_what_waits_is_latched_until_it_may_go() -> None:
 
     assert abs(swung(0.0, 0.0)) < 1e-3 and swung(1.2, 0.0) > 5e-3
     assert abs(swung(0.0, 0.0)) < 1e-3 and swung(0.0, 0.5) > 5e-3
+
+
+TOWED = """apg 1
+use primitives { Cuboid }
+category Towed {
+  let lead = 1mm / 1rad
+  root part body : Cuboid(size = [20cm, 20cm, 10cm])
+  part knob : Cuboid(size = [2cm, 4cm, 4cm])
+  align knob.back = body.front + 1mm
+  joint turn : revolute body -> knob about line(at = knob.center, along = x) range 0deg .. 90deg friction 0.01Nm
+  part rod : Cuboid(size = [1cm, 1cm, 4cm])
+  align rod.bottom = body.top + 1mm
+  joint rise : prismatic body -> rod along z range 0mm .. 2mm mimic turn * lead
+}
+"""
+
+
+def test_a_follower_goes_along_and_does_not_hold_its_leader() -> None:
+    """SAPIEN's own tie inverts the ratio: it held both where they were."""
+    from artipg_dsl.export.robot import Robots
+    from artipg_dsl.layouts.hand import Standing
+
+    standing = Standing(Robots(Session.of_text(TOWED).sampler.batch(np.arange(1), 0)).robot(0))
+    turn, rise = (standing.order.index(name) for name in ("turn", "rise"))
+    standing.place({"turn": 0.0, "rise": 0.0})
+    push = np.zeros(2)
+    push[turn] = 0.05
+    for _ in range(100):
+        standing.body.set_qf(push)
+        standing.step()
+    now = standing.now()
+    assert now[turn] > 0.3 and abs(now[rise] - 1e-3 * now[turn]) < 2e-4
