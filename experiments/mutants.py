@@ -56,7 +56,7 @@ def fit_each(objects: Mapping[int, Real], folder: Path) -> list[Fit]:
             print(f"left out of what is mutated: {one.title}, to which no valid object fits", flush=True)
             continue
         print(f"fitted {one.title}: {told[0]['distance']:.2f} % of the diagonal off", flush=True)
-        write_bindings(Binding(fit.fitted, fit.bound, BOUND, "both"))
+        write_bindings(Binding(fit.fitted, fit.bound, BOUND, "mutual"))
         found.append(fit)
     return found
 

@@ -43,9 +43,9 @@ def add_bind(to: argparse.ArgumentParser) -> None:
     )
     to.add_argument(
         "--assignment",
-        choices=("both", "project", "aware", "transport", "nearest"),
-        default="both",
-        help="which points belong together; nearest is Eq. 2 of the paper (default: both)",
+        choices=("mutual", "both", "project", "aware", "transport", "nearest"),
+        default="mutual",
+        help="which points belong together; nearest is Eq. 2 of the paper (default: mutual)",
     )
     to.add_argument(
         "--visible", action="store_true", help="leave out what was hidden and follows from symmetries of its primitive"

@@ -4,6 +4,7 @@ In: a batch with clouds of real surfaces in its frame, or a batch with details t
 Begin with ``binding`` and ``wear``.
 
     assign, binding           which point of a cloud belongs to which of a structure; each with its place on the surface and its offset
+    refuse                    which bound points are accidents, and no details
     completion                what was hidden, by the symmetries of each primitive
     elements, record          the primitives that details are bound to; details as arrays of a file
     suits, trim               which element of which donor each element wears; what can be borrowed of details

@@ -2,7 +2,8 @@
 
 ``nearest`` is Eq. 2 of the paper: each point x of the structure takes the nearest y of the cloud. On edges and beside what stands out many
 x take the same y, and other y are never taken. ``aware`` compares normals as well. ``project`` goes the other way: each y takes the
-nearest x, so that all of the cloud is there, but not all of the structure is covered; ``both`` fills its gaps by ``aware``.
+nearest x, so that all of the cloud is there, but not all of the structure is covered; ``both`` fills its gaps by ``aware``;
+``mutual`` leaves out those pairs of it of which either has another partner much nearer, as where a wall stands for the cavity behind it.
 ``transport`` lets each y be taken once: the least sum of squared distances over all pairs, with a price for each x that stays alone
 (unbalanced optimal transport, on blocks); what is alone afterwards, on either side, takes its nearest.
 """
@@ -21,6 +22,7 @@ _FAR = 0.08  # diagonals: farther off nothing belongs together
 _PARTNERS = 16  # of each point that are considered
 _PRICE = 4.0  # of staying alone, in distances between points, beyond the distance of the nearest
 _BARE = 4.0  # times as far from any bound point as from the next point: nothing came to lie there
+_FARTHER = 1.5  # times as far as the nearest, and a distance between points more, is what a mutual partner may be
 _BLOCK = 2048  # points of the structure that are assigned together, at most
 _COARSE = 1e-7  # prices are whole multiples of this: sums of them are then the same in any order
 
@@ -61,6 +63,16 @@ def both(x: np.ndarray, y: np.ndarray) -> Pairs:
         return own, partner
     bare = cKDTree(x[here]).query(x[own])[0] > _BARE * float(np.median(cKDTree(x).query(x, k=2)[0][:, 1]))
     return np.concatenate([here, own[bare]]), np.concatenate([there, partner[bare]])
+
+
+def mutual(x: np.ndarray, y: np.ndarray) -> Pairs:
+    """Those pairs of ``both`` that either end would take: one hardly farther off than its own nearest."""
+    here, there = both(x, y)
+    way = x[here] - y[there]
+    apart, known = np.sqrt((way * way).sum(axis=1)), cKDTree(x)
+    least = np.minimum(cKDTree(y).query(x)[0][here], known.query(y)[0][there])
+    good = apart <= _FARTHER * least + 2.0 * float(np.median(known.query(x, k=2)[0][:, 1]))
+    return here[good], there[good]
 
 
 def transport(x: np.ndarray, y: np.ndarray) -> Pairs:
@@ -111,6 +123,7 @@ def _blocks(points: np.ndarray) -> list[np.ndarray]:
 
 
 ASSIGNMENTS: dict[str, Callable[[np.ndarray, np.ndarray], Pairs]] = {
+    "mutual": mutual,
     "both": both,
     "project": project,
     "aware": aware,
@@ -118,4 +131,9 @@ ASSIGNMENTS: dict[str, Callable[[np.ndarray, np.ndarray], Pairs]] = {
     "nearest": nearest,
 }
 """By name; the first is the default."""
-REFINED = ("both", "project")  # whose x are where points of the cloud happened to find the nearest of a sample
+CHECKED = ("mutual",)  # accidents among their pairs are refused
+REFINED = (
+    *CHECKED,
+    "both",
+    "project",
+)  # their x are where points of the cloud happened to find the nearest of a sample

@@ -11,10 +11,11 @@ from scipy.spatial import cKDTree
 from .. import random
 from ..geometry import points as geometry
 from ..geometry.vectors import dot
-from .assign import ASSIGNMENTS, REFINED, features
+from .assign import ASSIGNMENTS, CHECKED, REFINED, features
 from .completion import complete
 from .elements import Elements, Solids, elements_of
 from .record import DIRECT, Details
+from .refuse import find_details
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -46,7 +47,7 @@ def bind(
 ) -> Details:
     """The details of the one object of a batch: ``count`` points on what can be seen of its structure and as many of the real surface,
     assigned by one of ``ASSIGNMENTS``. Where nothing of the cloud is near, no point is bound. ``completed``: what cannot be seen is
-    bound as well, as far as symmetries tell of it."""
+    bound as well, as far as symmetries tell of it, and so is what had only accidents."""
     address = np.asarray(batch.numbers).astype(np.uint64)
     made = geometry.sample(batch.sites(), 1, count, random.key(batch.seed, "details"), address, outside=True)
     place, outward = made.position[0], made.normal[0]
@@ -89,10 +90,13 @@ def bind(
         real.labels,
         np.array([diagonal]),
     )
-    if not completed:
-        return details
     seen = every, made.patch[0].astype(np.int64), made.u[0], made.v[0]
-    return complete(details, solids, seen, _spacing(place))
+    if assignment in CHECKED:
+        good = find_details(details, solids, seen[:2], len(cloud) / count)
+        refused = np.setdiff1d(own[first], own[first[good]])
+        known = np.setdiff1d(np.arange(count), refused)
+        details, seen = details.take(good), tuple(column[known] for column in seen)
+    return complete(details, solids, seen, _spacing(place)) if completed else details
 
 
 def _refined(

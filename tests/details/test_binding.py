@@ -16,6 +16,7 @@ from artipg_dsl.details.binding import Real, bind
 from artipg_dsl.details.elements import Elements, Solids, elements_of
 from artipg_dsl.details.measure import distances, spoiled
 from artipg_dsl.details.record import Details, join, of_arrays, to_arrays
+from artipg_dsl.details.refuse import find_details
 from artipg_dsl.details.suits import own_suits
 from artipg_dsl.details.wear import Wardrobe, Worn, wear
 from artipg_dsl.errors import UserError
@@ -68,14 +69,14 @@ def test_what_is_bound_is_worn_again(samples: Samples) -> None:
         details = bind(batch, real, 1500, name)
         worn = worn_by(batch, fresh, ZERO, Wardrobe(details, Solids.of(batch.sites())), ZERO)
         after[name] = distances(real.points, worn.position[0], real.diagonal)["to_real"]
-        if name == "both":
+        if name == "mutual":
             assert (worn.bound >= 0).mean() > 0.85
             group = fresh.site[0].astype(np.int64)
             found = spoiled(fresh.position[0], fresh.normal[0], group, worn.position[0], worn.normal[0], real.diagonal)
             assert found["torn"] < 0.03 and found["inverted"] < 0.02
-    assert next(iter(after)) == "both"  # the default
+    assert next(iter(after)) == "mutual"  # the default
     assert before > 1.1 * floor
-    assert after["both"] < 0.9 * floor and after["both"] < 0.9 * min(
+    assert after["mutual"] < 0.9 * floor and after["mutual"] < 0.9 * min(
         after["aware"], after["nearest"], after["transport"]
     )
 
@@ -168,3 +169,32 @@ def test_elements_are_found(samples: Samples) -> None:
     assert np.array_equal(elements.find(elements.owner, elements.site, elements.rank), every)
     missing = elements.find(elements.owner, elements.site, elements.rank + 1000)
     assert (missing == -1).all()
+
+
+def test_accidents_are_no_details(samples: Samples) -> None:
+    """Spikes, a patch that another surface has collapsed onto, and a part of which little was found."""
+    batch = samples.job.batch([0])
+    solids, fresh = Solids.of(batch.sites()), drawn(samples, 3000, 3).take(ZERO)
+    elements, element = elements_of(batch), fresh.site[0].astype(np.int64)
+    count = np.bincount(element)
+    large = int(np.argmax(count))
+    patch = fresh.patch[0].astype(np.int64)
+    offset = np.tile([0.003, 0.0, 0.0], (3000, 1))
+    details = Details(
+        elements, element, patch, fresh.u[0], fresh.v[0], offset, np.tile([1.0, 0.0, 0.0], (3000, 1)),
+        np.full(3000, -1), np.zeros(3000, dtype=np.int64), ("wavy",), (), np.array([0.7]),
+    )  # fmt: skip
+    seen = element, patch
+    assert len(find_details(details, solids, seen, 1.0)) == 3000
+    spikes = np.arange(0, 3000, 30)
+    details.offset[spikes, 0] = 0.05
+    kept = find_details(details, solids, seen, 1.0)
+    assert not np.isin(spikes, kept).any() and len(kept) > 2850
+    details.offset[spikes, 0] = 0.003
+    crowd = np.concatenate([np.arange(3000), np.repeat(np.flatnonzero((element == large) & (patch == 0)), 3)])
+    kept = crowd[find_details(details.take(crowd), solids, seen, 1.0)]
+    assert not ((element == large) & (patch == 0))[kept].any() and (element[kept] != large).any()
+    few = np.flatnonzero((element != large) | (np.arange(3000) % 3 == 0))
+    kept = few[find_details(details.take(few), solids, seen, 1.0)]
+    assert (element[kept] != large).all() and len(kept) == (element != large).sum()
+    assert len(find_details(details.take(few[:0]), solids, seen, 1.0)) == 0
