@@ -7,6 +7,7 @@ reason, and stops no other.
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,11 +23,12 @@ from ..export.containers import npz_bytes
 from ..export.write import ensure_folder, sweep_unfinished, write_bytes
 from ..fit.real import check_record, closed, read_real
 from .fits import FITS, SUMMARY, mark
-from .job import Job
+from .job import Job, ProgramChanged
 from .resume import reopen
 from .workers import map_each
 
 _SUMMARY = "bind.json"
+_NAMED = 3  # files that a message names
 _HINT = "apgc fit CATEGORY FILES -o fitted writes such a folder"
 
 
@@ -68,7 +70,14 @@ def write_bindings(
     if not good:
         raise UserError(f"no object in {asked.fitted} fits its category", "see the verdicts in its fit.json")
     sweep_unfinished(ensure_folder(asked.out))
-    job = reopen(asked.fitted)
+    try:
+        job = reopen(asked.fitted)
+    except ProgramChanged as changed:
+        raise UserError(
+            f"{asked.fitted} was fitted with another text of {summary['category']}: it, or a module it uses, has changed"
+            f" (digest {changed.made[:8]} then, {changed.now[:8]} now), and with it what the fitted values mean",
+            f"fit again: {_fit_again(changed.source, asked.fitted, summary)}",
+        ) from None
     options = asked.plain(job.program.hash)
     marked = {mark(path): path for path in real}
     work: list[Item] = []
@@ -85,6 +94,25 @@ def write_bindings(
         if progress:
             progress(done, len(work))
     return _summarize(asked, summary, options, [record["name"] for _, record, _ in work])
+
+
+def _fit_again(source: str, folder: Path, summary: Mapping[str, Any]) -> str:
+    """The command that fits the files of a folder, with the options that tell how they stand."""
+    frame = summary.get("options", {}).get("frame", {})
+    options = [f"--{name}={frame[name]}" for name in ("up", "front", "unit") if frame.get(name, "auto") != "auto"]
+    options += ["--normalised"] if frame.get("normalised") else []
+    files = list(dict.fromkeys(one["source"] for one in summary["objects"]))
+    named = files if len(files) <= _NAMED else [*files[:_NAMED], "..."]
+    return " ".join(
+        [
+            "apgc fit",
+            *map(shlex.quote, [source, *named[:_NAMED]]),
+            *named[_NAMED:],
+            *options,
+            "-o",
+            shlex.quote(str(folder)),
+        ]
+    )
 
 
 Item = tuple[int, Mapping[str, Any], Path]

@@ -34,6 +34,20 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 
+class ProgramChanged(UserError):
+    """Samples were made by another program than their source now compiles to; ``made`` and ``now`` are the hashes of both."""
+
+    def __init__(self, source: str, made: str, now: str):
+        super().__init__(
+            f"the program {source} has changed since these samples were made",
+            "make them again, with --force into the same folder",
+        )
+        self.source, self.made, self.now = source, made, now
+
+    def __reduce__(self) -> tuple[Any, Any]:
+        return type(self), (self.source, self.made, self.now)
+
+
 @dataclass(slots=True)
 class Job:
     """Made by ``prepare`` alone: ``given`` and ``values`` are those of the request by the index of their draw.
@@ -163,10 +177,7 @@ def prepare(sampler: Sampler, request: Request, *, values: str = "values") -> Jo
     """
     program = sampler.program
     if request.program not in ("", program.hash):
-        raise UserError(
-            f"the program {request.source} has changed since these samples were made",
-            "make them again, with --force into the same folder",
-        )
+        raise ProgramChanged(request.source, request.program, program.hash)
     known = replace(request, program=program.hash, prior=None)
     prior = None if request.prior is None else request.prior.of(program.name)
     if prior is None or not prior.draws:

@@ -310,3 +310,23 @@ def test_pictures_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None
     assert code == 2 and "leave out --bare or --details" in err
     code, _, err = apgc("export", CHEST, "--format", "glb", "--detail-strength", 0.5, "-o", tmp_path / "out")
     assert code == 2 and "scales details" in err
+
+
+def test_a_category_that_has_changed_since_the_fit_is_named(apgc: Apgc, tmp_path: Path) -> None:
+    from artipg_dsl.export.content import Content
+    from artipg_dsl.export.registry import choose_formats
+    from artipg_dsl.run.dataset import write_dataset
+    from artipg_dsl.run.output import Output
+
+    program, folder = tmp_path / "chest.apg", tmp_path / "fitted"
+    program.write_text(Path(CHEST).read_text())
+    write_dataset(apg.sample(program, n=1).job, folder, Output.of(choose_formats("annotation"), Content()))
+    one = {"object": 0, "name": "box", "source": "my box.obj", "verdict": "fits"}
+    options = {"frame": {"up": "y", "front": "auto", "unit": "auto", "normalised": True}}
+    (folder / "fit.json").write_text(json.dumps({"category": "Chest", "objects": [one], "options": options}))
+    text = program.read_text()
+    program.write_text(text.replace("1mm", "2mm", 1))
+    assert program.read_text() != text
+    code, _, err = apgc("bind", folder, "-o", tmp_path / "bound")
+    assert code == 1 and "fitted with another text of Chest" in err and "digest" in err
+    assert "fit again: apgc fit " in err and f"chest.apg 'my box.obj' --up=y --normalised -o {folder}" in err
