@@ -167,8 +167,9 @@ def _near(
     first = np.minimum(np.maximum(old - kept.reach[at], low), high)
     last = np.minimum(np.maximum(old + kept.reach[at], low), high)
     if gaps is not None:
-        near = move_out_of_gaps(spread_between(unit, first, last, gaps, "uniform", ()), low, high, gaps)
-        return np.where(known, np.where(first < last, near, move_out_of_gaps(first, low, high, gaps)), fresh)
+        room = first < last
+        near = np.where(room, spread_between(unit, first, last, gaps, "uniform", ()), first) if room.any() else first
+        return np.where(known, move_out_of_gaps(near, low, high, gaps), fresh)
     return np.where(known, np.minimum(first + unit * (last - first), last), fresh)
 
 

@@ -148,11 +148,17 @@ def move_out_of_gaps(
     value: np.ndarray, low: np.ndarray, high: np.ndarray, gaps: tuple[np.ndarray, np.ndarray]
 ) -> np.ndarray:
     """Values in a gap moved to the nearest place between ``low`` and ``high`` that is in none; else left where they are."""
-    found, best = value, np.where(in_gap(value, gaps), np.inf, 0.0)
+    lost = np.flatnonzero(in_gap(value, gaps))
+    if not len(lost):
+        return value
+    old, low, high, gaps = value[lost], low[lost], high[lost], (gaps[0][:, lost], gaps[1][:, lost])
+    near, best = old, np.full(len(lost), np.inf)
     for place in (*gaps[0], *gaps[1]):
-        way = np.abs(place - value)
+        way = np.abs(place - old)
         better = (place >= low) & (place <= high) & (way < best) & ~in_gap(place, gaps)
-        found, best = np.where(better, place, found), np.where(better, way, best)
+        near, best = np.where(better, place, near), np.where(better, way, best)
+    found = value.copy()
+    found[lost] = near
     return found
 
 
