@@ -21,10 +21,11 @@ from typing import Any
 import numpy as np
 
 import artipg_dsl as apg
-from artipg_dsl.fit.decide import alternatives
-from artipg_dsl.fit.evidence import Clouds, weigh
+from artipg_dsl.fit.decide import tries
+from artipg_dsl.fit.evidence import Clouds, Copies, weigh, weigh_again
 from artipg_dsl.fit.fitting import Fitted, fit, usual_size
-from artipg_dsl.fit.model import Changes, Model, Placed
+from artipg_dsl.fit.focus import differing
+from artipg_dsl.fit.model import Model, Placed
 from artipg_dsl.fit.pose import Frame, Posed, pose, targets
 from artipg_dsl.fit.reading import Cloud
 from artipg_dsl.runtime.batch import Batch
@@ -33,7 +34,6 @@ from artipg_dsl.sampling.search import domain_ends
 CATEGORIES = ("Door", "Bottle", "Microwave", "Chair", "StorageFurniture", "Window", "WashingMachine", "Kettle")
 SURE = 12.0
 LANES = 2
-TOGETHER = 64
 Row = tuple[int, ...]  # object, draw, and which of its rows, by the ranks of what it repeats in
 Values = list[dict[Row, float]]  # of each object
 
@@ -66,33 +66,19 @@ def rows_of(batch: Batch, number: int) -> list[Row]:
 
 def margins(model: Model, true: Batch, posed: list[Posed]) -> dict[Row, float]:
     """For each choice and count what the cloud says against the value that is nearest to being as likely."""
-    asked = Clouds(targets(posed))
-    copy, draw, row, value = (np.tile(column, LANES) for column in alternatives(model, true))
-    lane = 1 + np.arange(len(copy)) * LANES // len(copy)
-    order = np.argsort(copy, kind="stable")
-    copy, draw, row, value, lane = (column[order] for column in (copy, draw, row, value, lane))
-    own = weigh(true, np.arange(len(true)), _placed(len(true)), asked).total
-    structures = model.structures(true)
+    asked, placed = Clouds(targets(posed)), Placed(np.ones(len(true)), np.zeros((len(true), 3)))
+    base = weigh(true, np.arange(len(true)), placed, asked)
     found: dict[Row, float] = {}
     named = {number: rows_of(true, number) for number in model.discrete}
-    for start in range(0, len(copy), TOGETHER):
-        part = slice(start, start + TOGETHER)
-        of = copy[part]
-        changes = Changes(np.arange(len(of)), draw[part], row[part], value[part])
-        tried = model.altered(true, of, changes, lane=lane[part])
-        good = np.flatnonzero(~tried.state.failed & (model.structures(tried) != structures[of]))
-        if not len(good):
-            continue
-        tried = model.assembled([(tried, good)])
-        against = weigh(tried, of[good], _placed(len(good)), asked).total - own[of[good]]
-        for k, much in zip(good + start, against.tolist(), strict=True):
-            key = named[int(draw[k])][int(row[k])]
+    for one in tries(model, true, LANES, 1):
+        of = one.of
+        change = differing(true, one.batch, of)
+        origins = model.assembled([(true, of)])
+        against = weigh_again(Copies(one.batch, of, of, placed.take(of)), origins, asked, base, change).loss
+        for draw, row, much in zip(one.draw.tolist(), one.row.tolist(), against.tolist(), strict=True):
+            key = named[draw][row]
             found[key] = min(found.get(key, np.inf), much)
     return found
-
-
-def _placed(count: int) -> Placed:
-    return Placed(np.ones(count), np.zeros((count, 3)))
 
 
 def values_of(model: Model, found: list[Fitted]) -> Values:

@@ -7,7 +7,8 @@ rest of the object being held, and the object takes all the changes for which th
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -73,51 +74,36 @@ def _better(
         return found, loss
     good = good[np.lexsort((apart[good], copies.of[good]))]
     first = good[np.unique(copies.of[good], return_index=True)[1]]
-    at = copies.of[first]
-    loss[at] = apart[first]
-    single = np.arange(len(found))
-    single[at] = len(found) + np.arange(len(first))
-    several = model.assembled([(found.batch, np.arange(len(found))), (copies.batch, first)])
+    loss[copies.of[first]] = apart[first]
+    every, single = np.arange(len(found)), np.arange(len(found))
+    single[copies.of[first]] = len(found) + np.arange(len(first))
+    several = model.assembled([(found.batch, every), (copies.batch, first)])
     best = replace(found, batch=model.assembled([(several, single)]))
     others = model.assembled([(copies.batch, np.sort(good))])
     rank = np.argsort(np.argsort(apart[np.sort(good)], kind="stable"))
     merged = replace(found, batch=model.merged(found.batch, others, copies.of[np.sort(good)], rank))
-    together = weigh(merged.batch, merged.target, merged.placed, clouds).total - base.total
-    alone = weigh(best.batch, best.target, best.placed, clouds).total - base.total
-    whole = (together < np.minimum(alone, 0.0)) & ~merged.batch.state.failed
-    loss = np.where(whole, np.minimum(together, loss), loss)
-    return taken(model, united(model, [best, merged]), np.where(whole, len(found), 0) + np.arange(len(found))), loss
+    both = Copies(merged.batch, every, found.target, found.placed)
+    together = weigh_again(both, found.batch, clouds, base, differing(found.batch, merged.batch, every)).loss
+    whole = (together < loss) & ~merged.batch.state.failed
+    loss = np.where(whole, together, loss)
+    return taken(model, united(model, [best, merged]), np.where(whole, len(found), 0) + every), loss
 
 
 def _likeliest(
     model: Model, found: Candidates, clouds: Clouds, base: Evidence, effort: Effort, number: int
 ) -> tuple[Copies, Asked]:
     """The copies of what was found, each with another value, that are likeliest as drawn, and the points of clouds that tell of them."""
-    copy, draw, row, value = (np.repeat(column, effort.lanes) for column in alternatives(model, found.batch))
-    lane = np.tile(np.arange(effort.lanes), len(copy) // effort.lanes) + 1 + number * effort.lanes
-    order = np.argsort(copy, kind="stable")
-    copy, draw, row, value, lane = (column[order] for column in (copy, draw, row, value, lane))
-    before = model.structures(found.batch)
     parts: list[tuple[Batch, np.ndarray]] = []
     asked: list[Asked] = []
     owners, losses, places = [np.zeros(0, dtype=np.int64)], [np.zeros(0)], [np.zeros(0, dtype=np.uint64)]
-    for start in range(0, len(copy), _BLOCK):
-        part = slice(start, start + _BLOCK)
-        of = copy[part]
-        changes = Changes(np.arange(len(of)), draw[part], row[part], value[part])
-        tried = model.altered(found.batch, of, changes, lane=lane[part])
-        differ = differing(found.batch, tried, of).anywhere(len(of)) & (model.structures(tried) != before[of])
-        good = np.flatnonzero(~tried.state.failed & differ)
-        good = np.sort(good[best_of(model.fingerprints(tried)[good], of[good], np.zeros(len(good)), len(good))])
-        if len(good):
-            tried, of = model.assembled([(tried, good)]), of[good]
-            copies = Copies(tried, of, found.target[of], found.placed.take(of))
-            change = weigh_change(copies, clouds, base, differing(found.batch, tried, of))
-            parts.append((tried, np.arange(len(good))))
-            asked.append(change.told)
-            owners.append(of)
-            losses.append(change.loss)
-            places.append(mix(draw[part][good].astype(np.uint64), row[part][good]))
+    for one in tries(model, found.batch, effort.lanes, 1 + number * effort.lanes):
+        copies = Copies(one.batch, one.of, found.target[one.of], found.placed.take(one.of))
+        change = weigh_change(copies, clouds, base, differing(found.batch, one.batch, one.of))
+        parts.append((one.batch, np.arange(len(one.of))))
+        asked.append(change.told)
+        owners.append(one.of)
+        losses.append(change.loss)
+        places.append(mix(one.draw.astype(np.uint64), one.row))
     of, loss, place = (np.concatenate(column) for column in (owners, losses, places))
     if not parts:
         parts, asked = [(found.batch, of)], [Asked.none()]
@@ -127,6 +113,36 @@ def _likeliest(
     at = first[best_of(model.structures(every)[first], of[first], loss[first], effort.tried)]
     of = of[at]
     return Copies(model.assembled([(every, at)]), of, found.target[of], found.placed.take(of)), told.take(at)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tries:
+    """Copies of candidates ``of`` which (K,), each with another value in one ``row`` (K,) of a ``draw`` (K,)."""
+
+    batch: Batch
+    of: np.ndarray
+    draw: np.ndarray
+    row: np.ndarray
+
+
+def tries(model: Model, batch: Batch, lanes: int, first: int) -> Iterator[Tries]:
+    """Every other value of each choice and count of candidates, with ``lanes`` draws of what is new, numbered from ``first``; some at a time.
+    Those that change no surface are left out, and those that cannot be."""
+    copy, draw, row, value = (np.repeat(column, lanes) for column in alternatives(model, batch))
+    lane = np.tile(np.arange(lanes), len(copy) // lanes) + first
+    order = np.argsort(copy, kind="stable")
+    copy, draw, row, value, lane = (column[order] for column in (copy, draw, row, value, lane))
+    before = model.structures(batch)
+    for start in range(0, len(copy), _BLOCK):
+        part = slice(start, start + _BLOCK)
+        of = copy[part]
+        changes = Changes(np.arange(len(of)), draw[part], row[part], value[part])
+        tried = model.altered(batch, of, changes, lane=lane[part])
+        differ = differing(batch, tried, of).anywhere(len(of)) & (model.structures(tried) != before[of])
+        good = np.flatnonzero(~tried.state.failed & differ)
+        good = np.sort(good[best_of(model.fingerprints(tried)[good], of[good], np.zeros(len(good)), len(good))])
+        if len(good):
+            yield Tries(model.assembled([(tried, good)]), of[good], draw[part][good], row[part][good])
 
 
 def _views(targets: Targets, target: np.ndarray, told: Asked) -> Targets:

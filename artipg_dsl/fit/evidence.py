@@ -5,7 +5,7 @@ as its distance from the surface is for the noise of the cloud, with a long tail
 tells by all points that it has.
 
 ``weigh`` says so of whole candidates; ``weigh_change`` of copies that differ in a part from what they were made of, by the points
-that lie there alone, so that hundreds can be asked about.
+that lie there alone, so that hundreds can be asked about. Points of the surface count as far as the cloud was seen where they lie.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 
 from ..runtime.batch import Batch
 from .compare import FARTHEST, Targets, starts, words_of
+from .coverage import Coverage, Sight
 from .focus import Differing, Rows, small, spread
 from .match import Gaps, features, gaps
 from .model import Placed
@@ -31,6 +32,7 @@ _AROUND, _NEAR = 512, 320  # of a copy: of what it shares with its origin, and o
 _ASKED = 512  # points of a cloud that are asked about a copy
 _MARGIN = 0.02  # diagonals around what is new
 _ODD = 1.0  # a point that is less likely than this, in logarithms, may belong to something else
+_LEAST_SEEN = 0.1  # of a surface: what less was seen of is no surface of this cloud
 _LEAST_NOISE = 1.5e-3  # diagonals: by so much described surfaces differ from real ones in any case
 
 
@@ -39,13 +41,14 @@ class Evidence:
     """How unlikely points are, in natural logarithms, 0 where a point lies on the other surface: ``cloud`` (K, M) of the targets', each
     of which counts ``weight`` (K,); ``surface`` (K, n) of the candidates', each times the points of the cloud that it stands for. ``of``
     (K, M): the row of the candidate, among those of all tables, that is nearest to a point of the cloud; ``on`` (K, n): that a point of
-    its own lies on."""
+    its own lies on; ``places`` (K, n, 6) where these are, with their normals, in diagonals."""
 
     cloud: np.ndarray
     surface: np.ndarray
     weight: np.ndarray
     of: np.ndarray
     on: np.ndarray
+    places: np.ndarray
 
     @property
     def total(self) -> np.ndarray:
@@ -71,6 +74,7 @@ class Clouds:
         own = np.repeat(np.arange(len(targets)), targets.points.shape[1])
         theirs, word = features(targets.points, targets.normals, targets.diagonal).reshape(-1, 6), targets.word.ravel()
         self._trees = [Nearest(theirs[:, :axes], own, word, targets.meant) for axes in _BY]
+        self._sight = Sight(theirs, own, targets.apart[:, 0] / targets.diagonal)
 
     def unlikely(self, laid: _Laid, target: np.ndarray) -> np.ndarray:
         """(K, n) how unlikely points of candidates are for the cloud of each, the ``target`` (K,)."""
@@ -85,6 +89,10 @@ class Clouds:
             found.append(_unlikely(off, unlike(laid.word, targets.word[at]), noise))
         return np.asarray(np.minimum(*found))
 
+    def seen(self, laid: _Laid, target: np.ndarray) -> np.ndarray:
+        """(K, n) bool: whether there are points of the cloud where those of candidates lie."""
+        return self._sight.at(laid.places(self.targets.diagonal[target]), target)
+
     def noise(self, target: np.ndarray) -> np.ndarray:
         return np.maximum(self.targets.noise[target], _LEAST_NOISE)
 
@@ -92,17 +100,23 @@ class Clouds:
 @dataclass(frozen=True, slots=True, eq=False)
 class _Laid:
     """Points of candidates in the frames of their clouds (K, n), how far each lies ``apart`` from others, which are ``hidden`` from
-    without; the last ones lie on rows that are marked, and are ``fresh`` if there are any; the visible surface ``area`` (K, 2) of the
-    other rows and of these; ``on``: the row, among those of all tables, on which a point lies; ``word``: what it is."""
+    without; the last ones lie on rows that are marked, and are ``fresh`` if there are any, the others are ``shared`` likewise; the visible
+    surface ``area`` (K, 2) of the other rows and of these; ``on``: the row, among those of all tables, on which a point lies; ``word``:
+    what it is."""
 
     position: np.ndarray
     normal: np.ndarray
     apart: np.ndarray
     hidden: np.ndarray
     fresh: np.ndarray
+    shared: np.ndarray
     area: np.ndarray
     on: np.ndarray
     word: np.ndarray
+
+    def places(self, diagonal: np.ndarray) -> np.ndarray:
+        """(K, n, 6) in diagonals, with normals."""
+        return features(self.position, self.normal, diagonal)
 
     def unlikely(
         self, clouds: Clouds, target: np.ndarray, asked: tuple[Any, Any], taken: np.ndarray
@@ -128,11 +142,12 @@ class _Laid:
 def _lay(batch: Batch, marked: Rows, placed: Placed, around: int, near: int, meant: np.ndarray) -> _Laid:
     laid = spread(batch, marked, around, near)
     position = placed.of(laid.points.position)
-    fresh = (np.arange(position.shape[1]) >= around) & (laid.area[:, 1:] > 0.0)
+    last = np.arange(position.shape[1]) >= around
+    fresh, shared = last & (laid.area[:, 1:] > 0.0), ~last & (laid.area[:, :1] > 0.0)
     apart = laid.apart * placed.scale[:, None]
     on = starts(tables(batch))[laid.points.site] + laid.points.row
     word = words_of(batch, laid.points, meant)
-    return _Laid(position, laid.points.normal, apart, ~outer(position), fresh, laid.area, on, word)
+    return _Laid(position, laid.points.normal, apart, ~outer(position), fresh, shared, laid.area, on, word)
 
 
 def weigh(batch: Batch, target: np.ndarray, placed: Placed, clouds: Clouds) -> Evidence:
@@ -141,9 +156,16 @@ def weigh(batch: Batch, target: np.ndarray, placed: Placed, clouds: Clouds) -> E
     laid = _lay(batch, small(batch), placed, *_POINTS, targets.meant)
     cloud, there = laid.unlikely(clouds, target, (target, slice(None)), ~laid.hidden)
     count, stands = targets.count[target], np.where(laid.hidden, 0.0, laid.apart**2)
-    stands *= (count / np.maximum(stands.sum(axis=1), 1e-12))[:, None]
+    known = np.where(clouds.seen(laid, target), stands, 0.0)
+    stands *= (count / _known(known.sum(axis=1), stands.sum(axis=1)))[:, None]
     surface = clouds.unlikely(laid, target) * stands
-    return Evidence(cloud, surface, count / cloud.shape[1], laid.on[np.arange(len(batch))[:, None], there], laid.on)
+    of, places = laid.on[np.arange(len(batch))[:, None], there], laid.places(targets.diagonal[target])
+    return Evidence(cloud, surface, count / cloud.shape[1], of, laid.on, places)
+
+
+def _known(seen: np.ndarray, whole: np.ndarray) -> np.ndarray:
+    """The surface that the points of a cloud are shared among."""
+    return np.asarray(np.maximum(np.maximum(seen, _LEAST_SEEN * whole), 1e-12))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -188,8 +210,10 @@ def weigh_change(copies: Copies, clouds: Clouds, base: Evidence, change: Differi
     gone = _gone(base, change, len(of))
     laid = _lay(copies.batch, change.new, copies.placed, _AROUND, _NEAR, clouds.targets.meant)
     told = _ask(copies, clouds, base, gone, laid)
-    cloud, surface = _told(laid, copies, clouds, told)
-    was = np.where(gone[np.arange(len(of))[:, None], base.on[of]], base.surface[of], 0.0).sum(axis=1)
+    cloud, surface, coverage = _told(laid, copies, clouds, told)
+    own, point = np.nonzero(gone[np.arange(len(of))[:, None], base.on[of]])
+    lost = of[own], point
+    was = np.bincount(own, base.surface[lost] * coverage.at(base.places[lost], own), minlength=len(of))
     more = np.where(told.asked, cloud - told.before, 0.0).sum(axis=1) * _each(told)
     return Change(base.weight[of] * more + surface - was, told)
 
@@ -203,7 +227,7 @@ def weigh_again(copies: Copies, origins: Batch, clouds: Clouds, base: Evidence, 
         for one, rows in ((copies, change.new), (own, change.gone))
     )
     told = _ask(copies, clouds, base, _gone(base, change, len(of)), laid)
-    (cloud, surface), (cloud_was, surface_was) = (_told(one, copies, clouds, told) for one in (laid, was))
+    (cloud, surface, _), (cloud_was, surface_was, _) = (_told(one, copies, clouds, told) for one in (laid, was))
     more = np.where(told.asked, cloud - cloud_was, 0.0).sum(axis=1) * _each(told)
     return Change(base.weight[of] * more + surface - surface_was, told)
 
@@ -232,19 +256,26 @@ def _ask(copies: Copies, clouds: Clouds, base: Evidence, gone: np.ndarray, laid:
     return Asked(some, next(told), asked.sum(axis=1), next(told), base.cloud[of[:, None], some])
 
 
-def _told(laid: _Laid, copies: Copies, clouds: Clouds, told: Asked) -> tuple[np.ndarray, np.ndarray]:
-    """How unlikely the points asked are (K, m), and in sum the points of what is marked (K,)."""
+def _told(laid: _Laid, copies: Copies, clouds: Clouds, told: Asked) -> tuple[np.ndarray, np.ndarray, Coverage]:
+    """How unlikely the points asked are (K, m), and in sum the points of what is marked (K,), as far as they lie where the cloud was
+    seen; and where that is."""
     targets, target = clouds.targets, copies.target
-    asked = target[:, None], told.some
-    fresh, every = (
-        laid.unlikely(clouds, target, asked, taken)[0] for taken in (laid.fresh & ~laid.hidden, ~laid.hidden)
-    )
+    asked, shown = (target[:, None], told.some), ~laid.hidden
+    fresh, every = (laid.unlikely(clouds, target, asked, taken)[0] for taken in (laid.fresh & shown, shown))
     cloud = np.where(told.owned, np.minimum(fresh, every), np.minimum(fresh, told.before))
-    shown = ~laid.hidden
-    back = clouds.unlikely(laid, target)[:, _AROUND:]
-    visible = shown[:, :_AROUND].mean(axis=1) * laid.area[:, 0] + shown[:, _AROUND:].mean(axis=1) * laid.area[:, 1]
-    expected = targets.count[target] * laid.area[:, 1] / np.maximum(visible, 1e-12)
-    return cloud, expected * np.where(shown[:, _AROUND:], back, 0.0).mean(axis=1)
+    places, shared, seen = laid.places(targets.diagonal[target]), laid.shared & shown, clouds.seen(laid, target)
+    coverage = Coverage.of(places, shared, seen)
+    share = np.where(shared & seen, 1.0, 0.0)
+    own, point = np.nonzero(laid.fresh & shown)
+    share[own, point] = coverage.at(places[own, point], own)
+    expected = targets.count[target] * laid.area[:, 1] / _known(_surface(laid, share), _surface(laid, shown))
+    return cloud, expected * (share * clouds.unlikely(laid, target))[:, _AROUND:].mean(axis=1), coverage
+
+
+def _surface(laid: _Laid, share: np.ndarray) -> np.ndarray:
+    """(K,) square metres of which a ``share`` (K, n) is meant."""
+    parts = share[:, :_AROUND].mean(axis=1), share[:, _AROUND:].mean(axis=1)
+    return np.asarray((np.stack(parts, axis=1) * laid.area).sum(axis=1))
 
 
 def _within(points: np.ndarray, clouds: np.ndarray, target: np.ndarray, margin: np.ndarray) -> np.ndarray:

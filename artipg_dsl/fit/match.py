@@ -15,7 +15,7 @@ from .words import OTHER, factors
 _TURN = 0.06  # what two normals of opposite direction add to a distance, half of it, in diagonals
 _BLOCK = 12_000_000  # pairs at a time
 _FAR = 1e4
-_REACH = 1.5  # how far a point stands for the surface around it, in distances between points: another is nearer than that nearly always
+REACH = 1.5  # how far a point stands for the surface around it, in distances between points: another is nearer than that nearly always
 
 
 def nearest(
@@ -63,7 +63,7 @@ def gaps(surface: np.ndarray, cloud: np.ndarray, normal: np.ndarray, apart: np.n
     along = (way * normal).sum(axis=2)
     aside = way - along[:, :, None] * normal
     length = np.sqrt((aside * aside).sum(axis=2))
-    beyond = np.maximum(length - _REACH * apart, 0.0)
+    beyond = np.maximum(length - REACH * apart, 0.0)
     aside *= (beyond / np.maximum(length, 1e-12))[:, :, None]
     whole = np.sqrt(along * along + beyond * beyond)
     straight = (along[:, :, None] * normal + aside) / np.maximum(whole, 1e-12)[:, :, None]

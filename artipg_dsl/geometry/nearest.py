@@ -21,5 +21,10 @@ class Nearest:
         distance, index = self._tree.query(self._parted(points, of), distance_upper_bound=within)
         return distance, index
 
+    def several(self, points: np.ndarray, of: np.ndarray, count: int) -> np.ndarray:
+        """(m, count) the nearest ones of the sets ``of`` (m,) of points (m, d), the nearest first. After all of a set follow others, and
+        after all there are the number of points."""
+        return np.asarray(self._tree.query(self._parted(points, of), k=np.arange(1, count + 1))[1])
+
     def _parted(self, points: np.ndarray, of: np.ndarray) -> np.ndarray:
         return np.concatenate([points, self._apart * of[:, None]], axis=1)

@@ -1,0 +1,64 @@
+"""Where clouds have been seen: what surfaces that are not in question say of those that are.
+
+A scan has holes, and what lies in one is not known to be absent. Whether a place was seen is told by the surface beside it which two
+candidates share: where this has points of the cloud, what only one of the candidates has would have some too. Beside means by place and
+normal, so that the front of a sheet tells nothing of its back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..geometry.nearest import Nearest
+from .match import REACH
+
+_SEEN = 0.04  # diagonals: where the nearest point of the cloud, by place and normal, lies nearer, a surface was seen
+_BESIDE = 12  # points of a surface that tell of a place
+_SHARES = (
+    0.25,
+    0.75,
+)  # of them: a place was not seen if no more were, and was if as many were: rims and noise are between
+_SETS_APART = 1e3  # diagonals
+
+
+class Sight:
+    """Points of clouds (n, 6), by place and normal in diagonals, each of the cloud ``of`` (n,) whose points lie ``apart`` (T,)."""
+
+    def __init__(self, points: np.ndarray, of: np.ndarray, apart: np.ndarray):
+        self._tree, self._reach = Nearest(points, of, _SETS_APART), _SEEN + REACH * apart
+
+    def at(self, places: np.ndarray, target: np.ndarray) -> np.ndarray:
+        """(K, n) bool: which places (K, n, 6) the clouds ``target`` (K,) have points near."""
+        count, n = places.shape[:2]
+        far = self._tree.find(places.reshape(count * n, 6), np.repeat(target, n))[0].reshape(count, n)
+        return np.asarray(far < self._reach[target][:, None])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Coverage:
+    """Points of K surfaces, ``count`` (K,) of each, and which of them were ``seen``."""
+
+    tree: Nearest | None
+    count: np.ndarray
+    seen: np.ndarray
+
+    @staticmethod
+    def of(places: np.ndarray, shared: np.ndarray, seen: np.ndarray) -> Coverage:
+        """Of those of ``places`` (K, n, 6) that are ``shared`` (K, n); ``seen`` (K, n)."""
+        own, point = np.nonzero(shared)
+        tree = Nearest(places[own, point], own, _SETS_APART) if len(own) else None
+        return Coverage(tree, shared.sum(axis=1), np.append(seen[own, point], False))
+
+    def at(self, places: np.ndarray, of: np.ndarray) -> np.ndarray:
+        """(m,) how far places (m, 6) were seen, by what was of the surfaces ``of`` (m,) beside them: 0 to 1, and 1 where a surface has no
+        points."""
+        if self.tree is None or not len(places):
+            return np.ones(len(places))
+        many = np.minimum(self.count[of], _BESIDE)
+        near = self.tree.several(places, of, _BESIDE)
+        seen = (self.seen[near] & (np.arange(_BESIDE) < many[:, None])).sum(axis=1)
+        low, high = _SHARES
+        told = np.clip((seen / np.maximum(many, 1) - low) / (high - low), 0.0, 1.0)
+        return np.asarray(np.where(many > 0, told, 1.0))
