@@ -12,16 +12,18 @@ from ..annotate.states import rest_values
 from ..geometry.sites import object_boxes
 from ..runtime.batch import Batch
 from ..sampling.repair import repair
+from .compare import Candidates, Targets
 from .decide import decide
-from .measure import agreement, distances, surfaces, verdict
+from .measure import FAR, agreement, distances, surfaces, verdict
 from .model import Model
 from .pose import UNITS, Posed, targets, turn
 from .refine import refine
-from .search import Effort, search
-from .states import Moved, carried, moved
+from .search import Effort, search, taken, united
+from .states import Moved, carried, moved, tables
 
 TOGETHER = 6  # objects that are searched as one batch
 _NEARER = 0.8  # joints are moved where the distance becomes that of rest times this, or less
+_HOPELESS = 120.0 * FAR  # percent: what is farther off once it has been searched is not looked into further
 _USUAL = 256  # drawn objects that tell how large those of a category are
 
 
@@ -59,33 +61,79 @@ def fit(
     """The objects of a program that come nearest to some clouds, in their order. ``checked``: without links that collide.
     ``words``: which word of the vocabulary ``semantic`` a name of a cloud's labels means; points of different words do not belong
     together. ``opened``: a model of the same program with joints anywhere, for clouds that nothing at rest fits."""
-    found = _fit(model, several, seed, checked, effort, words)
-    rough = [k for k, one in enumerate(found) if one.told["verdict"] != verdict(0.0)]
+    effort = effort or Effort()
+    at_rest = _searched(model, several, seed, effort, words)
+    rough = [k for k, off in enumerate(at_rest.off) if verdict(off) != verdict(0.0)]
     if opened is None or not rough:
-        return found
-    for k, other in zip(rough, _fit(opened, [several[k] for k in rough], seed, checked, effort, words), strict=True):
-        if other.told["distance"]["both"] < _NEARER * found[k].told["distance"]["both"] and (
-            other.told["valid"] or not found[k].told["valid"]
-        ):
-            found[k] = other
-    return found
+        return _finished(at_rest, np.arange(len(several)), checked, effort)
+    other = _searched(opened, [several[k] for k in rough], seed, effort, words)
+    nearer = np.flatnonzero(other.off < _NEARER * at_rest.off[rough])
+    moving = [rough[k] for k in nearer]
+    found = dict(zip(moving, _finished(other, nearer, checked, effort), strict=True))
+    still = [k for k in range(len(several)) if k not in found or not found[k].told["valid"]]
+    for k, one in zip(still, _finished(at_rest, np.array(still, dtype=np.int64), checked, effort), strict=True):
+        if k not in found or one.told["valid"]:
+            found[k] = one
+    return [found[k] for k in range(len(several))]
 
 
-def _fit(
-    model: Model,
-    several: Sequence[Posed],
-    seed: int,
-    checked: bool,
-    effort: Effort | None,
-    words: Mapping[str, str] | None,
-) -> list[Fitted]:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Searched:
+    """The best candidate of each of ``several`` objects, and how far ``off`` (T,) it is, in percent as ``distances`` has it; ``said``: the
+    words of the points of each."""
+
+    model: Model
+    several: Sequence[Posed]
+    said: list[np.ndarray]
+    asked: Targets
+    found: Candidates
+    off: np.ndarray
+
+
+def _searched(
+    model: Model, several: Sequence[Posed], seed: int, effort: Effort, words: Mapping[str, str] | None
+) -> _Searched:
     semantic = model.program.vocabularies.get("semantic", ())
     said = [_words(posed, words or {}, semantic) for posed in several]
     asked = targets(several, said, sorted(semantic.index(word) for word in set((words or {}).values())))
-    effort = effort or Effort()
     found = search(model, asked, effort, seed)
-    found = decide(model, asked, found, effort)
-    found = refine(model, asked.first(2048), found, effort.last)
+    whole, outside = surfaces(found.batch, tables(found.batch), found.placed.scale, found.placed.shift)
+    off = [
+        distances(*_turned(posed, *_stands(posed, asked, found, row, row)), whole[row], outside[row])["both"]
+        for row, posed in enumerate(several)
+    ]
+    return _Searched(model, several, said, asked, found, np.array(off))
+
+
+def _stands(posed: Posed, asked: Targets, found: Candidates, row: int, number: int) -> tuple[str, str]:
+    """The upward axis and the front of the object ``number`` by the candidate of a row."""
+    return posed.turns[found.target[row] - int(np.searchsorted(asked.of, number))]
+
+
+def _turned(posed: Posed, up: str, front: str) -> tuple[np.ndarray, np.ndarray]:
+    matrix = turn(up, front)
+    return posed.points @ matrix.T, posed.normals @ matrix.T
+
+
+def _decided(one: _Searched, at: np.ndarray, effort: Effort) -> Candidates:
+    """The candidates of some objects with their choices decided and their numbers refined; those of which nothing is to be hoped as they
+    are."""
+    model, found = one.model, taken(one.model, one.found, at)
+    hopeful = one.off[at] <= _HOPELESS
+    if not hopeful.any():
+        return found
+    better = decide(model, one.asked, taken(model, found, np.flatnonzero(hopeful)), effort)
+    better = refine(model, one.asked.first(2048), better, effort.last)
+    both = united(model, [better, taken(model, found, np.flatnonzero(~hopeful))])
+    return taken(model, both, np.argsort(both.target, kind="stable"))
+
+
+def _finished(one: _Searched, at: np.ndarray, checked: bool, effort: Effort) -> list[Fitted]:
+    """What is found of the objects of some numbers, ascending."""
+    if not len(at):
+        return []
+    model, asked, found = one.model, one.asked, _decided(one, at, effort)
+    semantic = model.program.vocabularies.get("semantic", ())
     outcome = repair(model.sampler, model.at_rest(found.batch), checked=checked)
     batch = outcome.batch
     failed = set(outcome.failed.tolist())
@@ -96,18 +144,17 @@ def _fit(
     low, high = object_boxes(batch.sites(), len(batch))
     whole, outside = surfaces(batch, sites, found.placed.scale, found.placed.shift)
     made = []
-    for row, posed in enumerate(several):
-        mine = found.target[row] - int(np.searchsorted(asked.of, row))
-        up, front = posed.turns[mine]
-        matrix = turn(up, front)
-        points, normals = posed.points @ matrix.T, posed.normals @ matrix.T
+    for row, number in enumerate(at.tolist()):
+        posed = one.several[number]
+        up, front = _stands(posed, asked, found, row, number)
+        points, normals = _turned(posed, up, front)
         scale, shift = float(found.placed.scale[row]), found.placed.shift[row]
         apart = distances(points, normals, whole[row], outside[row])
         told: dict[str, Any] = {
             "verdict": verdict(apart["both"]),
             "distance": apart,
             "frame": {"up": up, "front": front, "unit": posed.unit if posed.known else None},
-            "to_object": _matrix(matrix * UNITS[posed.unit] / scale, -shift / scale),
+            "to_object": _matrix(turn(up, front) * UNITS[posed.unit] / scale, -shift / scale),
             "size": [round(float(x), 6) for x in high[row] - low[row]],
             "valid": row not in failed,
         }
@@ -116,7 +163,7 @@ def _fit(
             told["joints"] = {
                 batch.joints().name[j]: round(float(states[j]), 6) for j in own if states[j] != 0.0 or at_rest[j] != 0.0
             }
-        agreed = agreement(points, said[row], whole[row], semantic)
+        agreed = agreement(points, one.said[number], whole[row], semantic)
         told |= {"iou": agreed} if agreed else {}
         made.append(Fitted(batch.drawn(row), told, (points - shift) / scale, batch, row, states))
     return made
