@@ -132,8 +132,5 @@ ASSIGNMENTS: dict[str, Callable[[np.ndarray, np.ndarray], Pairs]] = {
 }
 """By name; the first is the default."""
 CHECKED = ("mutual",)  # accidents among their pairs are refused
-REFINED = (
-    *CHECKED,
-    "both",
-    "project",
-)  # their x are where points of the cloud happened to find the nearest of a sample
+# their x are where points of the cloud happened to find the nearest of a sample
+REFINED = (*CHECKED, "both", "project")

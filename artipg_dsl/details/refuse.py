@@ -20,7 +20,7 @@ from .record import Details
 
 _DEEP = 2.0  # times the depth: where a slender part bends, both of its sides go the same way
 _SHALLOW = 0.01  # diagonals: so long offsets may be anywhere
-# so far an offset may lie off the median of its neighbours': this share of the way to the farthest of them, and
+# an offset may lie off the median of its neighbours' by this share of the way to the farthest of them, but by no more than
 _STEEP = 0.6
 _LEAST = 0.004  # diagonals, or the depth if that is more
 _ROUNDS = 2

@@ -13,10 +13,8 @@ from .elements import Solids
 from .record import Details
 from .refuse import strayed
 
-_THICK, _WIDE = (
-    1.0,
-    0.3,
-)  # offsets are at most as long as the primitive is thick, or this share of its second side if that is more
+# offsets are at most as long as the primitive is thick, or this share of its second side if that is more
+_THICK, _WIDE = 1.0, 0.3
 _APART = 0.012  # diagonals: so far an offset may lie off the median of its neighbours'
 _ROUNDS = 2
 

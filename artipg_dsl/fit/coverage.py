@@ -16,10 +16,8 @@ from .match import REACH
 
 _SEEN = 0.04  # diagonals: where the nearest point of the cloud, by place and normal, lies nearer, a surface was seen
 _BESIDE = 12  # points of a surface that tell of a place
-_SHARES = (
-    0.25,
-    0.75,
-)  # of them: a place was not seen if no more were, and was if as many were: rims and noise are between
+# of them: a place was not seen if no more than the first were, and was if the second were: rims and noise are between
+_SHARES = 0.25, 0.75
 _SETS_APART = 1e3  # diagonals
 
 

@@ -137,10 +137,8 @@ class Standing:
         self.links = [bodies[link.name] for link in robot.links]
         self.latches = list(self._latches(stated))
         rotors = [ROTOR[stated[name].kind == "prismatic"] for name in self.order]
-        for joint, rotor in zip(
-            self.active, rotors, strict=True
-        ):  # without it, a gram goes through the ends of its joint
-            joint.set_armature(np.array([rotor]))
+        for joint, rotor in zip(self.active, rotors, strict=True):
+            joint.set_armature(np.array([rotor]))  # without it, a gram goes through the ends of its joint
         self.towed = list(self._towed(stated, rotors))
 
     def _latches(self, stated: Mapping[str, RobotJoint]) -> Iterator[Latch]:
