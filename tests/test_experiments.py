@@ -202,6 +202,7 @@ def fits(objects: list[Real], tmp_path_factory: pytest.TempPathFactory) -> list[
     return fit_each({1: one}, tmp_path_factory.mktemp("fits"))
 
 
+@pytest.mark.slow
 def test_mutants_are_of_the_object_that_was_fitted(fits: list[Fit]) -> None:
     """They go with it where it is held out; in its details they are other points of the same objects."""
     bare, worn = (mutants(fits, ("Door", "Microwave"), ("cpa",), 3, 512, details) for details in (False, True))

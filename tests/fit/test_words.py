@@ -17,6 +17,8 @@ from artipg_dsl.fit.reading import Cloud
 from artipg_dsl.fit.words import OTHER, Nearest, factors, unlike
 from tests.cli.helpers import CHEST
 
+from .test_states import LITTLE
+
 N = 3
 TEXT = Path(CHEST).read_text()
 NAMES = ("trunk_7", "lid", "knob", "dust")
@@ -101,9 +103,9 @@ def test_a_wrong_word_is_as_far_off_as_what_is_not_there(samples: apg.Samples, m
 
 
 def test_knobs_in_noise_are_counted_by_their_labels(samples: apg.Samples, model: Model):
-    """Their 2 cm are hidden by 7 mm of noise."""
-    posed = labelled(samples, model, 0.007)
-    blind, told = fit(model, posed), fit(model, posed, words=WORDS)
+    """Their 2 cm are hidden by 1 cm of noise."""
+    posed = labelled(samples, model, 0.01)
+    blind, told = (fit(model, posed, effort=LITTLE, words=words) for words in (None, WORDS))
     true = samples["knobs"].astype(int).tolist()
     assert [one.values["knobs"] for one in told] == true != [one.values["knobs"] for one in blind]
     assert all(one.told["iou"]["handle"] > 0.3 for one in told)
