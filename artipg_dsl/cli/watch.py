@@ -1,6 +1,6 @@
 """``apgc watch``: check a program whenever it or a module that it may use is saved, and draw it.
 
-A process that stays has loaded what it needs, and has read the library: an edited program is checked in half the time of a new one.
+A process that stays has loaded what it needs, and has read the library: for an edited program, lowering and its own checks are left.
 """
 
 from __future__ import annotations
