@@ -16,17 +16,8 @@ from artipg_dsl.fit.reading import Cloud
 from artipg_dsl.fit.search import Effort
 from artipg_dsl.geometry.nearest import Nearest
 
-from .test_decide import TEXT, N, clouds, knobs, still, with_another
-
-
-@pytest.fixture(scope="module")
-def samples() -> apg.Samples:
-    return apg.load(TEXT, n=N, seed=5)
-
-
-@pytest.fixture(scope="module")
-def model(samples: apg.Samples) -> Model:
-    return Model(samples.job.sampler)
+from .helpers import N
+from .test_decide import clouds, knobs, still, with_another
 
 
 def without_fronts(samples: apg.Samples) -> Clouds:

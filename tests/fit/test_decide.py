@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -16,20 +14,8 @@ from artipg_dsl.fit.model import Changes, Model, Placed
 from artipg_dsl.fit.pose import Frame, pose, targets
 from artipg_dsl.fit.reading import Cloud
 from artipg_dsl.fit.search import Effort
-from tests.cli.helpers import CHEST
 
-TEXT = Path(CHEST).read_text()  # its knobs are 2 cm wide, some sixty points of 20,000
-N = 3
-
-
-@pytest.fixture(scope="module")
-def samples() -> apg.Samples:
-    return apg.load(TEXT, n=N, seed=5)
-
-
-@pytest.fixture(scope="module")
-def model(samples: apg.Samples) -> Model:
-    return Model(samples.job.sampler)
+from .helpers import N
 
 
 def clouds(samples: apg.Samples, noise: float = 0.0) -> Clouds:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -15,24 +13,12 @@ from artipg_dsl.fit.model import Model, Placed
 from artipg_dsl.fit.pose import Frame, Posed, pose, targets
 from artipg_dsl.fit.reading import Cloud
 from artipg_dsl.fit.words import OTHER, Nearest, factors, unlike
-from tests.cli.helpers import CHEST
 
+from .helpers import TEXT, N
 from .test_states import LITTLE
 
-N = 3
-TEXT = Path(CHEST).read_text()
 NAMES = ("trunk_7", "lid", "knob", "dust")
 WORDS = {"trunk_7": "body", "lid": "door", "knob": "handle"}
-
-
-@pytest.fixture(scope="module")
-def samples() -> apg.Samples:
-    return apg.load(TEXT, n=N, seed=5)
-
-
-@pytest.fixture(scope="module")
-def model(samples: apg.Samples) -> Model:
-    return Model(samples.job.sampler)
 
 
 def labelled(samples: apg.Samples, model: Model, noise: float) -> list[Posed]:

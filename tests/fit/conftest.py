@@ -1,0 +1,16 @@
+import pytest
+
+import artipg_dsl as apg
+from artipg_dsl.fit.model import Model
+
+from .helpers import TEXT, N
+
+
+@pytest.fixture(scope="session")
+def samples() -> apg.Samples:
+    return apg.load(TEXT, n=N, seed=5)
+
+
+@pytest.fixture(scope="session")
+def model(samples: apg.Samples) -> Model:
+    return Model(samples.job.sampler)
