@@ -11,7 +11,8 @@ import time
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..errors import UserError
+from ..diagnostics import CompileError
+from ..errors import UsageError, UserError
 from ..export.write import refuse_existing
 from ..resources import library_dir
 from .compile import of_text
@@ -26,6 +27,8 @@ Seen = dict[Path, tuple[int, int, int]]
 def run(options: argparse.Namespace) -> int:
     if options.out is not None:
         refuse_existing(Path(options.out), options.force)
+    elif options.number or options.only or options.seed is not None or options.set or options.prior or options.force:
+        raise UsageError("these options say what is drawn, and nothing is", "add -o FILE, or leave them out")
     session = of_text(options.program)
     if session.path is None or not session.path.is_file():
         findings(session.examine().diagnostics, sys.stdout)
@@ -59,6 +62,8 @@ def _look(options: argparse.Namespace) -> None:
             _draw(options)
         except UserError as wrong:  # the next text may do better
             error(wrong.message, wrong.hint)
+        except CompileError:
+            pass  # it has been saved again meanwhile, and the next look tells
 
 
 def _draw(options: argparse.Namespace) -> None:

@@ -96,6 +96,8 @@ def test_what_cannot_be_watched_is_refused(apgc, tmp_path):
     picture.write_text("mine")
     code, _, err = apgc("watch", CHEST, "-o", picture)
     assert code == 1 and "--force" in err and picture.read_text() == "mine"
+    code, _, err = apgc("watch", CHEST, "--seed", 3)
+    assert code == 2 and "add -o FILE" in err
     code, _, err = apgc("watch", CHEST, "-o", tmp_path / "sheet.jpg")
     assert code == 2 and "ends in .png" in err
     code, _, err = apgc("watch", Path(tmp_path / "a.apgc"))
