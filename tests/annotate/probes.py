@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from itertools import product
 
 from geometry.shipped import SHIPPED
 
 from artipg_dsl.geometry.trial import draw_trial
 from artipg_dsl.resources import library_dir
+from artipg_dsl.semantics.offers import DECLARED
 from artipg_dsl.session import Session
 from artipg_dsl.syntax import ast
 
@@ -86,18 +88,24 @@ class Shipped:
             yield both[0], both[1]
 
 
-def shipped() -> dict[str, Shipped]:
-    """All templates and primitives of the library by name."""
+@cache
+def declared() -> dict[str, tuple[str, ast.Declaration]]:
+    """The declarations of the library's modules by name, with the module of each."""
     trees = {path.stem: Session.of(path) for path in sorted(library_dir().glob("*.apg"))}
-    declared = {d.name: (module, d) for module, s in trees.items() for d in s.tree.declarations}  # type: ignore[union-attr]
-    found = {}
-    for name, made in SHIPPED.items():
-        module, node = declared[name]
-        found[name] = primitive(module, name, made, node)
-    for name, (module, node) in declared.items():
-        if isinstance(node, ast.TemplateDecl):
-            found[name] = template(module, node, declared)
-    return dict(sorted(found.items()))
+    return {d.name: (module, d) for module, s in trees.items() for d in s.tree.declarations}  # type: ignore[union-attr]
+
+
+def shipped() -> list[str]:
+    """The names of all templates and primitives of the library, read off the texts."""
+    texts = [path.read_text(encoding="utf-8") for path in library_dir().glob("*.apg")]
+    return sorted({*SHIPPED, *(name for text in texts for kind, name in DECLARED.findall(text) if kind == "template")})
+
+
+def shape(name: str) -> Shipped:
+    module, node = declared()[name]
+    if isinstance(node, ast.TemplateDecl):
+        return template(module, node)
+    return primitive(module, name, SHIPPED[name], node)
 
 
 def primitive(module: str, name: str, made, node: ast.PrimitiveDecl) -> Shipped:
@@ -116,11 +124,11 @@ def primitive(module: str, name: str, made, node: ast.PrimitiveDecl) -> Shipped:
     return Shipped(module, name, (tuple(given),))
 
 
-def template(module: str, node: ast.TemplateDecl, declared: dict) -> Shipped:
+def template(module: str, node: ast.TemplateDecl) -> Shipped:
     """A template with values for the parameters that have neither a domain nor a default."""
     body, at = list(node.body), node.role
     while at is not None:
-        role = declared[at][1]
+        role = declared()[at][1]
         body += role.body
         at = role.parent
     own_names = {n for s in node.body if isinstance(s, ast.ParamDecl) for n in s.names}
@@ -141,10 +149,12 @@ def template(module: str, node: ast.TemplateDecl, declared: dict) -> Shipped:
                 role = kind.name
                 choice = (
                     role
-                    if isinstance(declared[role][1], ast.TemplateDecl)
-                    else next(n for n, (_, d) in declared.items() if isinstance(d, ast.TemplateDecl) and d.role == role)
+                    if isinstance(declared()[role][1], ast.TemplateDecl)
+                    else next(
+                        n for n, (_, d) in declared().items() if isinstance(d, ast.TemplateDecl) and d.role == role
+                    )
                 )
-                uses += [(declared[choice][0], choice), *([(declared[role][0], role)] if choice != role else [])]
+                uses += [(declared()[choice][0], choice), *([(declared()[role][0], role)] if choice != role else [])]
                 styles += f"style given_{name} : {role} = {choice}\n  "
                 arguments.append((f"{name} = given_{name}",))
             elif kind.size == 3:

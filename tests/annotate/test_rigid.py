@@ -14,7 +14,7 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from annotate.probes import Shipped, shipped
+from annotate.probes import Shipped, shape, shipped
 from artipg_dsl import random
 from artipg_dsl.annotate.frames import compose, rotate
 from artipg_dsl.annotate.grasps import sample_grasps, sample_keypoints
@@ -36,21 +36,21 @@ EVERY = os.environ.get("ARTIPG_EVERY") == "1"
 WITHIN = {"CasementFilling": "Window", "SwanNeck": "Faucet", "TopCabinet": "WashingMachine"}
 
 
-def probed(shape: Shipped) -> tuple[Batch, Batch]:
+def probed(tried: Shipped) -> tuple[Batch, Batch]:
     """Objects with the shape upright, and with the same shape moved."""
     wrong: Exception | None = None
-    for upright, moved in islice(shape.programs(), TRIED):
+    for upright, moved in islice(tried.programs(), TRIED):
         try:
             first, second = (Session.of_text(text).sampler.batch(np.arange(OBJECTS), 1) for text in (upright, moved))
         except (CompileError, Exhausted) as error:
             wrong = error
             continue
         return first, second
-    raise AssertionError(f"{shape.name} could not be made: {wrong}")
+    raise AssertionError(f"{tried.name} could not be made: {wrong}")
 
 
 def follows(name: str) -> None:
-    first, second = probed(SHAPES[name])
+    first, second = probed(shape(name))
     assert [first.drawn(i) for i in range(OBJECTS)] == [second.drawn(i) for i in range(OBJECTS)]
 
     parts = first.parts()

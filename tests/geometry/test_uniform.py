@@ -14,6 +14,7 @@ from artipg_dsl.geometry.block import block_of
 from artipg_dsl.geometry.cells import Cells
 from artipg_dsl.geometry.density import element_split
 from artipg_dsl.geometry.patches import grid
+from artipg_dsl.graph.primitive import Primitive
 from artipg_dsl.session import Session
 
 from . import scenes
@@ -23,11 +24,8 @@ LOST = 1e-4  # chance of a false alarm, were the seeds drawn anew
 KETTLE = Path(__file__).parents[2] / "benchmarks" / "lathe_kettle.apg"
 
 
-def primitives() -> list:
-    programs = [Session.of(name).lowering.program for name in ("Microwave", KETTLE)]
-    return [
-        (f"{program.name}-{name}", primitive) for program in programs for name, primitive in program.primitives.items()
-    ]
+def primitives(name: str | Path) -> list[Primitive]:
+    return list(Session.of(name).lowering.program.primitives.values())
 
 
 def drawn(primitive, seed: int) -> tuple[Cells, np.ndarray, points.PointSet]:
@@ -67,19 +65,22 @@ def within(cells: Cells, cell: np.ndarray, made: points.PointSet) -> tuple[float
     return total, freedom
 
 
-@pytest.mark.parametrize("primitive", [pytest.param(p, id=name) for name, p in primitives()])
-def test_points_are_uniform_within_patches_and_over_them(primitive) -> None:
-    cells, cell, made = drawn(primitive, 11)
-    total, freedom = within(cells, cell, made)
-    assert freedom > 0 and chi2.sf(total, freedom) > LOST
-    assert chi2.cdf(total, freedom) > LOST, "not more even than chance either: the draws are independent"
-    expected = N * cells.area / cells.area.sum()
-    assert np.abs(np.bincount(cell, minlength=len(expected)) - expected).max() < 2.5, "allocated, not drawn"
+@pytest.mark.parametrize("program", ["Microwave", KETTLE], ids=["Microwave", "kettle"])
+def test_points_are_uniform_within_patches_and_over_them(program: str | Path) -> None:
+    for primitive in primitives(program):
+        cells, cell, made = drawn(primitive, 11)
+        total, freedom = within(cells, cell, made)
+        assert freedom > 0 and chi2.sf(total, freedom) > LOST, primitive.name
+        assert chi2.cdf(total, freedom) > LOST, (
+            f"{primitive.name}: not more even than chance either: draws are independent"
+        )
+        expected = N * cells.area / cells.area.sum()
+        assert np.abs(np.bincount(cell, minlength=len(expected)) - expected).max() < 2.5, "allocated, not drawn"
 
 
 def test_the_test_catches_points_that_crowd_in_the_middle_of_a_disc(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the inverse of the area element, a lid has as many points on its inner half radius as on its outer."""
-    lid = next(p for name, p in primitives() if name == "LatheKettle-Dome")
+    lid = next(p for p in primitives(KETTLE) if p.name == "Dome")
     assert chi2.sf(*within(*drawn(lid, 3))) > LOST
     monkeypatch.setattr(density.AreaPlacement, "place", lambda self, row, first, second: (first, second))
     assert chi2.sf(*within(*drawn(lid, 3))) < 1e-12
