@@ -366,7 +366,7 @@ def few(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize("name", ["moving", "mutated", "completion", "parts", "critic"])
 def test_an_experiment_runs_and_repeats(
-    name: str, few: Path, tmp_path: Path, fits: list[Fit], monkeypatch: pytest.MonkeyPatch
+    name: str, few: Path, tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Mutants are of the microwave alone: in the fold that holds it out there are none."""
     torch = pytest.importorskip("torch", reason=TORCH)
@@ -374,7 +374,9 @@ def test_an_experiment_runs_and_repeats(
 
     from experiments.training import perform
 
-    monkeypatch.setattr("experiments.mutated.fit_each", lambda objects, folder: fits)
+    if name == "mutated":
+        fits = request.getfixturevalue("fits")
+        monkeypatch.setattr("experiments.mutated.fit_each", lambda objects, folder: fits)
     torch.set_num_threads(1)
     experiment = getattr(import_module(f"experiments.{name}"), name.title())()
     one, again = (perform(experiment, few, None, 1, 1, 2, 0.005, tmp_path / f"{k}.json") for k in "ab")

@@ -67,10 +67,12 @@ def test_a_wheel_in_an_empty_environment_samples(tmp_path: Path) -> None:
 
     source = tmp_path / "source"
     run("git", "clone", "-q", ROOT, source)
-    run(sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", tmp_path / "wheel", source)
-    venv.create(tmp_path / "venv", with_pip=True)
+    pip = sys.executable, "-m", "pip"
+    run(*pip, "wheel", "-q", "--no-deps", "-w", tmp_path / "wheel", source)
+    venv.create(tmp_path / "venv")
     programs = tmp_path / "venv" / ("Scripts" if os.name == "nt" else "bin")
-    run(programs / "python", "-m", "pip", "install", "-q", *(tmp_path / "wheel").glob("*.whl"))
+    wheels = (tmp_path / "wheel").glob("*.whl")
+    run(*pip, "--python", programs / "python", "install", "-q", "--no-compile", *wheels)
     assert run(programs / "apgc", "--version") == f"apgc {artipg_dsl.__version__}\n"
     run(programs / "apgc", "sample", "Microwave", "-n", 3, "--points", 64, "--format", "points,urdf,glb", "-o", "out")
     assert (tmp_path / "out" / "objects" / "000002" / "object.urdf").exists()

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -104,13 +105,15 @@ class _Inspection:
     def numbers(self, name: str, count: int) -> tuple[np.ndarray, np.ndarray]:
         return random.pair(random.key(0, "selftest", self.primitive.name, name), np.arange(count))
 
-    def in_boxes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rows (m,) and places (m, 3) spread over boxes a tenth wider than those of the meshes."""
+    @cached_property
+    def in_boxes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rows (m,), places (m, 3) spread over boxes a tenth wider than those of the meshes, and the inside function there (m,)."""
         row = np.repeat(np.arange(self.count), _VOLUME)
         x, y = self.numbers("volume", len(row))
         z, _ = self.numbers("height", len(row))
         fraction = np.stack([x, y, z], axis=-1) * 1.1 - 0.05
-        return row, self.mesh_low[row] + fraction * (self.mesh_high - self.mesh_low)[row]
+        points = self.mesh_low[row] + fraction * (self.mesh_high - self.mesh_low)[row]
+        return row, points, self.inside(row, points)
 
     def at(self, row: int) -> str:
         """The test value of a row, for messages."""
@@ -154,12 +157,11 @@ def _slope(seen: _Inspection) -> _Report:
     A sweep of a section that is not round is measured from the nearest place of its path. Where two places are as near, far out in
     the hollow of a bend, the section may lie turned another way at each.
     """
-    row, points = seen.in_boxes()
+    row, points, value = seen.in_boxes
     first, second = seen.numbers("direction", len(row))
     polar, around = np.arccos(2 * first - 1), 2 * np.pi * second
     direction = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=-1)
     step = 1e-4 * seen.diagonal[row]
-    value = seen.inside(row, points)
     change = np.abs(seen.inside(row, points + step[:, None] * direction) - value)
     change = (change - _JUMP * np.maximum(value, 0.0)) / step
     worst = int(np.argmax(change))
@@ -233,8 +235,8 @@ def _areas(seen: _Inspection) -> _Report:
 
 def _volume(seen: _Inspection) -> _Report:
     """The share of the box that the inside function fills is that of the mesh; moments by quadrature are those of the mesh."""
-    row, points = seen.in_boxes()
-    filled = (seen.inside(row, points) < 0).reshape(seen.count, -1).mean(axis=1)
+    _, _, value = seen.in_boxes
+    filled = (value < 0).reshape(seen.count, -1).mean(axis=1)
     box = np.prod(1.1 * (seen.mesh_high - seen.mesh_low), axis=1)
     expected, centre, inertia = np.empty(seen.count), np.empty((seen.count, 3)), np.empty((seen.count, 3, 3))
     for group in seen.fine:
@@ -356,17 +358,17 @@ def _on_piece(group: pieces.PieceGroup) -> np.ndarray:
 
 def _deep(seen: _Inspection) -> tuple[np.ndarray, np.ndarray]:
     """Rows and places that lie deeper than ``_FILL`` of the greatest depth, found from the box and below surfaces."""
-    row, points = seen.in_boxes()
-    some = slice(None, None, 8)
-    rows, places = [row[some]], [points[some]]
+    row, points, value = (of[::8] for of in seen.in_boxes)
+    rows, places = [], []
     thickness = np.min(seen.mesh_high - seen.mesh_low, axis=1)
     for patch in range(seen.areas.shape[1]):
         own, position, normal = seen.places(patch)
         for fraction in (0.45, 0.2, 0.05, 0.02, 0.005):
             rows.append(own)
             places.append(position - fraction * thickness[own, None] * normal)
-    row, points = np.concatenate(rows), np.concatenate(places)
-    depth = -seen.inside(row, points)
+    below = np.concatenate(rows), np.concatenate(places)
+    row, points = np.concatenate([row, below[0]]), np.concatenate([points, below[1]])
+    depth = -np.concatenate([value, seen.inside(*below)])
     greatest = np.zeros(seen.count)
     np.maximum.at(greatest, row, depth)
     kept = depth > _FILL * greatest[row]
