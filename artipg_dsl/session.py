@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict
 
@@ -35,6 +35,7 @@ class Kept(TypedDict):
     primitives: dict[str, str]
 
 
+_AT_HAND = 8  # programs, read and planned
 _NAMED = 6  # parts that a warning names
 _LOOKED_AT = 8  # objects that `check` draws, to see what floats and what their check takes
 _DECLARED = re.compile(r"^category\s+(\w+)", re.MULTILINE)
@@ -66,6 +67,24 @@ def _locate(name: str | Path, report: Report) -> Path | None:
     )
     report.error("missing-file", None, f"there is no category `{text}`", hint=hint)
     return None
+
+
+@lru_cache(maxsize=_AT_HAND)
+def _read(text: str) -> Sampler:
+    """The sampler of a program as it was kept, verified as any that is read from a file. A process that asks for a category again and
+    again, a notebook for one, reads it once."""
+    from .geometry import facts
+    from .graph.text import from_text
+    from .sampling.sample import Sampler
+
+    head, _, body = text.partition("\n")
+    told = json.loads(head)
+    fit(told, Kept)
+    with uncollected():
+        program = from_text(body, told["hash"])
+        facts.tell_digests(program, told["primitives"])
+        program.foreign = False
+        return Sampler(program)
 
 
 class Session:
@@ -141,28 +160,18 @@ class Session:
     @cached_property
     def sampler(self) -> Sampler:
         """The category ready to be sampled. Raises CompileError."""
-        from .sampling.sample import Sampler
-
-        program = None if "lowering" in self.__dict__ else self._recalled()
+        found = None if "lowering" in self.__dict__ else self._recalled()
         with uncollected():
-            return self._compiled() if program is None else Sampler(program)
+            return found or self._compiled()
 
-    def _recalled(self) -> Program | None:
-        """The program as it was kept, verified as any that is read from a file; its findings go to the report."""
-        from .geometry import facts
-        from .graph.text import TextError, from_text
+    def _recalled(self) -> Sampler | None:
+        """The program as it was kept; its findings go to the report."""
+        from .graph.text import TextError
 
-        head, _, body = (self._recall("program") or "").partition("\n")
         try:
-            told = json.loads(head)
-            fit(told, Kept)
-            with uncollected():
-                program = from_text(body, told["hash"])
+            return _read(self._recall("program") or "")
         except (ValueError, KeyError, Misfit, TextError, RecursionError):
             return None
-        facts.tell_digests(program, told["primitives"])
-        program.foreign = False
-        return program
 
     def _compiled(self) -> Sampler:
         from .geometry import facts
