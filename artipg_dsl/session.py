@@ -17,7 +17,6 @@ from .source import Source, Span
 from .syntax.load import load
 
 if TYPE_CHECKING:  # start-up: what is kept of a compilation needs neither the parser nor the checker
-    from .graph.program import Program
     from .lower.elaborate.part import Component
     from .lower.program import Lowering
     from .runtime.batch import Batch
