@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 
 from artipg_dsl.export.pose import link_poses, rest_values
 from artipg_dsl.export.robot import Robot, RobotJoint, Robots
-from artipg_dsl.session import Session
+from artipg_dsl.session import Session, categories
 
 
 def fall(robot: Robot, joint: RobotJoint) -> float:
@@ -27,7 +29,7 @@ def fall(robot: Robot, joint: RobotJoint) -> float:
     return 0.0 if end is not None and abs(value - end) < 1e-6 else abs(rise)
 
 
-@pytest.mark.parametrize("category", ["Oven"])
+@pytest.mark.parametrize("category", categories() if os.environ.get("ARTIPG_EVERY") else ["Oven"])
 def test_what_hangs_stays_where_it_rests(category: str) -> None:
     robots = Robots(Session.of(category).sampler.batch(np.arange(30), 1))
     seen = 0
@@ -37,4 +39,4 @@ def test_what_hangs_stays_where_it_rests(category: str) -> None:
                 load = fall(robot, joint)
                 assert load <= joint.friction, (joint.name, load, joint.friction)
                 seen += load > 0
-    assert seen > 20
+    assert seen > 20 or category != "Oven", "of ovens something always hangs"
