@@ -12,8 +12,9 @@ Arrays = dict[str, np.ndarray]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clouds:
-    """K clouds of n points. ``arrays`` by name (K, n, ...), ``points`` (K, n, 3) float32 with z up among them; ``category`` (K,) int64 indexes
-    ``known``; ``names`` of the objects. ``origin`` (K,) int64: the row of the real object that a cloud is or was made from, -1 for none.
+    """K clouds of n points. ``arrays`` by name (K, n, ...), ``points`` (K, n, 3) float32 with x to the front and z up among them;
+    ``category`` (K,) int64 indexes ``known``; ``names`` of the objects. ``origin`` (K,) int64: the row of the real object that a cloud is
+    or was made from, -1 for none.
     """
 
     arrays: Mapping[str, np.ndarray]

@@ -28,7 +28,7 @@ from .warp import turn
 
 WAYS = 8  # directions by which a point is judged, and in training
 PROPOSED = 20  # pairs of a point and a direction that a network is surest of
-VIEWS = 4  # turns about the vertical by which an object is judged
+VIEWS = 4  # turns about the vertical by which an object is judged; any, as the cameras of Where2Act stand all around
 
 
 class Critic(Experiment):
@@ -37,6 +37,7 @@ class Critic(Experiment):
     metrics = {"f1": Metric("F1, %", "higher"), "ssr": Metric("proposals that succeed, %", "higher")}
     arms = {"real": Arm(("real",)), "ours": Arm(("ours",)), "real and ours": Arm(("real", "ours"))}
     pairs = [("ours", "real"), ("real and ours", "real"), ("real and ours", "ours")]
+    steps = 400
 
     def real(self, objects: Sequence[Real]) -> Clouds:
         return real_ways(objects)

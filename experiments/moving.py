@@ -9,13 +9,14 @@ import numpy as np
 import torch
 from torch import nn
 
-from .clouds import Clouds
+from .clouds import Arrays, Clouds
 from .network import PointNet
 from .ours import our_motion
 from .real import Real, real_motion
 from .scores import mean_iou
 from .study import Arm, Metric, Scores
 from .training import Experiment, command
+from .warp import tilt_and_scale
 
 VOTES = 8  # random parts of a cloud that a network is asked about each of its points
 
@@ -38,6 +39,8 @@ class Moving(Experiment):
         ("real, warped", "real"),
     ]
 
+    size = 512
+
     def real(self, objects: Sequence[Real]) -> Clouds:
         return real_motion(objects)
 
@@ -46,6 +49,10 @@ class Moving(Experiment):
 
     def network(self, categories: int) -> nn.Module:
         return PointNet(categories)
+
+    def vary(self, arrays: Arrays, draws: np.random.Generator) -> Arrays:
+        """Objects stand upright and to the front, as in PartNet, ShapeNet and Shape2Motion."""
+        return arrays | {"points": tilt_and_scale(arrays["points"], draws)}
 
     def loss(self, network: nn.Module, batch: dict[str, torch.Tensor]) -> torch.Tensor:
         said = network(batch["points"], batch["category"])[..., 0]

@@ -50,7 +50,7 @@ def fit_each(objects: Mapping[int, Real], folder: Path) -> list[Fit]:
         (place / "cloud.npz").write_bytes(npz_bytes(arrays))
         fit = Fit(origin, one.category, one.name, place / "fitted", place / "bound")
         sampler, source = open_program(one.category)
-        asked = Asked(source, fit.fitted, Frame(up="z"), pictures=False)
+        asked = Asked(source, fit.fitted, Frame(up="z", front="x"), pictures=False)
         told = write_fits(sampler, asked, [place / "cloud.npz"])["objects"]
         if not told or told[0]["object"] is None:
             print(f"left out of what is mutated: {one.title}, to which no valid object fits", flush=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import torch
 from torch import nn
 
-LEVELS = ((32, 16, (32, 64)), (8, 8, (64, 128)))  # centres, neighbours of each, widths
-CODE, KIND = 128, 16
+LEVELS = ((48, 16, (32, 64)), (12, 8, (64, 128)))  # centres, neighbours of each, widths
+CODE, WIDTH, KIND = 128, 64, 16
 
 
 def shared(*widths: int) -> nn.Sequential:
@@ -34,15 +34,15 @@ class PointNet(nn.Module):
         width, self.down, self.up = given, nn.ModuleList(), nn.ModuleList()
         skips = [given]
         for _, _, widths in LEVELS:
-            self.down.append(shared(3 + 3 + width, *widths))
+            self.down.append(Down(width, *widths))
             width = widths[-1]
             skips.append(width)
         self.whole = shared(3 + width + KIND, CODE)
         above = CODE
         for skip in reversed(skips):
-            self.up.append(shared(above + skip + 3 + KIND, 64))
-            above = 64
-        self.last = nn.Linear(64, outputs)
+            self.up.append(Up(above, skip + 3))
+            above = WIDTH
+        self.last = nn.Sequential(shared(WIDTH, WIDTH), nn.Linear(WIDTH, outputs))
 
     def forward(self, points: torch.Tensor, category: torch.Tensor, given: torch.Tensor | None = None) -> torch.Tensor:
         kind = self.kind(category)[:, None]
@@ -50,27 +50,52 @@ class PointNet(nn.Module):
         for (count, near, _), layer in zip(LEVELS, self.down, strict=True):
             above, features = levels[-1]
             centres = above[:, :count]  # in random order, the first ones are a random choice
-            index = torch.cdist(centres, above).topk(near, largest=False).indices
-            offset = gather(above, index) - centres[:, :, None]
-            parts = [offset, centres[:, :, None].expand_as(offset)]
-            if features is not None:
-                parts.append(gather(features, index))
-            levels.append((centres, layer(torch.cat(parts, dim=-1)).amax(dim=2)))
+            levels.append((centres, layer(above, features, centres, near)))
         centres, features = levels[-1]
         assert features is not None
         code = self.whole(torch.cat([centres, features, kind.expand(-1, centres.shape[1], -1)], dim=-1)).amax(
             dim=1, keepdim=True
         )
-        found, below = code.expand(-1, centres.shape[1], -1), centres
+        found, below = code, centres[:, :1]
         for (place, own), layer in zip(reversed(levels), self.up, strict=True):
-            if place is not below:  # from the three nearest of the coarser level
-                distance, index = torch.cdist(place, below).topk(3, largest=False)
-                weight = 1.0 / (distance + 1e-6)
-                found = (gather(found, index) * (weight / weight.sum(dim=-1, keepdim=True))[..., None]).sum(dim=2)
-            given = [found, place, kind.expand(-1, place.shape[1], -1)]
-            found = layer(torch.cat(given if own is None else [*given, own], dim=-1))
+            found = layer(found, below, place if own is None else torch.cat([place, own], dim=-1), kind)
             below = place
         return self.last(found)
+
+
+class Down(nn.Module):
+    """Of points (B, n, 3), with what is known of them (B, n, given), to centres among them (B, m, 3): the ``near`` nearest points of each."""
+
+    def __init__(self, given: int, hidden: int, width: int) -> None:
+        super().__init__()
+        self.point, self.centre = nn.Linear(3 + given, hidden), nn.Linear(3, hidden)
+        self.pair, self.own = nn.Linear(hidden, width, bias=False), nn.Linear(3, width)
+        self.norm = nn.LayerNorm(width)
+
+    def forward(
+        self, points: torch.Tensor, given: torch.Tensor | None, centres: torch.Tensor, near: int
+    ) -> torch.Tensor:
+        index = torch.cdist(centres, points).topk(near, largest=False, sorted=False).indices
+        known = self.point(points if given is None else torch.cat([points, given], dim=-1))  # once a point, not a pair
+        pairs = (gather(known, index) - self.centre(centres)[:, :, None]).relu_()
+        return nn.functional.relu(self.norm(self.pair(pairs).max(dim=2).values + self.own(centres)))
+
+
+class Up(nn.Module):
+    """What is known at some points (B, m, above), spread to more of them by weights that fall with the fourth power of the distance, with what
+    these know of themselves (B, n, own), their places first, and the category's code (B, 1, KIND)."""
+
+    def __init__(self, above: int, own: int) -> None:
+        super().__init__()
+        self.above, self.own, self.kind = nn.Linear(above, WIDTH), nn.Linear(own, WIDTH), nn.Linear(KIND, WIDTH)
+        self.norm = nn.LayerNorm(WIDTH)
+
+    def forward(self, found: torch.Tensor, at: torch.Tensor, own: torch.Tensor, kind: torch.Tensor) -> torch.Tensor:
+        # what is linear comes before what is spread: there are fewer points there, and no neighbours to gather
+        known = self.above(found) + self.kind(kind)
+        weight = torch.cdist(own[..., :3].detach(), at).square_().add_(1e-5).square_().reciprocal_()
+        spread = torch.baddbmm(self.own(own), weight / weight.sum(dim=-1, keepdim=True), known)
+        return nn.functional.relu(self.norm(spread))
 
 
 class PointActions(nn.Module):
@@ -79,11 +104,11 @@ class PointActions(nn.Module):
     def __init__(self, categories: int) -> None:
         super().__init__()
         self.points = PointNet(categories, outputs=64)
-        self.action = nn.Sequential(shared(64 + 3, 64), nn.Linear(64, 1))
+        self.way = nn.Linear(3, 64)
+        self.action = nn.Sequential(nn.ReLU(), nn.Linear(64, 1))
 
     def forward(self, points: torch.Tensor, category: torch.Tensor, ways: torch.Tensor) -> torch.Tensor:
-        known = self.points(points, category)[:, :, None].expand(-1, -1, ways.shape[2], -1)
-        return self.action(torch.cat([known, ways], dim=-1))[..., 0]
+        return self.action(self.points(points, category)[:, :, None] + self.way(ways))[..., 0]
 
 
 class Completer(nn.Module):

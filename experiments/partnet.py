@@ -1,4 +1,4 @@
-"""Objects of PartNet-Mobility: ``ID/`` with ``mobility_v2.json``, ``meta.json`` and ``point_sample/``, y up, hinges in degrees."""
+"""Objects of PartNet-Mobility: ``ID/`` with ``mobility_v2.json``, ``meta.json``, ``point_sample/``; y up, z to the front, hinges in degrees."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from artipg_dsl.errors import UserError
 
-from .real import Joint, Real, checked, make_joint, turn_up
+from .real import Joint, Real, checked, make_joint, upright
 
 _PLACES, _LEAVES = "sample-points-all-pts-nor-rgba-10000.txt", "sample-points-all-label-10000.txt"
 _BARE, _BARE_LEAVES = "pts-10000.txt", "label-10000.txt"
@@ -26,8 +26,8 @@ def category_of(place: Path) -> str:
 
 
 def read_mobility(place: Path, category: str) -> Real:
-    """An object with z up. Raises UserError with what is missing or wrong."""
-    path, turned = place / "mobility_v2.json", turn_up("y")
+    """An object with x to the front and z up. Raises UserError with what is missing or wrong."""
+    path, turned = place / "mobility_v2.json", upright("y", "z")
     try:
         nodes = json.loads(path.read_text(encoding="utf-8"))
         number = {node["id"]: k for k, node in enumerate(nodes)}

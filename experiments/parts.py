@@ -23,7 +23,8 @@ from .study import Arm, Metric, Scores
 from .training import Experiment, command
 from .warp import turn
 
-VIEWS = 4  # random turns about the vertical by which each part is judged
+VIEWS = 4  # turns about the vertical by which each part is judged
+ASIDE = np.pi / 3  # of the front, to either side, as GAPartNet looks at objects
 NEAR = 10.0, 0.1  # A10: degrees, and distance
 JOINT = 10.0, 0.25  # OPD's: degrees, and the distance of a hinge in diagonals of the object
 
@@ -39,6 +40,7 @@ class Parts(Experiment):
     }
     arms = {"real": Arm(("real",)), "ours": Arm(("ours",)), "real and ours": Arm(("real", "ours"))}
     pairs = [("ours", "real"), ("real and ours", "real"), ("real and ours", "ours")]
+    steps = 400
     each = 40
 
     def real(self, objects: Sequence[Real]) -> Clouds:
@@ -52,7 +54,9 @@ class Parts(Experiment):
 
     def vary(self, arrays: Arrays, draws: np.random.Generator) -> Arrays:
         """Turned and scaled evenly, which leaves canonical places as they are, with noise."""
-        points = turn(arrays["points"], draws) * np.exp(draws.uniform(-0.22, 0.22, (len(arrays["points"]), 1, 1)))
+        points = turn(arrays["points"], draws, ASIDE) * np.exp(
+            draws.uniform(-0.22, 0.22, (len(arrays["points"]), 1, 1))
+        )
         return arrays | {"points": points + draws.normal(0.0, 0.005, points.shape)}
 
     def loss(self, network: nn.Module, batch: dict[str, torch.Tensor]) -> torch.Tensor:
@@ -67,18 +71,21 @@ class Parts(Experiment):
 
     @torch.no_grad()
     def judge(self, network: nn.Module, clouds: Clouds, seed: int) -> Scores:
-        """Means over VIEWS turns of each part, the same ones for all networks."""
+        """Means over VIEWS turns and random points of each part, the same ones for all networks."""
         found = {name: np.zeros((len(clouds), VIEWS)) for name in self.metrics}
         for row in range(len(clouds)):
-            one = clouds.take(np.array([row]))
             draws = np.random.default_rng([int(clouds.origin[row]), row])
             for k in range(VIEWS):
-                points = turn(one["points"], draws).astype(np.float32)
-                told = [torch.from_numpy(a) for a in (points, one.category, one["own"].astype(np.float32)[..., None])]
-                said = network(*told)[0].numpy().astype(np.float64)
-                for name, value in pose_scores(
-                    {n: v[0] for n, v in one.arrays.items()} | {"points": points[0]}, said
-                ).items():
+                at = draws.permutation(clouds["points"].shape[1])[: self.size]
+                shown = {name: values[row, at] for name, values in clouds.arrays.items()}
+                shown["points"] = turn(shown["points"][None], draws, ASIDE)[0].astype(np.float32)
+                told = (
+                    shown["points"][None],
+                    clouds.category[row : row + 1],
+                    shown["own"].astype(np.float32)[None, :, None],
+                )
+                said = network(*map(torch.from_numpy, told))[0].numpy().astype(np.float64)
+                for name, value in pose_scores(shown, said).items():
                     found[name][row, k] = value
         return {name: values.mean(axis=1) for name, values in found.items()}
 

@@ -1,8 +1,8 @@
 """Real objects, as they lie in a folder: ``CATEGORY/NAME/cloud.npz`` with ``joints.json`` beside it, or folders of PartNet-Mobility.
 
 ``cloud.npz`` has ``points`` (n, 3), ``link_id`` (n,) into ``link_names``, and ``normals`` (n, 3) of any length, where an experiment asks for
-them. ``joints.json`` has ``up``, the axis that points up, and ``joints``: ``type``, ``parent``, ``child``, and ``axis``, ``origin``, ``lower``,
-``upper`` in the frame of the points.
+them. ``joints.json`` has ``up`` and ``front``, the axes that point up and to the front, and ``joints``: ``type``, ``parent``, ``child``, and
+``axis``, ``origin``, ``lower``, ``upper`` in the frame of the points.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ import numpy as np
 
 import artipg_dsl as apg
 from artipg_dsl.errors import UserError
+from artipg_dsl.fit.pose import AXES, turn
 
 from .clouds import Clouds, normalise
 
-UP = {"x": 0, "y": 1, "z": 2}
 LEAST = 256  # points of a cloud
 
 
@@ -41,7 +41,8 @@ class Joint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Real:
-    """``points`` (n, 3) and unit ``normals`` (n, 3), where they are known, with z up, in the unit of the file; ``link`` (n,) numbers links."""
+    """``points`` (n, 3) and unit ``normals`` (n, 3), where they are known, x to the front and z up, in the unit of the file; ``link`` (n,)
+    numbers links."""
 
     category: str
     name: str
@@ -130,12 +131,12 @@ def _read_cloud(place: Path, category: str) -> Real:
         raise UserError(f"{place}: {wrong}", "cloud.npz and joints.json are read") from None
     try:
         points, link, names = held["points"], held["link_id"], [str(n) for n in held["link_names"]]
-        turned = turn_up(record["up"])
+        turned = upright(record["up"], record["front"])
         joints = tuple(_joint(joint, names, turned) for joint in record["joints"])
     except (KeyError, IndexError, TypeError, ValueError, AttributeError) as wrong:
         raise UserError(
             f"{path}: {wrong!r} is missing or wrong",
-            "points, link_id, link_names; in joints.json up and joints with type, parent, child, axis, origin",
+            "points, link_id, link_names; in joints.json up, front and joints with type, parent, child, axis, origin",
         ) from None
     normals = held.get("normals")
     normals = None if normals is None else normals @ turned.T
@@ -171,15 +172,11 @@ def checked(
     return Real(category, name, points, normals, link.astype(np.int64), links, joints)
 
 
-def turn_up(up: str) -> np.ndarray:
-    """(3, 3) the rotation that brings the axis ``up``, such as "y" or "-z", to z. Raises KeyError."""
-    axis, sign = UP[up.strip("+-")], -1.0 if up.startswith("-") else 1.0
-    turned = (
-        np.roll(np.eye(3), axis - 2, axis=1) * sign
-    )  # rolling the axes keeps them right-handed; both signs turn them over
-    if sign < 0:
-        turned[0] *= -1.0
-    return turned
+def upright(up: str, front: str) -> np.ndarray:
+    """(3, 3) the rotation that brings the axis ``up``, such as "y" or "-z", to z and the axis ``front`` to x. Raises ValueError."""
+    if up not in AXES or front not in AXES or up[-1] == front[-1]:
+        raise ValueError(f"up {up}, front {front}")
+    return turn(up, front)
 
 
 def _joint(told: Mapping[str, Any], names: Sequence[str], turned: np.ndarray) -> Joint:

@@ -21,7 +21,7 @@ from experiments.pose import Pose, box_iou, distance_of_lines, fit_pose, line_er
 from experiments.real import Real, read_real, real_motion, real_shapes
 from experiments.scores import chamfer_l1, f1_score, f_score, mean_iou, paired_test
 from experiments.study import Arm, Metric, by_object, folds_of, run, summarise
-from experiments.warp import turn_and_scale, warp_locally
+from experiments.warp import tilt_and_scale, turn, turn_and_scale, warp_locally
 
 REAL = Path(__file__).parents[1] / "experiments" / "real"
 
@@ -47,7 +47,9 @@ def test_real_objects_say_what_moves_and_whose_they_are(objects: list[Real]) -> 
         assert record["licence"] and record["source"], path
 
 
-def write(place: Path, points: np.ndarray, link: np.ndarray, up: str = "z", joints: object = None) -> None:
+def write(
+    place: Path, points: np.ndarray, link: np.ndarray, up: str = "z", joints: object = None, front: str = "x"
+) -> None:
     place.mkdir(parents=True)
     hinge = {
         "type": "revolute",
@@ -59,7 +61,7 @@ def write(place: Path, points: np.ndarray, link: np.ndarray, up: str = "z", join
         "upper": 0,
     }
     np.savez(place / "cloud.npz", points=points, link_id=link, link_names=np.array(["base", "lid"]))
-    told = {"up": up, "joints": [hinge] if joints is None else joints}
+    told = {"up": up, "front": front, "joints": [hinge] if joints is None else joints}
     (place / "joints.json").write_text(json.dumps(told), encoding="utf-8")
 
 
@@ -69,18 +71,16 @@ def tall(n: int = 400) -> tuple[np.ndarray, np.ndarray]:
     return points, (points[:, 2] > 0.2).astype(np.int16)
 
 
-def test_the_up_axis_is_turned_to_z(tmp_path: Path) -> None:
+def test_objects_stand_upright_and_to_the_front(tmp_path: Path) -> None:
     points, link = tall()
-    for up in ("x", "y", "z", "-z"):
-        turned = (
-            points[:, [1, 0, 2]] * [1, 1, -1] if up == "-z" else np.roll(points, {"x": 1, "y": 2, "z": 0}[up], axis=1)
-        )
-        write(tmp_path / up / "Box" / "tall", turned, link, up)
-        (one,) = read_real(tmp_path / up)
-        assert one.points[one.link == 1][:, 2].min() > one.points[one.link == 0][:, 2].max()
-        matrix = np.linalg.lstsq(np.c_[turned, np.ones(400)], one.points, rcond=None)[0][:3]
-        assert np.linalg.det(matrix) > 0.0  # turned, not mirrored
-        assert one.joints[0].axis == pytest.approx(-matrix[0], abs=1e-9)
+    for up, front in (("x", "y"), ("y", "z"), ("z", "x"), ("z", "-y"), ("-z", "x")):
+        x, z = (np.eye(3)["xyz".index(name[-1])] * (-1 if "-" in name else 1) for name in (front, up))
+        frame = np.stack([x, np.cross(z, x), z])  # the object's axes in the file
+        place = tmp_path / f"{up} {front}"
+        write(place / "Box" / "tall", points @ frame, link, up, front=front)
+        (one,) = read_real(place)
+        assert one.points == pytest.approx(points)
+        assert one.joints[0].axis == pytest.approx(-frame[:, 0])  # the file's x, the way that it opens
         assert list(one.moved_by()) == [-1, 0]
 
 
@@ -139,9 +139,10 @@ def test_a_wrong_folder_is_told(tmp_path: Path) -> None:
         write(tmp_path / name / "Box" / "one", p, k, "z", joints)
         with pytest.raises(UserError, match=wrong):
             read_real(tmp_path / name)
-    write(tmp_path / "up" / "Box" / "one", points, link, "as in source")
-    with pytest.raises(UserError, match="as in source.* is missing or wrong"):
-        read_real(tmp_path / "up")
+    for up, front in (("as in source", "x"), ("z", "-z")):
+        write(tmp_path / f"up {front}" / "Box" / "one", points, link, up, front=front)
+        with pytest.raises(UserError, match=f"up {up}, front {front}.* is missing or wrong"):
+            read_real(tmp_path / f"up {front}")
     write(tmp_path / "zip" / "Box" / "one", points, link)
     (tmp_path / "zip" / "Box" / "one" / "cloud.npz").write_bytes(b"PK nothing")
     with pytest.raises(UserError, match="cloud.npz and joints.json are read"):
@@ -338,10 +339,12 @@ def test_drawn_batches_take_as_many_of_each_source() -> None:
 
 def test_changed_clouds_are_other_shapes_of_the_same_points() -> None:
     points = normalise(np.random.default_rng(1).normal(size=(3, 200, 3)))
-    for change in (turn_and_scale, warp_locally):
+    for change in (turn_and_scale, tilt_and_scale, warp_locally):
         one, again, other = (change(points, np.random.default_rng(seed)) for seed in (5, 5, 6))
         assert np.array_equal(one, again) and not np.allclose(one, other)
         assert np.isfinite(one).all() and np.abs(one).max() < 5.0
+    few = turn(np.tile([[1.0, 0.0, 0.5]], (500, 1, 1)), np.random.default_rng(2), np.pi / 3)
+    assert 0.5 <= few[..., 0].min() < 0.52 and few[..., 1].min() < -0.8 and few[..., 1].max() > 0.8
 
 
 def test_the_page_says_what_was_found() -> None:
