@@ -271,7 +271,7 @@ class Session:
             )
 
     def _warn_untested(self, batch: Batch, lowering: Lowering, span: Span) -> None:
-        """Name the primitives whose box is wrong at values that their `test` ranges leave out."""
+        """Name the primitives whose box does not hold them at values that their `test` ranges leave out."""
         from .geometry.errors import PrimitiveError  # start-up
         from .quality.untested import find_untested  # start-up
 
@@ -282,10 +282,11 @@ class Session:
         own = {part.path: part.span for part in lowering.context.parts if part.span.source is span.source}
         for wrong in found:
             low, high = wrong.test
+            what = "a convex piece of " if wrong.piece else ""
             self.report.warning(
                 "untested-values",
                 own.get(wrong.part, span),
-                f"`{wrong.part}` reaches {1000 * wrong.reach:.3g} mm out of its box: here `{wrong.parameter}` of `{wrong.primitive}` "
+                f"{what}`{wrong.part}` reaches {1000 * wrong.reach:.3g} mm out of its box: here `{wrong.parameter}` of `{wrong.primitive}` "
                 f"is {wrong.value:.4g}, and its `test` range is {low:.4g} .. {high:.4g} (metres, radians)",
                 hint=f"widen the `test` range of `{wrong.parameter}` in `{wrong.primitive}`: its box is made for the values tested",
             )

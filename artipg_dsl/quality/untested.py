@@ -1,4 +1,4 @@
-"""Primitives at values that their `test` ranges leave out, where the stated box does not hold their surface.
+"""Primitives at values that their `test` ranges leave out, where the stated box does not hold their surface or their convex pieces.
 
 What a solid is made of is asked of its test values while it is lowered: which of several places is highest, say. At other values the
 answer may be another one.
@@ -10,20 +10,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry import mesh
+from ..geometry import mesh, pieces
 from ..geometry.box import bounds
 from ..graph.primitive import Primitive
 from ..runtime.batch import Batch
 
 _STEPS = 24  # steps per turn of the mesh whose vertices are looked at
 _BEYOND = 1e-6  # of the size
+_PIECE = 1e-3  # of the size: a stated piece may be a little larger than what it stands for
 
 
 @dataclass(frozen=True, slots=True)
 class Untested:
-    """A part whose surface lies ``reach`` metres outside of its box; a parameter at a ``value`` outside of its test range."""
+    """A part of which something lies ``reach`` metres outside of its box; a parameter at a ``value`` outside of its test range."""
 
     part: str
+    piece: bool  # of it lies outside, not its surface
     primitive: str
     parameter: str
     value: float
@@ -52,14 +54,21 @@ def _look_at(part: str, primitive: Primitive, params: dict[str, np.ndarray]) -> 
         return None
     asked = {name: values[:, k] for k, name in enumerate(primitive.parameters)}
     least, most = bounds(primitive, asked)
-    reach, size = np.zeros(len(values)), np.zeros(len(values))
+    surface, size = np.zeros(len(values)), np.zeros(len(values))
     for group in mesh.build(primitive, asked, _STEPS):
         ends = group.vertices.min(axis=1), group.vertices.max(axis=1)
-        out = np.maximum(least[group.rows] - ends[0], ends[1] - most[group.rows])
-        reach[group.rows], size[group.rows] = out.max(axis=1), (ends[1] - ends[0]).max(axis=1)
+        surface[group.rows] = np.maximum(least[group.rows] - ends[0], ends[1] - most[group.rows]).max(axis=1)
+        size[group.rows] = (ends[1] - ends[0]).max(axis=1)
+    piece = np.zeros(len(values))
+    for part_of in pieces.build(primitive, asked):
+        ends = part_of.vertices.min(axis=1), part_of.vertices.max(axis=1)
+        out = np.maximum(least[part_of.rows] - ends[0], ends[1] - most[part_of.rows]).max(axis=1)
+        np.maximum.at(piece, part_of.rows, out)
+    reach = np.maximum(np.where(surface > _BEYOND * size, surface, 0), np.where(piece > _PIECE * size, piece, 0))
     row = int(np.argmax(reach))
-    if reach[row] <= _BEYOND * size[row]:
+    if reach[row] <= 0:
         return None
     own = int(np.argmax(share[row]))
-    name = primitive.parameters[own]
-    return Untested(part, primitive.name, name, float(values[row, own]), primitive.test[own], float(reach[row]))
+    name, value = primitive.parameters[own], float(values[row, own])
+    of_piece = bool(surface[row] < reach[row])
+    return Untested(part, of_piece, primitive.name, name, value, primitive.test[own], float(reach[row]))

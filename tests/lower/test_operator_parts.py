@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from geometry.shipped import SHIPPED
 
+from artipg_dsl.geometry import pieces
 from artipg_dsl.geometry.mesh import build, moments
 from artipg_dsl.graph.expr import show
 from artipg_dsl.lower.solids.primitives import lower_primitive
@@ -76,3 +78,19 @@ def test_two_shapes_of_path_are_two_primitives():
     half, whole = batch.sites()
     assert half.primitive.name != whole.primitive.name
     assert len(half.params) == len(half.primitive.parameters) < len(whole.params) == len(whole.primitive.parameters)
+
+
+def test_pieces_of_a_shallow_dish_lie_within_its_walls():
+    """Where its floor meets its flank, the line that closes a step hardly leaves the bore."""
+    dish = {
+        "foot": 44.24e-3,
+        "mouth": 62.24e-3,
+        "height": 12e-3,
+        "heel": 5e-3,
+        "low": 3e-3,
+        "wall": 3e-3,
+        "ground": 3e-3,
+    }
+    for group in pieces.build(SHIPPED["CupShell"], {name: np.array([value]) for name, value in dish.items()}):
+        assert np.hypot(*group.vertices[..., :2].T).max() < 62.3e-3
+        assert group.vertices[..., 2].min() > -1e-9 and group.vertices[..., 2].max() < 12e-3 + 1e-9

@@ -24,3 +24,35 @@ def test_a_range_that_holds_the_value_makes_the_box_right():
 
 def test_a_value_beyond_its_range_where_the_box_is_right_is_not_told():
     assert told(TEXT.replace("begin = -30deg", "begin = 10deg").replace("radius = 7cm", "radius = 3cm")) == []
+
+
+def test_a_piece_that_is_wrong_at_the_value_is_told():
+    text = """
+    apg 1
+    use vocabularies { semantic }
+    use materials { steel }
+    primitive Slab {
+      param wide : length > 0  test 10cm .. 20cm
+      surface top    (u in 0 .. 1, v in 0 .. 1) = [wide * (u - 0.5), wide * (v - 0.5), 1cm]
+      surface bottom (u in 0 .. 1, v in 0 .. 1) = [wide * (0.5 - u), wide * (v - 0.5), -1cm]
+      surface front  (u in 0 .. 1, v in 0 .. 1) = [wide / 2, wide * (u - 0.5), 2cm * (v - 0.5)]
+      surface back   (u in 0 .. 1, v in 0 .. 1) = [-wide / 2, wide * (0.5 - u), 2cm * (v - 0.5)]
+      surface right  (u in 0 .. 1, v in 0 .. 1) = [wide * (0.5 - u), wide / 2, 2cm * (v - 0.5)]
+      surface left   (u in 0 .. 1, v in 0 .. 1) = [wide * (u - 0.5), -wide / 2, 2cm * (v - 0.5)]
+      inside (p) = max(abs(p.x) - wide / 2, abs(p.y) - wide / 2, abs(p.z) - 1cm)
+      box = [wide, wide, 2cm]
+      let far = max(wide / 2, 5cm)
+      piece whole = hull([-far, -far, -1cm], [far, -far, -1cm], [-far, far, -1cm], [far, far, -1cm],
+                         [-far, -far, 1cm], [far, -far, 1cm], [-far, far, 1cm], [far, far, 1cm])
+    }
+    category Tile {
+      root part slab : Slab(wide = 6cm)
+      label semantic.handle on slab
+      material steel on slab
+    }
+    """
+    (found,) = told(dedent(text))
+    assert found.message.startswith(
+        "a convex piece of `slab` reaches 20 mm out of its box: here `wide` of `Slab` is 0.06"
+    )
+    assert told(dedent(text).replace("wide = 6cm", "wide = 12cm")) == []

@@ -281,8 +281,9 @@ RESOLVING = (
         "a primitive has values outside of its test ranges, and its box is wrong there",
         """
         The formulas of a solid are made for the values after `test`: which place of a curve is highest, for example, is found out
-        with them. Elsewhere another place may be, and then the box of the primitive does not hold its surface: what is placed by
-        its faces goes astray. `apgc check` compares both for a few objects. Widen the test range.
+        with them. Elsewhere another place may be, and then the box of the primitive does not hold its surface, so that what is placed by
+        its faces goes astray, or its convex pieces, which then collide with what is far away. `apgc check` compares them for a few
+        objects. Widen the test range.
         """,
         """
         apg 1

@@ -27,6 +27,7 @@ from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from .curves import TURN
+from .cuts import clamp
 from .holes import holed, several
 from .loft import loft, swept
 from .made import FULL, Demand, Made, U
@@ -49,6 +50,8 @@ from .profiles import (
 from .regions import axis_of, chains_of, check_values, outline, turned
 from .strips import MOST, Quad, chord, convex, parts, strip
 from .sweeps import round_sections, sweep
+
+_BORED = 0.98  # of a wall, at most
 
 PX, PY, PZ = (E.var(f"p.{a}") for a in "xyz")
 ROUND = 24  # corners of a slice
@@ -124,7 +127,8 @@ def _bored(quad: Quad, tangent: Expr) -> list[Point]:
     """The inner corners moved out so that chords around the axis are tangents of the bore (by a share of the radius).
 
     They move along the lines that close the step, to where these meet the widened bore: so they stay on the ring that
-    closes the wall, and a flat floor stays where it is. Where another curve begins, its bore must be cleared too.
+    closes the wall, and a flat floor stays where it is. Where another curve begins, its bore must be cleared too. A line that
+    hardly leaves the bore meets it far away or behind: no corner leaves the wall, nor do all lie on its far side.
     """
     wide = [(E.mul(r, E.add(ONE, tangent)), h) for r, h in quad.inner]
     normal = right_of((E.sub(wide[1][0], wide[0][0]), E.sub(wide[1][1], wide[0][1])), ONE)
@@ -136,6 +140,7 @@ def _bored(quad: Quad, tangent: Expr) -> list[Point]:
         if end:
             leads = E.call("lt", E.mul(E.const(0.3), quad.wall), across[0])
             share = E.where(leads, E.maximum(share, E.div(move, across[0])), share)
+        share = clamp(share, 0.0, _BORED)
         found.append((E.add(inner[0], E.mul(share, across[0])), E.add(inner[1], E.mul(share, across[1]))))
     return found
 
