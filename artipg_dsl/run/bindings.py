@@ -7,6 +7,7 @@ reason, and stops no other.
 from __future__ import annotations
 
 import json
+import os
 import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -102,6 +103,9 @@ def _fit_again(source: str, folder: Path, summary: Mapping[str, Any]) -> str:
     options = [f"--{name}={frame[name]}" for name in ("up", "front", "unit") if frame.get(name, "auto") != "auto"]
     options += ["--normalised"] if frame.get("normalised") else []
     files = list(dict.fromkeys(one["source"] for one in summary["objects"]))
+    straight = os.path.normpath(source)  # what `..` follows may be a link: then the path stays as it is
+    if os.path.exists(source) and os.path.exists(straight) and os.path.samefile(source, straight):
+        source = straight
     named = files if len(files) <= _NAMED else [*files[:_NAMED], "..."]
     return " ".join(
         [
