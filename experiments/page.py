@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -62,6 +63,17 @@ def objects_table(told: dict[str, Any]) -> str:
     return table(rows)
 
 
+def steps_table(runs: Sequence[dict[str, Any]]) -> str:
+    """The first metric of each arm after trainings of different lengths, over the seeds that all have."""
+    seeds = min(told["seeds"] for told in runs)
+    name, m = next(iter(runs[0]["metrics"].items()))
+    rows = [["trained on", *(f"{told['steps']:,} steps" for told in runs)]]
+    for arm in runs[0]["arms"]:
+        kept = [told["arms"][arm][name]["over_seeds"][:seeds] for told in runs]
+        rows.append([arm, *(_tell(sum(values) / seeds, m) for values in kept)])
+    return table(rows)
+
+
 def table(rows: list[list[str]]) -> str:
     """Markdown; the first row is the head."""
     lines = ["| " + " | ".join(row) + " |" for row in rows]
@@ -77,12 +89,15 @@ _PLACE = re.compile(r"<!-- (\w+): (\w+) -->\n.*?<!-- end -->", re.DOTALL)
 
 
 def written(page: str, results: Path) -> str:
-    """The page with its tables, each between ``<!-- EXPERIMENT: KIND -->`` and ``<!-- end -->``, as the results have it."""
+    """The page with its tables, each between ``<!-- EXPERIMENT: KIND -->`` and ``<!-- end -->``, as the results have it; those of the folder
+    ``longer`` are of more steps."""
 
     def fill(place: re.Match[str]) -> str:
         experiment, kind = place.groups()
-        told = json.loads((results / f"{experiment}.json").read_text(encoding="utf-8"))
-        return f"<!-- {experiment}: {kind} -->\n{KINDS[kind](told)}\n<!-- end -->"
+        paths = [folder / f"{experiment}.json" for folder in (results, results / "longer")]
+        told, *longer = (json.loads(path.read_text(encoding="utf-8")) for path in paths if path.exists())
+        made = steps_table([told, *longer]) if kind == "steps" else KINDS[kind](told)
+        return f"<!-- {experiment}: {kind} -->\n{made}\n<!-- end -->"
 
     return _PLACE.sub(fill, page)
 
