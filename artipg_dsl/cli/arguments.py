@@ -122,10 +122,15 @@ def part(text: str) -> tuple[int, int]:
     return int(match.group(1)), int(match.group(2))
 
 
+def processors() -> int:
+    """How many this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def workers(text: str) -> int:
     """``4`` processes, or ``auto``: one per processor that this process may use."""
     if text.strip() == "auto":
-        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        return processors()
     number = whole(text)
     if not 0 < number <= _CROWD:
         raise ArgumentTypeError(f"{text} is neither a number from 1 to {_CROWD} nor `auto`")

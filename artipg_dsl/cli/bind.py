@@ -11,7 +11,7 @@ from typing import Any
 from ..errors import UsageError
 from ..export.remote import is_same, place_of
 from .messages import plural, say
-from .progress import Progress
+from .progress import Progress, took
 
 
 def run(options: argparse.Namespace) -> int:
@@ -32,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
     print(json.dumps(summary, indent=1, ensure_ascii=False) if options.json else _table(summary))
     found, failed = summary["objects"], summary["failed"]
     lost = f", {plural(len(failed), 'object')} could not be bound" if failed else ""
-    say(f"details of {plural(len(found), 'object')} in {out}{lost} ({time.monotonic() - begun:.1f} s)")
+    say(f"details of {plural(len(found), 'object')} in {out}{lost} {took(begun, options.workers)}")
     return 0 if found else 1
 
 

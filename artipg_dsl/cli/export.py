@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from ..errors import UsageError
 from ..export.remote import is_same, place_of
 from .messages import plural, say
-from .progress import Progress
+from .progress import Progress, took
 from .sample import bared, read_resolution, refuse_file
 from .wanted import choose_details, open_wanted
 
@@ -66,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
             )
     done = plural(len(job.request.objects), "object")
     names = ", ".join(entry.name for entry in formats)
-    say(f"{done} as {names} in {out} ({time.monotonic() - begun:.1f} s)")
+    say(f"{done} as {names} in {out} {took(begun, options.workers if options.cluster is None else 0)}")
     return 0
 
 
@@ -135,5 +135,5 @@ def _lay_out(options: argparse.Namespace, layout: Layout, begun: float) -> int:
         )
     counts = ", ".join(f"{len(at)} {split}" for split, at in entry.splits().items())
     done = plural(len(entry.numbers), "object")
-    say(f"{done} of {entry.category} as {layout.name} in {out}: {counts} ({time.monotonic() - begun:.1f} s)")
+    say(f"{done} of {entry.category} as {layout.name} in {out}: {counts} {took(begun, options.workers)}")
     return 0

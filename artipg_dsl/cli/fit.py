@@ -10,13 +10,13 @@ from typing import Any
 
 from ..errors import UsageError, UserError
 from .messages import plural, say
-from .progress import Progress
+from .progress import Progress, took
 
 
 def run(options: argparse.Namespace) -> int:
     from ..fit.pose import Frame
     from ..fit.reading import find_files
-    from ..run.fits import Asked, write_fits
+    from ..run.fits import TOGETHER, Asked, write_fits
     from ..run.job import open_program
     from .sample import refuse_file
 
@@ -37,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
     print(json.dumps(summary, indent=1, ensure_ascii=False) if options.json else _table(summary))
     found, failed = summary["objects"], summary["failed"]
     lost = f", {plural(len(failed), 'file')} could not be read" if failed else ""
-    say(f"{plural(len(found), 'object')} in {out}{lost} ({time.monotonic() - begun:.1f} s)")
+    say(f"{plural(len(found), 'object')} in {out}{lost} {took(begun, options.workers if len(paths) > TOGETHER else 0)}")
     return 0 if found else 1
 
 

@@ -14,7 +14,7 @@ from ..errors import UsageError, UserError
 from ..export.remote import is_same, place_of
 from ..run.settings import show_value
 from .messages import plural, say
-from .progress import Progress
+from .progress import Progress, took
 from .sample import refuse_file, show_statistics
 from .sample import write as write_folder
 from .wanted import read_strength
@@ -78,7 +78,7 @@ def _write(options: argparse.Namespace) -> int:
     made, number = write_folder(job, out, Output.of(formats, content, options.memory), options)
     if options.stats:
         print(show_statistics(job, made))
-    say(f"{plural(number, 'object')} in {out} ({time.monotonic() - begun:.1f} s)")
+    say(f"{plural(number, 'object')} in {out} {took(begun, options.workers)}")
     return 0
 
 

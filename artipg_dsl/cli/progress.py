@@ -7,11 +7,22 @@ import time
 from threading import Event, Lock, Thread
 from typing import TextIO
 
+from .arguments import processors
+
 _WIDTH = 30
 OFTEN, SELDOM = (
     1.0,
     20.0,
 )  # seconds between lines: drawn again where somebody watches, written one below the other elsewhere
+LONG = 30.0  # seconds after which a command that used one of several processors says so
+
+
+def took(begun: float, workers: int) -> str:
+    """How long a command took that began at ``begun``, and how it would be faster the next time; with 0 workers they would not help."""
+    spent = time.monotonic() - begun
+    many = processors()
+    idle = f"; `--workers auto` uses all {many} processors" if spent > LONG and workers == 1 and many > 1 else ""
+    return f"({spent:.1f} s{idle})"
 
 
 class Progress:

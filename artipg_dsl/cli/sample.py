@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ..errors import UsageError, UserError
 from ..export.remote import Place, Remote, is_same, place_of
 from .messages import plural, say
-from .progress import Progress
+from .progress import Progress, took
 from .wanted import is_folder, open_wanted, read_request, read_strength
 
 if TYPE_CHECKING:
@@ -72,7 +72,9 @@ def run(options: argparse.Namespace) -> int:
     if options.stats:
         print(show_statistics(job, manifest))
     share = "" if options.shard[1] == 1 else f", part {options.shard[0]} of {options.shard[1]}"
-    say(f"{plural(number, 'object')} in {options.out}{share} ({time.monotonic() - begun:.1f} s)")
+    say(
+        f"{plural(number, 'object')} in {options.out}{share} {took(begun, options.workers if options.cluster is None else 0)}"
+    )
     return 0
 
 

@@ -52,3 +52,12 @@ def test_a_terminal_shows_the_stage_at_once_and_is_wiped():
         progress.stage("compiling")
         assert "Chest: compiling" in stream.getvalue()
     assert stream.getvalue().endswith("\r\x1b[K")
+
+
+def test_long_work_on_one_of_several_processors_says_how_it_is_faster(monkeypatch):
+    monkeypatch.setattr(module, "processors", lambda: 8)
+    begun = time.monotonic() - 40
+    assert module.took(begun, 1).endswith("s; `--workers auto` uses all 8 processors)")
+    assert module.took(begun, 2).endswith(" s)") and module.took(time.monotonic(), 1) == "(0.0 s)"
+    monkeypatch.setattr(module, "processors", lambda: 1)
+    assert module.took(begun, 1).endswith(" s)")
