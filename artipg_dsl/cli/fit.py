@@ -14,9 +14,10 @@ from .progress import Progress, took
 
 
 def run(options: argparse.Namespace) -> int:
+    from ..fit.fitting import TOGETHER
     from ..fit.pose import Frame
     from ..fit.reading import find_files
-    from ..run.fits import TOGETHER, Asked, write_fits
+    from ..run.fits import Asked, write_fits
     from ..run.job import open_program
     from .sample import refuse_file
 
