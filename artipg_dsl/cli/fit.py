@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> int:
     print(json.dumps(summary, indent=1, ensure_ascii=False) if options.json else _table(summary))
     found, failed = summary["objects"], summary["failed"]
     lost = f", {plural(len(failed), 'file')} could not be read" if failed else ""
-    say(f"{plural(len(found), 'object')} in {out}{lost} {took(begun, options.workers if len(paths) > TOGETHER else 0)}")
+    say(f"{plural(len(found), 'object')} in {out}{lost} {took(begun, options, len(paths) > TOGETHER)}")
     return 0 if found else 1
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 import time
 from threading import Event, Lock, Thread
@@ -17,11 +18,13 @@ OFTEN, SELDOM = (
 LONG = 30.0  # seconds after which a command that used one of several processors says so
 
 
-def took(begun: float, workers: int) -> str:
-    """How long a command took that began at ``begun``, and how it would be faster the next time; with 0 workers they would not help."""
-    spent = time.monotonic() - begun
-    many = processors()
-    idle = f"; `--workers auto` uses all {many} processors" if spent > LONG and workers == 1 and many > 1 else ""
+def took(begun: float, options: argparse.Namespace, divisible: bool = True) -> str:
+    """How long a command took that began at ``begun``, and that other processors were idle, where its work could have been divided."""
+    spent, many = time.monotonic() - begun, processors()
+    alone = (
+        options.workers == 1 and getattr(options, "cluster", None) is None and getattr(options, "shard", (1, 1))[1] == 1
+    )
+    idle = f"; `--workers auto` uses all {many} processors" if spent > LONG and alone and divisible and many > 1 else ""
     return f"({spent:.1f} s{idle})"
 
 

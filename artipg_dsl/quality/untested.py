@@ -54,16 +54,12 @@ def _look_at(part: str, primitive: Primitive, params: dict[str, np.ndarray]) -> 
         return None
     asked = {name: values[:, k] for k, name in enumerate(primitive.parameters)}
     least, most = bounds(primitive, asked)
-    surface, size = np.zeros(len(values)), np.zeros(len(values))
+    surface, piece, size = np.zeros((3, len(values)))
     for group in mesh.build(primitive, asked, _STEPS):
-        ends = group.vertices.min(axis=1), group.vertices.max(axis=1)
-        surface[group.rows] = np.maximum(least[group.rows] - ends[0], ends[1] - most[group.rows]).max(axis=1)
-        size[group.rows] = (ends[1] - ends[0]).max(axis=1)
-    piece = np.zeros(len(values))
-    for part_of in pieces.build(primitive, asked):
-        ends = part_of.vertices.min(axis=1), part_of.vertices.max(axis=1)
-        out = np.maximum(least[part_of.rows] - ends[0], ends[1] - most[part_of.rows]).max(axis=1)
-        np.maximum.at(piece, part_of.rows, out)
+        surface[group.rows] = _beyond(group.vertices, least[group.rows], most[group.rows])
+        size[group.rows] = np.ptp(group.vertices, axis=1).max(axis=1)
+    for hull in pieces.build(primitive, asked):
+        np.maximum.at(piece, hull.rows, _beyond(hull.vertices, least[hull.rows], most[hull.rows]))
     reach = np.maximum(np.where(surface > _BEYOND * size, surface, 0), np.where(piece > _PIECE * size, piece, 0))
     row = int(np.argmax(reach))
     if reach[row] <= 0:
@@ -72,3 +68,9 @@ def _look_at(part: str, primitive: Primitive, params: dict[str, np.ndarray]) -> 
     name, value = primitive.parameters[own], float(values[row, own])
     of_piece = bool(surface[row] < reach[row])
     return Untested(part, of_piece, primitive.name, name, value, primitive.test[own], float(reach[row]))
+
+
+def _beyond(vertices: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """(rows,) how far vertices (rows, n, 3) lie outside of boxes (rows, 3), at most; negative within."""
+    found: np.ndarray = np.maximum(low - vertices.min(axis=1), vertices.max(axis=1) - high).max(axis=1)
+    return found
