@@ -150,3 +150,12 @@ category Post {
     for there, told in zip(with_knob, found, strict=True):
         assert ("top" in {g["name"] for g in told["grasps"]}) is there
         assert [k["name"] for k in told["keypoints"]] == (["middle"] if there else [])
+
+
+def test_a_hose_is_held_above_the_taps_wherever_it_has_swung() -> None:
+    made = Session.of("Faucet").sampler.batch(np.array([45, 76, 119, 191]), 5)
+    found = sample_grasps(made)
+    hose = np.array(found.name) == "bend_hose"
+    assert hose.sum() == 40  # at its root and at its mouth
+    for values in joint_values(made, read_states("rest,swivel=80%")):
+        assert not judge(made, found, STANDARD, values)[hose].any()
