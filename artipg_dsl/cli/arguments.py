@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from argparse import ArgumentTypeError
 
@@ -122,15 +121,12 @@ def part(text: str) -> tuple[int, int]:
     return int(match.group(1)), int(match.group(2))
 
 
-def processors() -> int:
-    """How many this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def workers(text: str) -> int:
-    """``4`` processes, or ``auto``: one per processor that this process may use."""
+    """``4`` processes, or ``auto``: as many as there are processors, where that pays."""
+    from ..run.sharing import AUTO
+
     if text.strip() == "auto":
-        return processors()
+        return AUTO
     number = whole(text)
     if not 0 < number <= _CROWD:
         raise ArgumentTypeError(f"{text} is neither a number from 1 to {_CROWD} nor `auto`")

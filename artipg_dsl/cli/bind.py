@@ -32,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
     print(json.dumps(summary, indent=1, ensure_ascii=False) if options.json else _table(summary))
     found, failed = summary["objects"], summary["failed"]
     lost = f", {plural(len(failed), 'object')} could not be bound" if failed else ""
-    say(f"details of {plural(len(found), 'object')} in {out}{lost} {took(begun, options)}")
+    say(f"details of {plural(len(found), 'object')} in {out}{lost} {took(begun)}")
     return 0 if found else 1
 
 

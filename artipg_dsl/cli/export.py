@@ -66,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
             )
     done = plural(len(job.request.objects), "object")
     names = ", ".join(entry.name for entry in formats)
-    say(f"{done} as {names} in {out} {took(begun, options)}")
+    say(f"{done} as {names} in {out} {took(begun)}")
     return 0
 
 
@@ -135,5 +135,5 @@ def _lay_out(options: argparse.Namespace, layout: Layout, begun: float) -> int:
         )
     counts = ", ".join(f"{len(at)} {split}" for split, at in entry.splits().items())
     done = plural(len(entry.numbers), "object")
-    say(f"{done} of {entry.category} as {layout.name} in {out}: {counts} {took(begun, options)}")
+    say(f"{done} of {entry.category} as {layout.name} in {out}: {counts} {took(begun)}")
     return 0

@@ -14,7 +14,6 @@ from .progress import Progress, took
 
 
 def run(options: argparse.Namespace) -> int:
-    from ..fit.fitting import TOGETHER
     from ..fit.pose import Frame
     from ..fit.reading import find_files
     from ..run.fits import Asked, write_fits
@@ -38,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
     print(json.dumps(summary, indent=1, ensure_ascii=False) if options.json else _table(summary))
     found, failed = summary["objects"], summary["failed"]
     lost = f", {plural(len(failed), 'file')} could not be read" if failed else ""
-    say(f"{plural(len(found), 'object')} in {out}{lost} {took(begun, options, len(paths) > TOGETHER)}")
+    say(f"{plural(len(found), 'object')} in {out}{lost} {took(begun)}")
     return 0 if found else 1
 
 

@@ -78,7 +78,7 @@ def _write(options: argparse.Namespace) -> int:
     made, number = write_folder(job, out, Output.of(formats, content, options.memory), options)
     if options.stats:
         print(show_statistics(job, made))
-    say(f"{plural(number, 'object')} in {out} {took(begun, options)}")
+    say(f"{plural(number, 'object')} in {out} {took(begun)}")
     return 0
 
 

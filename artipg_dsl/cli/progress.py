@@ -2,30 +2,21 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
 from threading import Event, Lock, Thread
 from typing import TextIO
-
-from .arguments import processors
 
 _WIDTH = 30
 OFTEN, SELDOM = (
     1.0,
     20.0,
 )  # seconds between lines: drawn again where somebody watches, written one below the other elsewhere
-LONG = 30.0  # seconds after which a command that used one of several processors says so
 
 
-def took(begun: float, options: argparse.Namespace, divisible: bool = True) -> str:
-    """How long a command took that began at ``begun``, and that other processors were idle, where its work could have been divided."""
-    spent, many = time.monotonic() - begun, processors()
-    alone = (
-        options.workers == 1 and getattr(options, "cluster", None) is None and getattr(options, "shard", (1, 1))[1] == 1
-    )
-    idle = f"; `--workers auto` uses all {many} processors" if spent > LONG and alone and divisible and many > 1 else ""
-    return f"({spent:.1f} s{idle})"
+def took(begun: float) -> str:
+    """How long a command took that began at ``begun``."""
+    return f"({time.monotonic() - begun:.1f} s)"
 
 
 class Progress:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,6 +29,7 @@ def run(options: argparse.Namespace) -> int:
     from ..export.write import refuse_existing, write_bytes
     from ..quality.sizes import read_reference
     from ..quality.text import card_text, markdown_table
+    from ..run.sharing import share
     from ..run.workers import map_each
 
     names = _read_names(options)
@@ -43,9 +44,15 @@ def run(options: argparse.Namespace) -> int:
         refuse_existing(Path(options.html), options.force)
     if options.meshes:
         require_manifold()
-    tasks = [_Task(options, name, known, options.workers == 1) for name in names]
+    tasks = [_Task(options, name, known) for name in names]
     cards, pictures = [], []
-    for card, seen in map_each(_examined, tasks, options.workers) if options.workers > 1 else map(_examined, tasks):
+    for card, seen in share(
+        tasks,
+        options.workers,
+        lambda task: _examined(replace(task, watched=True)),
+        lambda rest, many: map_each(_examined, rest, many),
+        long=True,
+    ):
         cards.append(card)
         pictures.append(seen)
         if not (options.json or options.markdown or alone):
@@ -89,7 +96,7 @@ class _Task:
     options: argparse.Namespace
     name: str
     known: dict[str, Real]
-    watched: bool
+    watched: bool = False
 
 
 def _examined(task: _Task) -> tuple[Card, bytes]:

@@ -72,7 +72,7 @@ def run(options: argparse.Namespace) -> int:
     if options.stats:
         print(show_statistics(job, manifest))
     share = "" if options.shard[1] == 1 else f", part {options.shard[0]} of {options.shard[1]}"
-    say(f"{plural(number, 'object')} in {options.out}{share} {took(begun, options)}")
+    say(f"{plural(number, 'object')} in {options.out}{share} {took(begun)}")
     return 0
 
 

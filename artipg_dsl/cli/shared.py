@@ -36,9 +36,9 @@ def add_sharing(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--workers",
         type=workers,
-        default=1,
+        default="auto",
         metavar="N",
-        help="number of processes, or auto for one per processor (default: 1)",
+        help="number of processes, or auto: one, and one per processor as soon as the work is found to take long (default: auto)",
     )
 
 
@@ -62,9 +62,8 @@ def add_bounding(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--memory",
         type=memory,
-        default="2GB",
         metavar="SIZE",
-        help="memory that all processes together may take, such as 512MB (default: 2GB)",
+        help="memory that all processes together may take, such as 512MB (default: 2GB, or half a gigabyte each)",
     )
     to.add_argument(
         "--cluster",

@@ -7,7 +7,8 @@ In: the words of the command line or the arguments of Python. Out: a ``Job``, wh
     prior, weights                       other weights and ranges for the draws of a program
     output, chunk                        what is written: formats and what they hold, shard by shard
     job, compiled, counts                a program at hand, compiled or not; outcomes of attempts
-    dataset, workers, resume             the folder: one process or several, and resuming it
+    dataset, resume                      the folder, and resuming it
+    sharing, workers, memory             one process or several, and how much they take
     evidence                             what is known of the validity of its objects
     laying                               folders in the layouts of the field, category by category
     manifest, schema                     what made a folder, read and written

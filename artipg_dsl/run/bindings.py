@@ -26,6 +26,7 @@ from ..fit.real import check_record, closed, read_real
 from .fits import FITS, SUMMARY, mark
 from .job import Job, ProgramChanged
 from .resume import reopen
+from .sharing import share
 from .workers import map_each
 
 _SUMMARY = "bind.json"
@@ -129,11 +130,12 @@ def _take(job: Job, asked: Binding) -> None:
 
 
 def _each(job: Job, asked: Binding, items: list[Item], workers: int) -> Iterator[str]:
-    if workers > 1 and len(items) > 1:
-        yield from map_each(_bind_theirs, items, workers, _take, job, asked)
-        return
-    for item in items:
-        yield _bind_one(job, asked, item)
+    return share(
+        items,
+        workers,
+        lambda item: _bind_one(job, asked, item),
+        lambda rest, many: map_each(_bind_theirs, rest, many, _take, job, asked),
+    )
 
 
 def _bind_theirs(item: Item) -> str:

@@ -20,10 +20,11 @@ from . import manifest as manifests
 from .chunk import Chunk, ReportProgress, counts_name, read_counts
 from .job import Job
 from .manifest import Manifest
-from .memory import USUAL, Room
+from .memory import Room, most_processes, share_of
 from .output import Output
 from .resume import drop_counts, make_ready, sweep_all
 from .schema import expand
+from .sharing import AUTO, processors, share
 
 
 def write_dataset(
@@ -35,22 +36,25 @@ def write_dataset(
     force: bool = False,
     progress: ReportProgress | None = None,
     workers: int = 1,
-    memory: int = USUAL,
+    memory: int | None = None,
     cluster: str = "",
 ) -> Manifest:
     """Write the objects of a job to the folder ``out`` and return the manifest. Raises ExportError, NoObject.
 
     Objects are made only for shards where something is missing, or which nobody has counted yet. ``part`` (k, n) writes every
     n-th shard from the k-th on, so that n runs share the work; the manifest then gets no counts.
-    ``progress(done, total)`` hears of objects as they are finished; ``workers``: how many processes share the work, ``memory``
-    bytes of them all. ``cluster``: the workers of a Dask scheduler do it, by its address; ``memory`` is then what each may take.
+    ``progress(done, total)`` hears of objects as they are finished; ``workers``: how many processes share the work (see
+    ``sharing.share``), ``memory`` bytes of them all. ``cluster``: the workers of a Dask scheduler do it, by its address; ``memory``
+    is then what each may take.
     """
     out, numbers, shard = place_of(out), job.request.objects, output.shard
     manifest = make_ready(out, manifests.build_manifest(job.program, job.request, output, out=out), force)
-    if isinstance(out, Remote) and out.private and (workers > 1 or cluster):
-        raise UsageError(
-            f"{out} is seen by one process alone", "leave out --workers and --cluster, or choose another place"
-        )
+    if isinstance(out, Remote) and out.private:
+        if workers > 1 or cluster:
+            raise UsageError(
+                f"{out} is seen by one process alone", "leave out --workers and --cluster, or choose another place"
+            )
+        workers = 1
     first, step = (part[0] - 1) * shard, part[1] * shard
     counting = "counts" not in manifest and job.tables is None  # what is made from tables was counted when these were
     pieces = _pieces(
@@ -65,7 +69,7 @@ def write_dataset(
             )
             for at in range(first, len(numbers), step)
         ],
-        workers > 1 or cluster != "",
+        _are_several(workers, cluster),
     )
     _carry_out(job, pieces, progress, workers, memory, cluster)
     job.statistics.take(read_counts(out, pieces))
@@ -87,26 +91,36 @@ def _pieces(chunks: list[Chunk], several: bool) -> list[Chunk]:
     return [p for chunk in chunks for p in (chunk.split() if several or not chunk.shared else [chunk])]
 
 
+def _are_several(workers: int, cluster: str) -> bool:
+    """Whether other processes may take part."""
+    return cluster != "" or (processors() if workers == AUTO else workers) > 1
+
+
 def _carry_out(
-    job: Job, pieces: list[Chunk], progress: ReportProgress | None, workers: int, memory: int, cluster: str
+    job: Job, pieces: list[Chunk], progress: ReportProgress | None, workers: int, memory: int | None, cluster: str
 ) -> None:
     """Write all pieces, here, by other processes, or on a cluster."""
     each = any(piece.each for piece in pieces)
     total, done = sum(len(piece.numbers) for piece in pieces if piece.each or not each), 0
-    room = Room(memory if cluster else memory // workers)
-    made: Iterable[Chunk] = pieces
-    alone = workers == 1 and not cluster
+    room = Room(share_of(memory, 1))
+
+    def write(piece: Chunk) -> Chunk:
+        piece.write(job, room, _offset(progress, done, total))
+        return piece
+
+    def others(rest: Sequence[Chunk], many: int) -> Iterable[Chunk]:
+        from .workers import write_shared  # start-up: one process needs no others
+
+        return write_shared(job, many, rest, Room(share_of(memory, many)))
+
+    made: Iterable[Chunk]
     if cluster:
         from .cluster import write_on_cluster  # start-up
 
-        made = write_on_cluster(job, cluster, workers, pieces, room)
-    elif not alone:
-        from .workers import write_shared  # start-up: one process needs no others
-
-        made = write_shared(job, workers, pieces, room)
+        made = write_on_cluster(job, cluster, workers or processors(), pieces, room)
+    else:
+        made = share(pieces, workers, write, others, most=most_processes(memory))
     for piece in made:
-        if alone:
-            piece.write(job, room, _offset(progress, done, total))
         done += len(piece.numbers) if piece.each or not each else 0
         if progress:
             progress(done, total)
@@ -126,7 +140,7 @@ def add_formats(
     force: bool = False,
     progress: ReportProgress | None = None,
     workers: int = 1,
-    memory: int = USUAL,
+    memory: int | None = None,
     cluster: str = "",
 ) -> None:
     """Further files for the objects of a job in their folder; formats that it has are refused, or written again by ``force``.
@@ -152,7 +166,7 @@ def add_formats(
         Chunk(out, numbers[first : first + SHARD], tuple(formats), content, force=force)
         for first in range(0, len(numbers), SHARD)
     ]
-    _carry_out(job, _pieces(chunks, workers > 1 or cluster != ""), progress, workers, memory, cluster)
+    _carry_out(job, _pieces(chunks, _are_several(workers, cluster)), progress, workers, memory, cluster)
     new = [entry.name for entry in formats if entry.name not in listed]
     if new and not any(find_lacking(object_folder(out, n), formats) for n in expand(identity["numbers"]).tolist()):
         identity["formats"] = [name for name in FORMATS if name in {*listed, *new}]

@@ -14,6 +14,7 @@ from ..quality.duplicates import Ranges, find_near_duplicates, find_ranges
 from ..quality.graphs import find_graphs
 from ..sampling.mutate import Mutation
 from .job import Job
+from .sharing import share
 from .workers import map_each
 
 _TOGETHER = 256  # objects at a time, as far as the mutants of one original go
@@ -32,11 +33,11 @@ def leave_out_near_duplicates(
     ranges = find_ranges(job.sampler.batch(np.arange(_DRAWN), 0, checked=False))
     numbers = job.request.objects
     items = _split(numbers, step.group)
-    alone = workers == 1 or len(items) == 1
-    found: Iterator[np.ndarray] = (
-        (_find(job, ranges, step.group, item) for item in items)
-        if alone
-        else map_each(_find_theirs, items, workers, _take, job.fresh(), ranges, step.group)
+    found: Iterator[np.ndarray] = share(
+        items,
+        workers,
+        lambda item: _find(job, ranges, step.group, item),
+        lambda rest, many: map_each(_find_theirs, rest, many, _take, job.fresh(), ranges, step.group),
     )
     kept, done = [], 0
     for item, left_out in zip(items, found, strict=True):

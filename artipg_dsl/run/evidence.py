@@ -16,6 +16,7 @@ from ..export.strict import Strict, check_meshes, join_strict, require_manifold
 from ..validity.evidence import Evidence, find_evidence, join_evidence
 from .job import Job
 from .schema import to_runs
+from .sharing import share
 from .workers import map_each
 
 _TOGETHER = 64  # objects
@@ -114,21 +115,21 @@ def _looked_at(
     stage: Callable[[str], None],
 ) -> Iterator[_Seen]:
     """The evidence about each part, in their order."""
-    total = len(parts) * steps
-    if min(workers, len(parts)) > 1:
-        stage(f"checking objects with {min(workers, len(parts))} workers")
-        progress(0, total)
-        for done, seen in enumerate(map_each(_look, parts, workers, _take, task), start=1):
-            progress(done * steps, total)
-            yield seen
-        return
-    for number, part in enumerate(parts):
+    done, total = 0, len(parts) * steps
 
-        def told(step: int, words: str, before: int = number * steps) -> None:
-            progress(before + step, total)
-            stage(words)
+    def told(step: int, words: str) -> None:
+        progress(done * steps + step, total)
+        stage(words)
 
-        yield task.look(part, told)
+    def others(rest: Sequence[np.ndarray], many: int) -> Iterator[_Seen]:
+        stage(f"checking objects with {min(many, len(rest))} workers")
+        progress(done * steps, total)
+        return map_each(_look, rest, many, _take, task)
+
+    for seen in share(parts, workers, lambda part: task.look(part, told), others):
+        done += 1
+        progress(done * steps, total)
+        yield seen
 
 
 _task: _Task | None = None  # what this worker works for

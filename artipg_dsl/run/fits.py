@@ -33,6 +33,7 @@ from .dataset import write_dataset
 from .job import prepare
 from .output import Output
 from .request import read_request
+from .sharing import share
 from .workers import map_each
 
 FITS, PICTURES, VALUES, SUMMARY = "fits", "pictures", "values.jsonl", "fit.json"
@@ -123,11 +124,13 @@ def write_fits(
 
 
 def _each(sampler: Sampler, asked: Asked, groups: list[list[Item]], workers: int) -> Iterator[list[Item]]:
-    if workers > 1 and len(groups) > 1:
-        yield from map_each(_fit_theirs, groups, workers, _take, sampler, asked)
-        return
-    for group in groups:
-        yield _fit_group(_Work.of(sampler, asked), group)
+    return share(
+        groups,
+        workers,
+        lambda group: _fit_group(_Work.of(sampler, asked), group),
+        lambda rest, many: map_each(_fit_theirs, rest, many, _take, sampler, asked),
+        long=True,
+    )
 
 
 # ---------------------------------------------------------------- one group

@@ -26,6 +26,7 @@ from .job import Job, open_job
 from .manifest import make_relative
 from .request import Drawn, Request
 from .schema import expand
+from .sharing import share
 from .workers import map_each
 
 Progress = Callable[[int, int], None]
@@ -189,9 +190,10 @@ def _carry_out(job: Job, layout: Layout, entry: Entry, out: Path, progress: Prog
 
 
 def _written(job: Job, pieces: list[Piece], workers: int) -> Iterator[list[str]]:
-    if workers > 1:
-        return map_each(_write, pieces, workers, _take, replace(job, statistics=Statistics()))
-    return (piece.write(job) for piece in pieces)
+    given = replace(job, statistics=Statistics())
+    return share(
+        pieces, workers, lambda piece: piece.write(job), lambda rest, many: map_each(_write, rest, many, _take, given)
+    )
 
 
 _job: Job | None = None  # what this worker works for

@@ -6,6 +6,7 @@ The bytes of the files do not depend on it, since an object is the same whatever
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from pathlib import Path
 from ..errors import UsageError
 
 USUAL = 2 * 10**9
+_ONE = 512_000_000  # what a process among several may take, where nobody limits them
 _LEAST = 256_000_000  # Python, NumPy and a program take half of this
 _UNITS = {"MB": 10**6, "GB": 10**9, "TB": 10**12}
 _MOST = 1 << 50
@@ -39,6 +41,21 @@ def read_memory(text: str) -> int:
 def shard_bytes(memory: int) -> int:
     """How large a shard may be."""
     return int(memory * _SHARD)
+
+
+def share_of(memory: int | None, processes: int) -> int:
+    """What each of several processes may take of ``memory`` bytes; None: of the usual, if that is half a gigabyte for each."""
+    return (memory or max(USUAL, processes * _ONE)) // processes
+
+
+def most_processes(memory: int | None) -> int | None:
+    """How many processes have room in ``memory`` bytes, None: in half of what the machine has; None where that cannot be told."""
+    if memory:
+        return max(1, memory // _LEAST)
+    try:
+        return max(1, os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2 // _ONE)
+    except (AttributeError, OSError, ValueError):
+        return None
 
 
 @dataclass(slots=True)

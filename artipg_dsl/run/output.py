@@ -91,10 +91,10 @@ class Output:
         object.__setattr__(self, "shard", self.shard or self.content.shard_size())
 
     @classmethod
-    def of(cls, formats: Iterable[Format], content: Content, memory: int = USUAL) -> Output:
+    def of(cls, formats: Iterable[Format], content: Content, memory: int | None = None) -> Output:
         """The output in formats that ``choose_formats`` or ``find_formats`` has found, in shards that go into the memory."""
         made = cls(tuple(entry.name for entry in formats), content)
-        return replace(made, shard=made.content.shard_size(shard_bytes(memory)))
+        return replace(made, shard=made.content.shard_size(shard_bytes(memory or USUAL)))
 
     @property
     def kinds(self) -> list[str]:

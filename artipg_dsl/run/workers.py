@@ -31,7 +31,7 @@ R = TypeVar("R")
 _given: tuple[Job, Room] | None = None  # what this worker works for, and the memory that it may take
 
 
-def write_shared(job: Job, count: int, chunks: list[Chunk], room: Room) -> Iterator[Chunk]:
+def write_shared(job: Job, count: int, chunks: Sequence[Chunk], room: Room) -> Iterator[Chunk]:
     """Write the chunks with ``count`` processes, which have ``room`` each, and give each back, in their order.
 
     Raises what the first chunk that fails raises, and UserError where a process dies.

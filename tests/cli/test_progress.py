@@ -2,7 +2,6 @@
 
 import io
 import time
-from argparse import Namespace
 
 from artipg_dsl.cli import progress as module
 from artipg_dsl.cli.progress import Progress
@@ -53,15 +52,3 @@ def test_a_terminal_shows_the_stage_at_once_and_is_wiped():
         progress.stage("compiling")
         assert "Chest: compiling" in stream.getvalue()
     assert stream.getvalue().endswith("\r\x1b[K")
-
-
-def test_long_work_on_one_of_several_processors_says_how_it_is_faster(monkeypatch):
-    monkeypatch.setattr(module, "processors", lambda: 8)
-    begun, one = time.monotonic() - 40, Namespace(workers=1)
-    assert module.took(begun, one).endswith("s; `--workers auto` uses all 8 processors)")
-    assert module.took(time.monotonic(), one) == "(0.0 s)"
-    for other in ({"workers": 2}, {"workers": 1, "cluster": "local"}, {"workers": 1, "shard": (2, 8)}):
-        assert module.took(begun, Namespace(**other)).endswith(" s)")
-    assert module.took(begun, one, divisible=False).endswith(" s)")
-    monkeypatch.setattr(module, "processors", lambda: 1)
-    assert module.took(begun, one).endswith(" s)")

@@ -16,7 +16,7 @@ import pytest
 
 from artipg_dsl.errors import NoObject, SettingError, UserError
 from artipg_dsl.export.write import ExportError
-from artipg_dsl.run import workers
+from artipg_dsl.run import sharing, workers
 from artipg_dsl.run.workers import map_each
 
 from .helpers import CHEST, Apgc, command, environment, tree
@@ -45,6 +45,26 @@ def test_the_same_files_as_by_one(apgc: Apgc, tmp_path: Path) -> None:
         assert apgc("mutate", folder, "--only", "0..40", "--format", "glb", "-o", f"{folder}-mutants", *more)[0] == 0
         assert apgc("export", f"{folder}-mutants", "--format", "obj", *more)[0] == 0
     assert tree(tmp_path / "one-mutants") == tree(tmp_path / "two-mutants")
+
+
+def test_the_same_files_where_others_go_on(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nobody says how many: the first shard is written here, the others are shared."""
+    asked: list[int] = []
+
+    def write_shared(job, many, chunks, room):
+        asked.append(len(chunks))
+        return shared(job, many, chunks, room)
+
+    shared = workers.write_shared
+    monkeypatch.setattr(workers, "write_shared", write_shared)
+    monkeypatch.setattr(sharing, "processors", lambda: 2)
+    monkeypatch.setattr(sharing, "_WORTH", 0.0)
+    arguments = ["sample", CHEST, "-n", 600, "--points", 8, "--stats", "-o"]
+    code, out, err = apgc(*arguments, tmp_path / "auto")
+    assert code == 0, err
+    assert asked == [2]
+    assert apgc(*arguments, tmp_path / "one", "--workers", 1) [:2] == (0, out)
+    assert tree(tmp_path / "auto") == tree(tmp_path / "one")
 
 
 def test_what_a_worker_meets_is_told_in_words(apgc: Apgc, tmp_path: Path) -> None:

@@ -1,0 +1,47 @@
+"""Whether a run is one process's work or several's.
+
+Where nobody says how many, a run begins alone and calls others once its work is found to take long. The bytes are the same.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TypeVar
+
+AUTO = 0  # workers: one per processor, as soon as that is worth their start
+_WORTH = 5.0  # seconds of work that are left then: a process takes about one to start
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+def processors() -> int:
+    """How many this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def share(
+    items: Sequence[T],
+    workers: int,
+    alone: Callable[[T], R],
+    others: Callable[[Sequence[T], int], Iterable[R]],
+    *,
+    most: int | None = None,
+    long: bool = False,
+) -> Iterator[R]:
+    """What ``alone`` makes of each item here, or ``others`` (items, processes) of all that are left, in their order.
+
+    Several ``workers`` begin at once. With ``AUTO`` this process begins, and others, ``most`` at most, go on when what is left would take it
+    more than ``_WORTH`` seconds, as those before tell; ``long``: each item is known to take so much.
+    """
+    many = workers or min(processors(), most or processors())
+    begun = last = time.monotonic()
+    for done, item in enumerate(items):
+        left, now = len(items) - done, time.monotonic()
+        pace = max(now - last, (now - begun) / done) if done else 0.0
+        if min(many, left) > 1 and (workers or long or pace * left > _WORTH):
+            yield from others(items[done:], many)
+            return
+        last = now
+        yield alone(item)
