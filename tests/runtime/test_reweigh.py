@@ -425,3 +425,9 @@ def test_parts_are_as_frequent_as_in_real_objects(category: str, words: set[str]
     found = sample(category, 400, prior="partnet").annotations()
     there = [any(part["semantic"] in words for part in each["parts"]) for each in found]
     assert close((sum(there) / 400, 400), wanted)
+
+
+@pytest.mark.parametrize("category", ["StorageFurniture", "Table"])
+def test_nearly_all_have_something_that_moves_as_all_of_the_data_set_have(category: str) -> None:
+    found = sample(category, 400, prior="partnet").annotations()
+    assert sum(any(joint["type"] != "fixed" for joint in each["joints"]) for each in found) >= 0.9 * 400
