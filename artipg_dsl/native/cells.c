@@ -128,20 +128,29 @@ typedef struct {
     int64_t count;
 } step;
 
-static double farthest(const step *steps, int64_t left, const double *point, const double *ahead) {
-    double most = -INFINITY, local[3], height[3], across[3], out[3], moved[3], value;
-    int i;
-    if (!left) return dot(point, ahead);
-    for (i = 0; i < 3; i++) local[i] = point[i] - steps->origin[i];
-    value = dot(local, steps->axis);
-    for (i = 0; i < 3; i++) height[i] = value * steps->axis[i], across[i] = local[i] - height[i];
-    for (int64_t k = 0; k < steps->count; k++) {
-        for (i = 0; i < 3; i++) out[i] = across[i] * steps->wider[k] + height[i];
-        apply(steps->turn[k], out, moved);
-        for (i = 0; i < 3; i++) moved[i] = moved[i] + (steps->origin[i] + steps->axis[i] * steps->slide[k]);
-        value = farthest(steps + 1, left - 1, moved, ahead);
-        if (!(value <= most)) most = value;
-        if (most != most) break;
+/* how far n corners reach along a direction, and ``beyond``, when the joints are at each of their places: from the outermost joint on, what
+   it does to a corner is done to the direction instead, once for all of them */
+static double farthest(const step *steps, int64_t left, const double *ahead, double beyond, const double *corners, int64_t n) {
+    double most = -INFINITY, value, bare[3], way[3], along, started;
+    int64_t k;
+    while (left && !steps[left - 1].count) left--;
+    if (!left) {
+        for (k = 0; k < n; k++) {
+            value = dot(corners + 3 * k, ahead) + beyond;
+            if (value > most) most = value;
+            if (value != value) return value;
+        }
+        return most;
+    }
+    const step *own = steps + left - 1;
+    along = dot(ahead, own->axis), started = dot(ahead, own->origin);
+    for (k = 0; k < own->count; k++) {
+        apply_back(own->turn[k], ahead, bare);
+        for (int i = 0; i < 3; i++) way[i] = bare[i] * own->wider[k] + own->axis[i] * ((1.0 - own->wider[k]) * along);
+        value = beyond + (started + along * own->slide[k]) - dot(way, own->origin);
+        value = farthest(steps, left - 1, way, value, corners, n);
+        if (value > most) most = value;
+        if (value != value) return value;
     }
     return most;
 }
@@ -154,22 +163,18 @@ OUT int64_t reach_of_cells(int64_t n, int64_t c, const side *body, const joints 
     step steps[MOST];
     if (c > MOST) return 0;
     for (int64_t k = 0; k < n; k++) {
-        double most = -INFINITY;
         for (int64_t column = 0; column < c; column++) {
-            const int64_t at = k * c + column, known = joint[at] > 0 ? joint[at] : 0;
+            const int64_t at = k * c + column;
             step *own = steps + column;
-            own->axis = all->axis + 3 * known, own->origin = all->origin + 3 * known, own->count = count[at];
+            own->count = joint[at] >= 0 ? count[at] : 0;
+            if (!own->count) continue;
+            own->axis = all->axis + 3 * joint[at], own->origin = all->origin + 3 * joint[at];
             for (int64_t p = 0; p < own->count; p++) {
                 rotation(own->axis, cosine[at * PLACES + p], sine[at * PLACES + p], own->turn[p]);
                 own->wider[p] = wider[at * PLACES + p], own->slide[p] = slide[at * PLACES + p];
             }
         }
-        for (int64_t corner = 0; corner < body->count[k]; corner++) {
-            double value = farthest(steps, c, body->corners[k] + 3 * corner, ahead + 3 * k);
-            if (!(value <= most)) most = value;
-            if (most != most) break;
-        }
-        out[k] = most;
+        out[k] = farthest(steps, c, ahead + 3 * k, 0.0, body->corners[k], body->count[k]);
     }
     return 1;
 }

@@ -10,11 +10,9 @@ import numpy as np
 from ..geometry.collide import MOST_STEPS, separate
 from ..geometry.vectors import dot
 from ..native import cells as native
-from ..native.backend import Machine
 from ..native.backend import machine as compiled
-from ..native.narrow import Side
 from ..runtime.motion import apply, multiply, rotation_about
-from .bodies import EXACT, Pieces, Placed, swept_extent, turn_points
+from .bodies import EXACT, Pieces, Placed, swept_extent
 from .tree import Tree
 
 if TYPE_CHECKING:
@@ -138,47 +136,36 @@ def _cloud(
     In place of an arc stand its ends and where its tangents meet, which hold it between them; in place of a long one the corners
     of an octagon about the whole circle.
     """
+    places, axes = _places(tree, joint, middle, wide), _axes(tree)
+    spare = add_columns(np.where(places.turns, np.abs(tree.advance[np.maximum(joint, 0)]) * places.by, 0.0))
     machine = compiled()
     if machine is not None:
-        known = _cloud_compiled(machine, tree, Placed(body, piece).side(), joint, middle, wide, ahead)
+        side = Placed(body, piece).side()
+        known = native.reach(machine, side, axes, joint, places.count, places.angle, places.wider, places.slide, ahead)
         if known is not None:
-            return known
+            return known + spare
+    forward, beyond = _carried_back(axes, joint, places, ahead)
     found = np.empty(len(piece))
     for at, corners in body.classes(piece):
-        points, spare = corners, np.zeros(len(at))
-        for column in range(joint.shape[1]):
-            own = joint[at, column]
-            known, by = np.maximum(own, 0), np.where(own >= 0, wide[at, column], 0.0)
-            turns, slides = (own >= 0) & tree.turns[known], (own >= 0) & tree.slides[known]
-            axis, origin = tree.axis[known], tree.origin[known]
-            local = points - origin[:, None]
-            height = dot(local, axis[:, None])[..., None] * axis[:, None]
-            across = local - height
-            long = turns & (by > _EIGHTH / 2)
-            spare += np.where(turns, np.abs(tree.advance[known]) * by, 0.0)
-            bend = np.where(turns & ~long, by, 0.0)
-            made = []
-            for step in range(8 if long.any() else 3 if (by > 0.0).any() else 1):
-                sign = (0.0, -1.0, 1.0)[step % 3]
-                angle = np.where(turns, middle[at, column], 0.0) + np.where(long, step * _EIGHTH, sign * bend)
-                turn = rotation_about(axis, angle)
-                wider = 1.0 / np.cos(bend) if sign == 0.0 else np.ones(len(at))
-                wider = np.where(long, 1.0 / np.cos(_EIGHTH / 2), wider)
-                slide = np.where(slides, middle[at, column] + sign * by, 0.0)
-                slide = slide + np.where(turns, tree.advance[known] * middle[at, column], 0.0)
-                made.append(
-                    turn_points(turn, across * wider[:, None, None] + height)
-                    + (origin + axis * slide[:, None])[:, None]
-                )
-            points = np.concatenate(made, axis=1)
-        found[at] = dot(points, ahead[at][:, None]).max(axis=1) + spare
-    return found
+        far = dot(corners[:, None], forward[at][:, :, None]) + beyond[at][:, :, None]
+        found[at] = far.max(axis=(1, 2))
+    return found + spare
 
 
-def _cloud_compiled(
-    machine: Machine, tree: Tree, side: Side, joint: np.ndarray, middle: np.ndarray, wide: np.ndarray, ahead: np.ndarray
-) -> np.ndarray | None:
-    """The same by compiled code; None where there are more joints than it has room for."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Places:
+    """What stands for the ways of joints (k, c): by how far each goes either way, ``count`` (k, c) places of up to 8, each turned by an
+    ``angle``, put ``wider`` times as far out and ``slide`` along the axis, (k, c, 8)."""
+
+    turns: np.ndarray
+    by: np.ndarray
+    count: np.ndarray
+    angle: np.ndarray
+    wider: np.ndarray
+    slide: np.ndarray
+
+
+def _places(tree: Tree, joint: np.ndarray, middle: np.ndarray, wide: np.ndarray) -> _Places:
     known, by = np.maximum(joint, 0), np.where(joint >= 0, wide, 0.0)
     turns, slides = (joint >= 0) & tree.turns[known], (joint >= 0) & tree.slides[known]
     long = turns & (by > _EIGHTH / 2)
@@ -190,9 +177,31 @@ def _cloud_compiled(
     wider = np.where(long[..., None], 1.0 / np.cos(_EIGHTH / 2), wider)
     slide = np.where(slides[..., None], middle[..., None] + sign * by[..., None], 0.0)
     slide = slide + np.where(turns, tree.advance[known] * middle, 0.0)[..., None]
-    count = np.where(long, native.PLACES, np.where(by > 0.0, 3, 1))
-    found = native.reach(machine, side, _axes(tree), joint, count, angle, wider, slide, ahead)
-    return None if found is None else found + add_columns(np.where(turns, np.abs(tree.advance[known]) * by, 0.0))
+    return _Places(turns, by, np.where(long, native.PLACES, np.where(by > 0.0, 3, 1)), angle, wider, slide)
+
+
+def _carried_back(
+    axes: native.Axes, joint: np.ndarray, places: _Places, ahead: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The directions (k, n, 3) along which, and the ways (k, n) beyond which, corners at rest reach when their joints are at each of their
+    places: what joints do to a corner is done to the direction instead, once for all corners, from the outermost joint to the innermost."""
+    forward, beyond = ahead[:, None], np.zeros((len(joint), 1))
+    for column in range(joint.shape[1] - 1, -1, -1):
+        own = joint[:, column]
+        known, many = np.maximum(own, 0), int(places.count[:, column].max(initial=1))
+        axis, origin = axes.axis[known][:, None], axes.origin[known][:, None]
+        made, past = [], []
+        for step in range(many):  # where a row has fewer, some of them again
+            turn = rotation_about(axis[:, 0], places.angle[:, column, step])
+            wider, slide = places.wider[:, column, step, None], places.slide[:, column, step, None]
+            along = dot(forward, axis)
+            bare = apply(np.swapaxes(turn, 1, 2)[:, None], forward)
+            way = bare * wider[..., None] + axis * ((1.0 - wider) * along)[..., None]
+            off = beyond + (dot(forward, origin) + along * slide) - dot(way, origin)
+            made.append(np.where((own >= 0)[:, None, None], way, forward))
+            past.append(np.where((own >= 0)[:, None], off, beyond))
+        forward, beyond = np.concatenate(made, axis=1), np.concatenate(past, axis=1)
+    return forward, beyond
 
 
 def add_columns(columns: np.ndarray) -> np.ndarray:

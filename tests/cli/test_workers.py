@@ -63,7 +63,7 @@ def test_the_same_files_where_others_go_on(apgc: Apgc, tmp_path: Path, monkeypat
     code, out, err = apgc(*arguments, tmp_path / "auto")
     assert code == 0, err
     assert asked == [2]
-    assert apgc(*arguments, tmp_path / "one", "--workers", 1) [:2] == (0, out)
+    assert apgc(*arguments, tmp_path / "one", "--workers", 1)[:2] == (0, out)
     assert tree(tmp_path / "auto") == tree(tmp_path / "one")
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from artipg_dsl.session import Session
 from artipg_dsl.validity.bodies import gather
-from artipg_dsl.validity.cells import examine_cells
+from artipg_dsl.validity.cells import _cloud, _posed, examine_cells
 from artipg_dsl.validity.together import Cells, list_ways
 from artipg_dsl.validity.tree import Tree
 
@@ -50,3 +50,27 @@ def test_cells(using, scene, gap):
         found.append([bits(column) for column in (hit, apart, loss, total)])
     assert found[0] == found[1]
     assert (hit.any() or gap is None) and apart.sum() > 20 and not (hit & apart).any()
+
+
+@pytest.mark.parametrize("name", ["numpy", "c"])
+def test_no_state_reaches_farther_than_is_said(using, scene, name):
+    """And small intervals not much less far: the direction that is carried back stands for the corners that joints carry."""
+    using(name)
+    tree, body, way, cells = scene
+    half = way.joint.shape[1] // 2
+    joint, start, stop = way.joint[cells.row][:, :half], cells.start[:, :half], cells.stop[:, :half]
+    lots = np.random.Generator(np.random.PCG64(2))
+    ahead = lots.normal(size=(len(joint), 3))
+    ahead /= np.linalg.norm(ahead, axis=1)[:, None]
+    said = _cloud(tree, body, cells.piece, joint, (start + stop) / 2, (stop - start) / 2, ahead)
+    reached = np.full(len(joint), -np.inf)
+    shares = [0.0, 0.5, 1.0, *lots.uniform(size=40)]
+    for share in shares:
+        pose = _posed(tree, joint, start + share * (stop - start))
+        for at, corners in body.classes(cells.piece):
+            placed = np.einsum("kij,kpj->kpi", pose.turn[at], corners) + pose.shift[at][:, None]
+            reached[at] = np.maximum(reached[at], np.einsum("kpi,ki->kp", placed, ahead[at]).max(axis=1))
+    assert (reached <= said + 1e-12).all()
+    little = (stop - start).max(axis=1) < 1e-2
+    assert little.sum() > 20
+    assert (said - reached)[little].max() < 0.02
