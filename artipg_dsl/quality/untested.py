@@ -58,8 +58,8 @@ def _look_at(part: str, primitive: Primitive, params: dict[str, np.ndarray]) -> 
     for group in mesh.build(primitive, asked, _STEPS):
         surface[group.rows] = _beyond(group.vertices, least[group.rows], most[group.rows])
         size[group.rows] = np.ptp(group.vertices, axis=1).max(axis=1)
-    for hull in pieces.build(primitive, asked):
-        np.maximum.at(piece, hull.rows, _beyond(hull.vertices, least[hull.rows], most[hull.rows]))
+    for cloud in pieces.clouds(primitive, asked):  # without faces, which take long
+        np.maximum.at(piece, cloud.rows, _beyond(cloud.points, least[cloud.rows], most[cloud.rows]))
     reach = np.maximum(np.where(surface > _BEYOND * size, surface, 0), np.where(piece > _PIECE * size, piece, 0))
     row = int(np.argmax(reach))
     if reach[row] <= 0:
