@@ -16,7 +16,8 @@ from .graph.primitive import Primitive
 from .graph.program import Program
 from .lower.expressions.context import Abort
 from .lower.program import new_context
-from .lower.solids.primitives import Lowered, lower_primitive
+from .lower.solids.lowered import Lowered
+from .lower.solids.primitives import lower_primitive
 from .lower.solve.feasible import plain
 from .semantics.check import TypedProgram
 from .semantics.symbols import Symbol

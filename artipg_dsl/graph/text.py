@@ -215,6 +215,13 @@ def _written(program: P.Program, *, places: bool) -> str:
     return "\n".join([*head, *writer.lines, ""])
 
 
+def to_words(value: Any) -> str:
+    """Expressions and records outside of a program, with what holds them together, as ``from_words`` reads them."""
+    writer = _Writer(P.Program(""), places=True)
+    last = writer.encode(value)
+    return "\n".join([*writer.lines, last])
+
+
 def digest(program: P.Program) -> str:
     """The hash of what a program computes: places and documentation left out."""
     return blake2b(_written(program, places=False).encode(), digest_size=16).hexdigest()
@@ -445,3 +452,24 @@ def from_text(text: str, known: str = "") -> P.Program:
         raise TextError(f"the compiled program is incomplete or damaged: {error}") from None
     program.hash, program.foreign = known or digest(program), True
     return program
+
+
+def from_words(text: str) -> Any:
+    """What ``to_words`` has written, its primitives verified. Raises TextError for anything else."""
+    reader = _Reader(P.Program(""))
+    *lines, last = text.split("\n")
+    try:
+        for line in lines:
+            if not (line[:1] == "%" and reader.plain(line)):
+                reader.words, reader.at = _tokens(line), 0
+                reader.item(0)
+        reader.words, reader.at = _tokens(last), 0
+        value = reader.value()
+        require(reader.at == len(reader.words), "there is more after the end of the line")
+        for item in value if isinstance(value, tuple) else ():
+            if isinstance(item, Primitive):
+                reader.verifier.shape(item, 0)
+                reader.verifier.item(item, 0)
+        return value
+    except (NodeFault, Misfit) as error:
+        raise TextError(str(error)) from None

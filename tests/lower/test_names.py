@@ -98,6 +98,7 @@ def test_what_the_checker_should_have_found_is_a_fault_of_the_compiler(
 ) -> None:
     file = tmp_path / "c.apg"
     file.write_text(f"{HEAD}category C {{\n{BODY}  let deep = body.size.x\n}}\n", encoding="utf-8")
+    monkeypatch.setenv("APGC_CACHE", "off")  # what is kept would need no meaning
     monkeypatch.setattr(Evaluator, "meant", lambda self, meaning: None)
     assert main(["check", str(file)]) == 1
     told = capsys.readouterr().err

@@ -27,7 +27,7 @@ from .style import Style
 from .turns import apply_placements
 
 if TYPE_CHECKING:
-    from ..solids.primitives import Lowered
+    from ..solids.lowered import Lowered
     from .connect import Attachment
 
 

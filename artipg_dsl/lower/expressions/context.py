@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ...semantics.check import TypedProgram
     from ..elaborate.part import Component
     from ..elaborate.ranges import Quantity
-    from ..solids.primitives import Lowered
+    from ..solids.lowered import Lowered
     from ..values.kinds import Value
     from .env import Env
     from .evaluate import Evaluator
