@@ -17,7 +17,6 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import State
 from ..runtime.needs import motion_of
 from ..runtime.plan import make_plan
-from ..sampling.known import make_batch
 
 _LOOKED = 64  # objects that tell whether joints rest at 0
 _KINDS = ("revolute", "prismatic")
@@ -40,7 +39,9 @@ class Opened(Moved):
 def resting(program: Program) -> Program:
     """The program as one whose joints are at rest, if some of its objects rest elsewhere than at 0: for the others that is only slower."""
     plan = make_plan(program, list(motion_of(program)))
-    batch = make_batch(program, plan, State(0, np.arange(_LOOKED), np.zeros(_LOOKED, dtype=np.int64)))
+    state = State(0, np.arange(_LOOKED), np.zeros(_LOOKED, dtype=np.int64))
+    # without the ends that solids leave to joints, which take long and which a rest does not depend on
+    batch = Batch(program, plan, state, *plan.function(state))
     if not rest_values(batch).any():
         return program
     return Moved(**{one.name: getattr(program, one.name) for one in fields(Program)})

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from unittest import mock
+
 import numpy as np
 import pytest
 
@@ -17,6 +19,7 @@ from artipg_dsl.fit.search import Effort
 from artipg_dsl.fit.states import can_open, moved
 from artipg_dsl.geometry import points as geometry
 from artipg_dsl.random import key
+from artipg_dsl.sampling import known
 from artipg_dsl.session import Session
 
 CASE = """apg 1
@@ -89,6 +92,14 @@ def test_joints_are_drawn_after_all_else(models: tuple[Model, Model]) -> None:
 def test_loops_and_followers_are_not_opened() -> None:
     assert can_open(Session.of_text(CASE).sampler.program)
     assert not can_open(Session.of("Foldingrack").sampler.program)
+
+
+def test_rests_are_told_without_what_is_in_the_way() -> None:
+    """Where joints that go on end is for solids to tell, which takes most of a minute for a cupboard."""
+    sampler = Session.of_text(CASE.replace("110deg", "clearance")).sampler
+    with mock.patch.object(known, "limit_joints") as limited:
+        Model(sampler)
+    assert limited.call_count == 0
 
 
 def test_the_surface_is_carried_back_to_rest() -> None:
