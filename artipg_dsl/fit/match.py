@@ -1,7 +1,7 @@
 """Clouds against surfaces, both ways: which point is nearest to which, and how far off it lies.
 
-Nearest is meant of places and normals together, so that the back of a sheet is not taken for its front. All candidates are
-compared in blocks, each as one product of matrices.
+Nearest is meant of places and normals together, so that the back of a sheet is not taken for its front. Candidates are
+compared, each by products of matrices.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from .words import OTHER, factors
 
 _TURN = 0.06  # what two normals of opposite direction add to a distance, half of it, in diagonals
-_BLOCK = 12_000_000  # pairs at a time
+_PAIRS = 128_000  # at a time
 _FAR = 1e4
 REACH = 1.5  # how far a point stands for the surface around it, in distances between points: another is nearer than that nearly always
 
@@ -23,19 +23,28 @@ def nearest(
 ) -> tuple[np.ndarray, np.ndarray]:
     """For features ``points`` (K, n, d) and ``asked`` (K, m, d) with the ``words`` (K, n), (K, m) of both, of those ``meant``: of each asked
     one the nearest of its candidate (K, m), and of each point the nearest asked one (K, n)."""
-    count, n, m = len(points), points.shape[1], asked.shape[1]
-    there, here = np.empty((count, m), dtype=np.int64), np.empty((count, n), dtype=np.int64)
-    step = max(1, _BLOCK // (n * m))
-    for start in range(0, count, step):
-        part = slice(start, start + step)
-        a, b = points[part].astype(np.float32), asked[part].astype(np.float32)
-        apart = (b * b).sum(axis=2)[:, :, None] + (a * a).sum(axis=2)[:, None, :]
-        apart -= 2.0 * (b @ a.transpose(0, 2, 1))
-        if len(meant):
-            first, second = factors(words[1][part], meant)[0], factors(words[0][part], meant)[1]
-            apart += OTHER**2 * (first.astype(np.float32) @ second.astype(np.float32).transpose(0, 2, 1))
-        there[part], here[part] = apart.argmin(axis=2), apart.argmin(axis=1)
+    a, b = points.astype(np.float32), asked.astype(np.float32)
+    one, other = (np.ones((*x.shape[:2], 1), dtype=np.float32) for x in (a, b))
+    # the product of a row of one and a row of the other is the square of their distance
+    left = [b, (b * b).sum(axis=2, keepdims=True), other]
+    right = [-2.0 * a, one, (a * a).sum(axis=2, keepdims=True)]
+    if len(meant):
+        left.append(factors(words[1], meant)[0].astype(np.float32))
+        right.append(OTHER**2 * factors(words[0], meant)[1].astype(np.float32))
+    theirs, ours = np.concatenate(left, axis=2), np.concatenate(right, axis=2)
+    there, here = np.empty(b.shape[:2], dtype=np.int64), np.empty(a.shape[:2], dtype=np.int64)
+    for k in range(len(a)):  # a product at a time, since it stays in the cache
+        _least(theirs[k], ours[k], there[k])
+        _least(ours[k], theirs[k], here[k])
     return there, here
+
+
+def _least(rows: np.ndarray, columns: np.ndarray, out: np.ndarray) -> None:
+    """For each of the ``rows`` (n, d) with which of the ``columns`` (m, d) its product is least, into ``out`` (n,)."""
+    step = max(1, _PAIRS // len(columns))
+    for start in range(0, len(rows), step):
+        part = slice(start, start + step)
+        (rows[part] @ columns.T).argmin(axis=1, out=out[part])
 
 
 def features(

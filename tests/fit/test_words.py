@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import artipg_dsl as apg
+from artipg_dsl.fit import match
 from artipg_dsl.fit.compare import clouds, compare, words_of
 from artipg_dsl.fit.fitting import fit, usual_size
 from artipg_dsl.fit.match import nearest
@@ -55,6 +56,16 @@ def test_the_nearest_is_so_with_what_another_word_adds(silent: float):
     tree = Nearest(points.reshape(-1, 3), np.repeat([0, 1], 200), word.ravel(), MEANT)
     found = tree.find(asked.reshape(-1, 3), np.repeat([0, 1], 50), theirs.ravel())
     assert (found.reshape(2, 50) - [[0], [200]] == expected).all()
+
+
+def test_the_nearest_is_found_both_ways_a_few_rows_at_a_time(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(match, "_PAIRS", 1000)
+    chance = np.random.default_rng(5)
+    points, asked = chance.random((2, 170, 6)), chance.random((2, 130, 6))
+    silent = np.zeros((2, 170), dtype=np.int64), np.zeros((2, 130), dtype=np.int64)
+    there, here = nearest(points, asked, silent, MEANT[:0])
+    apart = ((asked[:, :, None] - points[:, None]) ** 2).sum(axis=3)
+    assert (there == apart.argmin(axis=2)).all() and (here == apart.argmin(axis=1)).all()
 
 
 def test_what_no_word_is_meant_by_says_nothing(samples: apg.Samples, model: Model):
