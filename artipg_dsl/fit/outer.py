@@ -7,6 +7,7 @@ others are set aside, seen from many sides in pictures whose cells are wide enou
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 
 import numpy as np
 
@@ -45,18 +46,24 @@ def _outer(points: np.ndarray, cell: np.ndarray) -> np.ndarray:
 
 def _sides(points: np.ndarray, cell: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """From each side: the way there (3,), and which points (K, n) are seen from it."""
-    count = len(points)
+    count, cell = len(points), cell[:, None]
     centred = points - points.min(axis=1, keepdims=True)
-    across = int(np.ceil((np.sqrt((np.ptp(points, axis=1) ** 2).sum(axis=1)) / cell).max())) + 2
+    across = int(np.ceil((np.sqrt((np.ptp(points, axis=1) ** 2).sum(axis=1)) / cell[:, 0]).max())) + 2
     own = np.arange(count)[:, None] * across * across
-    for way in spread_directions(_SIDES):
-        first, second = _axes(way)
+    front = np.empty(count * across * across)
+    for first, second, way in _frames():
         x, y, depth = (centred @ axis for axis in (first, second, way))
-        x, y = ((c - c.min(axis=1, keepdims=True)) / cell[:, None] for c in (x, y))
+        x, y = ((c - c.min(axis=1, keepdims=True)) / cell for c in (x, y))
         place = own + x.astype(np.int64) * across + y.astype(np.int64)
-        front = np.full(count * across * across, -np.inf)
-        np.maximum.at(front, place, depth)
-        yield way, depth >= front[place] - cell[:, None]
+        front.fill(-np.inf)
+        np.maximum.at(front, place.ravel(), depth.ravel())  # of one axis: several times faster
+        yield way, depth >= front[place] - cell
+
+
+@cache
+def _frames() -> np.ndarray:
+    """(sides, 3, 3): two axes of the picture from each side, and the way there."""
+    return np.array([(*_axes(way), way) for way in spread_directions(_SIDES)])
 
 
 def towards(points: np.ndarray, apart: float) -> np.ndarray:
