@@ -50,6 +50,15 @@ def _no_room(state: State, rows: Rows, number: int, bad: np.ndarray) -> None:
         state.faults.setdefault(("draw", number), []).append(np.flatnonzero(bad))
 
 
+def _unmoved(state: State, rows: Rows, number: int) -> np.ndarray | None:
+    """The values kept of a draw, if every row has one that it keeps as far as it can: then nothing is drawn."""
+    kept = state.kept.get(number)
+    if kept is None or kept.reach.any() or kept.swap.any():
+        return None
+    known, at = kept.find(rows)
+    return kept.value[at] if known.all() else None
+
+
 def _require_value(state: State, rows: Rows, number: int, bad: np.ndarray, empty: np.ndarray) -> None:
     """Rows that are left none of the values of their law fail, unless their value is kept."""
     held = state.kept[number].find(rows)[0] if number in state.kept else np.zeros(rows.size, dtype=bool)
@@ -95,6 +104,9 @@ def draw_real(
         if state.defaults and default is not None:
             found = np.minimum(np.maximum(full(rows, default).astype(np.float64), low), top)
             found = found if gaps is None else move_out_of_gaps(found, low, top, gaps)
+        elif (held := _unmoved(state, rows, number)) is not None:
+            found = np.minimum(np.maximum(held, low), top)
+            found = found + 0.0 if gaps is None else move_out_of_gaps(found, low, top, gaps)  # -0.0 is 0.0
         else:
             unit = _lot(state, rows, address)
             found = _spread(unit, low, top, gaps, distribution, arguments)
@@ -194,7 +206,9 @@ def draw_count(
         bad = ~(first <= last)
         _no_room(state, rows, number, bad)
         last = np.maximum(first, last)
-        if state.defaults and default is not None:
+        if (held := _unmoved(state, rows, number)) is not None:
+            found = np.minimum(np.maximum(held, first), last)
+        elif state.defaults and default is not None:
             found = np.minimum(np.maximum(full(rows, default).astype(np.float64), first), last)
         elif distribution == "uniform" and gaps is None:
             unit = _lot(state, rows, address)
@@ -207,7 +221,7 @@ def draw_count(
             if distribution == "weighted":
                 _require_value(state, rows, number, bad, is_empty(first, last, gaps, arguments))
             found = np.minimum(np.maximum(np.floor(wide + 0.5), one), two)
-        if number in state.kept:
+        if held is None and number in state.kept:
             found = _other_count(state.kept[number], rows, _lot(state, rows, address), first, last, found)
         if gaps is not None:
             found = (
@@ -273,6 +287,8 @@ def draw_choice(
             if default is not None:
                 usual = full(rows, default).astype(np.int64)
                 found = np.where(left[usual, np.arange(rows.size)] > 0.0, usual, found).astype(np.float64)
+        elif ((left > 0.0).sum(axis=0) == 1).all():  # nothing is left to chance
+            found = np.argmax(left > 0.0, axis=0).astype(np.float64)
         else:
             mark = _lot(state, rows, address) * total[-1]
             found = np.minimum((total <= mark).sum(axis=0), len(weights) - 1).astype(np.float64)

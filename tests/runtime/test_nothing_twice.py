@@ -11,7 +11,9 @@ from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.geometry import pieces
 from artipg_dsl.graph import expr as E
+from artipg_dsl.runtime import draws
 from artipg_dsl.runtime import plan as plans
+from artipg_dsl.sampling.known import evaluate_again, rows_of_draw
 from artipg_dsl.session import Session
 from artipg_dsl.validity import bodies, mass
 from artipg_dsl.validity.faults import find_faults
@@ -81,3 +83,14 @@ def test_one_plan_serves_all_batches(sampler) -> None:
             one, two = batch.read(wanted, scope)
             assert np.allclose(one / 2, two - 7) and batch.read(wanted[:1], scope)[0].tolist() == one.tolist()
     assert made.call_count == 1
+
+
+def test_values_that_are_kept_are_not_drawn(sampler) -> None:
+    batch = sampler.batch(np.arange(20), seed=1)
+    some = np.array([3, 3, 17, 0])
+    with mock.patch.object(draws, "uniform") as drawn:
+        again = evaluate_again(batch, some)
+    assert drawn.call_count == 0
+    for number, draw in enumerate(sampler.program.draws):
+        row = rows_of_draw(batch, number, some).row
+        assert again.state.values[number].tobytes() == batch.state.values[number][row].tobytes(), draw.address
