@@ -136,7 +136,7 @@ def compare(
         points = laid.points
         position, apart = placed.of(points.position), laid.apart * placed.scale[:, None]
         hidden = ~outer(position)
-    diagonal = targets.diagonal[target]
+    diagonal = targets.diagonal[target][:, None]
     cloud, facing = targets.points[target], targets.normals[target]
     word, theirs = words_of(batch, points, targets.meant), targets.word[target]
     ours, asked = features(position, points.normal, diagonal, hidden), features(cloud, facing, diagonal)

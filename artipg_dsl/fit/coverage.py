@@ -28,10 +28,9 @@ class Sight:
         self._tree, self._reach = Nearest(points, of, _SETS_APART), _SEEN + REACH * apart
 
     def at(self, places: np.ndarray, target: np.ndarray) -> np.ndarray:
-        """(K, n) bool: which places (K, n, 6) the clouds ``target`` (K,) have points near."""
-        count, n = places.shape[:2]
-        far = self._tree.find(places.reshape(count * n, 6), np.repeat(target, n))[0].reshape(count, n)
-        return np.asarray(far < self._reach[target][:, None])
+        """(m,) bool: which places (m, 6) the clouds ``target`` (m,) have points near."""
+        reach = self._reach[target]
+        return np.asarray(self._tree.find(places, target, reach.max(initial=0.0))[0] < reach)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +43,7 @@ class Coverage:
 
     @staticmethod
     def of(places: np.ndarray, shared: np.ndarray, seen: np.ndarray) -> Coverage:
-        """Of those of ``places`` (K, n, 6) that are ``shared`` (K, n); ``seen`` (K, n)."""
+        """Of those of ``places`` (K, n, 6) that are ``shared`` (K, n); ``seen`` (K, n) of these."""
         own, point = np.nonzero(shared)
         tree = Nearest(places[own, point], own, _SETS_APART) if len(own) else None
         return Coverage(tree, shared.sum(axis=1), np.append(seen[own, point], False))

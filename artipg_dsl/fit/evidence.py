@@ -11,7 +11,6 @@ that lie there alone, so that hundreds can be asked about. Points of the surface
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from typing import Any
 
 import numpy as np
 
@@ -72,26 +71,31 @@ class Clouds:
     def __init__(self, targets: Targets):
         self.targets = targets
         own = np.repeat(np.arange(len(targets)), targets.points.shape[1])
-        theirs, word = features(targets.points, targets.normals, targets.diagonal).reshape(-1, 6), targets.word.ravel()
+        theirs = features(targets.points, targets.normals, targets.diagonal[:, None]).reshape(-1, 6)
+        word = targets.word.ravel()
         self._trees = [Nearest(theirs[:, :axes], own, word, targets.meant) for axes in _BY]
         self._sight = Sight(theirs, own, targets.apart[:, 0] / targets.diagonal)
 
-    def unlikely(self, laid: _Laid, target: np.ndarray) -> np.ndarray:
-        """(K, n) how unlikely points of candidates are for the cloud of each, the ``target`` (K,)."""
-        targets, (count, n) = self.targets, laid.hidden.shape
-        diagonal, noise = targets.diagonal[target], self.noise(target)
-        asked, of = features(laid.position, laid.normal, diagonal).reshape(-1, 6), np.repeat(target, n)
+    def unlikely(self, laid: _Laid, target: np.ndarray, asked: np.ndarray) -> np.ndarray:
+        """(K, n) how unlikely the points of candidates that are ``asked`` (K, n) are for the cloud of each, the ``target`` (K,)."""
+        own, point = np.nonzero(asked)
+        targets, of = self.targets, target[own]
+        places, position, word = laid.places[own, point], laid.position[own, point], laid.word[own, point]
         found = []
         for tree, axes in zip(self._trees, _BY, strict=True):
-            near = tree.find(asked[:, :axes], of, laid.word.ravel()).reshape(count, n)
-            at = target[:, None], near - target[:, None] * targets.points.shape[1]
-            off = gaps(laid.position, targets.points[at], targets.normals[at], targets.apart[at], diagonal)
-            found.append(_unlikely(off, unlike(laid.word, targets.word[at]), noise))
-        return np.asarray(np.minimum(*found))
+            at = of, tree.find(places[:, :axes], of, word) - of * targets.points.shape[1]
+            off = gaps(position, targets.points[at], targets.normals[at], targets.apart[at], targets.diagonal[of])
+            found.append(_unlikely(off, unlike(word, targets.word[at]), self.noise(of)))
+        told = np.zeros(asked.shape)
+        told[own, point] = np.minimum(*found)
+        return told
 
-    def seen(self, laid: _Laid, target: np.ndarray) -> np.ndarray:
-        """(K, n) bool: whether there are points of the cloud where those of candidates lie."""
-        return self._sight.at(laid.places(self.targets.diagonal[target]), target)
+    def seen(self, laid: _Laid, target: np.ndarray, asked: np.ndarray) -> np.ndarray:
+        """(K, n) bool: whether there are points of the cloud where those of candidates lie that are ``asked`` (K, n)."""
+        own, point = np.nonzero(asked)
+        told = np.zeros(asked.shape, dtype=bool)
+        told[own, point] = self._sight.at(laid.places[own, point], target[own])
+        return told
 
     def noise(self, target: np.ndarray) -> np.ndarray:
         return np.maximum(self.targets.noise[target], _LEAST_NOISE)
@@ -99,13 +103,14 @@ class Clouds:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Laid:
-    """Points of candidates in the frames of their clouds (K, n), how far each lies ``apart`` from others, which are ``hidden`` from
-    without; the last ones lie on rows that are marked, and are ``fresh`` if there are any, the others are ``shared`` likewise; the visible
-    surface ``area`` (K, 2) of the other rows and of these; ``on``: the row, among those of all tables, on which a point lies; ``word``:
-    what it is."""
+    """Points of candidates in the frames of their clouds (K, n), their ``places`` (K, n, 6) in diagonals, with normals, how far each lies
+    ``apart`` from others, which are ``hidden`` from without; the last ones lie on rows that are marked, and are ``fresh`` if there are any,
+    the others are ``shared`` likewise; the visible surface ``area`` (K, 2) of the other rows and of these; ``on``: the row, among those of
+    all tables, on which a point lies; ``word``: what it is."""
 
     position: np.ndarray
     normal: np.ndarray
+    places: np.ndarray
     apart: np.ndarray
     hidden: np.ndarray
     fresh: np.ndarray
@@ -114,53 +119,59 @@ class _Laid:
     on: np.ndarray
     word: np.ndarray
 
-    def places(self, diagonal: np.ndarray) -> np.ndarray:
-        """(K, n, 6) in diagonals, with normals."""
-        return features(self.position, self.normal, diagonal)
-
     def unlikely(
-        self, clouds: Clouds, target: np.ndarray, asked: tuple[Any, Any], taken: np.ndarray
+        self, clouds: Clouds, target: np.ndarray, some: np.ndarray, asked: np.ndarray, taken: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(K, m) how unlikely the points ``asked`` of clouds are for those ``taken`` (K, n) of these, inf where there are none, and which of
-        these is nearest."""
-        targets, diagonal, noise = clouds.targets, clouds.targets.diagonal[target], clouds.noise(target)
-        points, normals, word = targets.points[asked], targets.normals[asked], targets.word[asked]
-        ours, theirs = features(self.position, self.normal, diagonal), features(points, normals, diagonal)
-        every, some = np.arange(len(points))[:, None], taken.any(axis=1, keepdims=True)
-        found, near = [], []
+        """(K, m) how unlikely the points ``some`` (K, m) of clouds that are ``asked`` (K, m) are for those ``taken`` (K, n) of these, inf where
+        there are none, and which of these is nearest."""
+        targets = clouds.targets
+        apart, near = np.full(asked.shape, np.inf), np.zeros(asked.shape, dtype=np.int64)
+        own, column = np.nonzero(asked & taken.any(axis=1, keepdims=True))
+        if not len(own):
+            return apart, near
+        of = target[own]
+        at = of, some[own, column]
+        points, word, diagonal = targets.points[at], targets.word[at], targets.diagonal[of]
+        theirs = features(points, targets.normals[at], diagonal)
+        mine, place = np.nonzero(taken)
+        found, which = [], []
         for axes in _BY:
-            there = _nearest(ours[..., :axes], theirs[..., :axes], taken, (self.word, word), targets.meant)
-            off = gaps(
-                self.position[every, there], points, self.normal[every, there], self.apart[every, there], diagonal
-            )
-            apart = _unlikely(off, unlike(self.word[every, there], word), noise)
-            found.append(np.where(some, apart, np.inf))
-            near.append(there)
-        return np.minimum(*found), np.where(found[0] <= found[1], *near)
+            tree = Nearest(self.places[mine, place, :axes], mine, self.word[mine, place], targets.meant)
+            there = own, place[tree.find(theirs[:, :axes], own, word)]
+            off = gaps(self.position[there], points, self.normal[there], self.apart[there], diagonal)
+            found.append(_unlikely(off, unlike(self.word[there], word), clouds.noise(of)))
+            which.append(there[1])
+        apart[own, column] = np.minimum(*found)
+        near[own, column] = np.where(found[0] <= found[1], *which)
+        return apart, near
 
 
-def _lay(batch: Batch, marked: Rows, placed: Placed, around: int, near: int, meant: np.ndarray) -> _Laid:
+def _lay(
+    batch: Batch, marked: Rows, placed: Placed, around: int, near: int, targets: Targets, target: np.ndarray
+) -> _Laid:
     laid = spread(batch, marked, around, near)
     position = placed.of(laid.points.position)
     last = np.arange(position.shape[1]) >= around
     fresh, shared = last & (laid.area[:, 1:] > 0.0), ~last & (laid.area[:, :1] > 0.0)
     apart = laid.apart * placed.scale[:, None]
     on = starts(tables(batch))[laid.points.site] + laid.points.row
-    word = words_of(batch, laid.points, meant)
-    return _Laid(position, laid.points.normal, apart, ~outer(position), fresh, shared, laid.area, on, word)
+    word = words_of(batch, laid.points, targets.meant)
+    places = features(position, laid.points.normal, targets.diagonal[target][:, None])
+    return _Laid(position, laid.points.normal, places, apart, ~outer(position), fresh, shared, laid.area, on, word)
 
 
 def weigh(batch: Batch, target: np.ndarray, placed: Placed, clouds: Clouds) -> Evidence:
     """What the clouds say of candidates, each of its target."""
     targets = clouds.targets
-    laid = _lay(batch, small(batch), placed, *_POINTS, targets.meant)
-    cloud, there = laid.unlikely(clouds, target, (target, slice(None)), ~laid.hidden)
+    laid = _lay(batch, small(batch), placed, *_POINTS, targets, target)
+    every = np.broadcast_to(np.arange(targets.points.shape[1]), (len(target), targets.points.shape[1]))
+    cloud, there = laid.unlikely(clouds, target, every, np.ones(every.shape, dtype=bool), ~laid.hidden)
     count, stands = targets.count[target], np.where(laid.hidden, 0.0, laid.apart**2)
-    known = np.where(clouds.seen(laid, target), stands, 0.0)
+    known = np.where(clouds.seen(laid, target, ~laid.hidden), stands, 0.0)
     stands *= (count / _known(known.sum(axis=1), stands.sum(axis=1)))[:, None]
-    surface = clouds.unlikely(laid, target) * stands
-    of, places = laid.on[np.arange(len(batch))[:, None], there], laid.places(targets.diagonal[target])
-    return Evidence(cloud, surface, count / cloud.shape[1], of, laid.on, places)
+    surface = clouds.unlikely(laid, target, ~laid.hidden) * stands
+    of = laid.on[np.arange(len(batch))[:, None], there]
+    return Evidence(cloud, surface, count / cloud.shape[1], of, laid.on, laid.places)
 
 
 def _known(seen: np.ndarray, whole: np.ndarray) -> np.ndarray:
@@ -208,10 +219,10 @@ def weigh_change(copies: Copies, clouds: Clouds, base: Evidence, change: Differi
     origins, what is gone is asked about as coarsely as all else."""
     of = copies.of
     gone = _gone(base, change, len(of))
-    laid = _lay(copies.batch, change.new, copies.placed, _AROUND, _NEAR, clouds.targets.meant)
+    laid = _lay(copies.batch, change.new, copies.placed, _AROUND, _NEAR, clouds.targets, copies.target)
     told = _ask(copies, clouds, base, gone, laid)
     cloud, surface, coverage = _told(laid, copies, clouds, told)
-    own, point = np.nonzero(gone[np.arange(len(of))[:, None], base.on[of]])
+    own, point = np.nonzero(gone[np.arange(len(of))[:, None], base.on[of]] & (base.surface[of] > 0.0))
     lost = of[own], point
     was = np.bincount(own, base.surface[lost] * coverage.at(base.places[lost], own), minlength=len(of))
     more = np.where(told.asked, cloud - told.before, 0.0).sum(axis=1) * _each(told)
@@ -223,7 +234,7 @@ def weigh_again(copies: Copies, origins: Batch, clouds: Clouds, base: Evidence, 
     of = copies.of
     own = replace(copies, batch=origins)
     laid, was = (
-        _lay(one.batch, rows, copies.placed, _AROUND, _NEAR, clouds.targets.meant)
+        _lay(one.batch, rows, copies.placed, _AROUND, _NEAR, clouds.targets, copies.target)
         for one, rows in ((copies, change.new), (own, change.gone))
     )
     told = _ask(copies, clouds, base, _gone(base, change, len(of)), laid)
@@ -259,17 +270,19 @@ def _ask(copies: Copies, clouds: Clouds, base: Evidence, gone: np.ndarray, laid:
 def _told(laid: _Laid, copies: Copies, clouds: Clouds, told: Asked) -> tuple[np.ndarray, np.ndarray, Coverage]:
     """How unlikely the points asked are (K, m), and in sum the points of what is marked (K,), as far as they lie where the cloud was
     seen; and where that is."""
-    targets, target = clouds.targets, copies.target
-    asked, shown = (target[:, None], told.some), ~laid.hidden
-    fresh, every = (laid.unlikely(clouds, target, asked, taken)[0] for taken in (laid.fresh & shown, shown))
-    cloud = np.where(told.owned, np.minimum(fresh, every), np.minimum(fresh, told.before))
-    places, shared, seen = laid.places(targets.diagonal[target]), laid.shared & shown, clouds.seen(laid, target)
-    coverage = Coverage.of(places, shared, seen)
-    share = np.where(shared & seen, 1.0, 0.0)
+    target, shown = copies.target, ~laid.hidden
+    fresh = laid.unlikely(clouds, target, told.some, told.asked, laid.fresh & shown)[0]
+    every = laid.unlikely(clouds, target, told.some, told.owned, shown)[0]
+    cloud = np.minimum(fresh, np.where(told.owned, every, told.before))
+    shared = laid.shared & shown
+    seen = clouds.seen(laid, target, shared)
+    coverage = Coverage.of(laid.places, shared, seen)
+    share = np.where(seen, 1.0, 0.0)
     own, point = np.nonzero(laid.fresh & shown)
-    share[own, point] = coverage.at(places[own, point], own)
-    expected = targets.count[target] * laid.area[:, 1] / _known(_surface(laid, share), _surface(laid, shown))
-    return cloud, expected * (share * clouds.unlikely(laid, target))[:, _AROUND:].mean(axis=1), coverage
+    share[own, point] = coverage.at(laid.places[own, point], own)
+    expected = clouds.targets.count[target] * laid.area[:, 1] / _known(_surface(laid, share), _surface(laid, shown))
+    unlikely = clouds.unlikely(laid, target, laid.fresh & shown & (share > 0.0))
+    return cloud, expected * (share * unlikely)[:, _AROUND:].mean(axis=1), coverage
 
 
 def _surface(laid: _Laid, share: np.ndarray) -> np.ndarray:
@@ -289,20 +302,6 @@ def _within(points: np.ndarray, clouds: np.ndarray, target: np.ndarray, margin: 
 
 
 def _unlikely(off: Gaps, unlike: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """Of distances, in logarithms: Cauchy's, which is 0 at none. Points of different words lie far apart."""
+    """(m,) of distances, in logarithms: Cauchy's, which is 0 at none. Points of different words lie far apart."""
     gap = np.where(unlike, np.maximum(np.abs(off.value), FARTHEST), off.value)
-    return np.asarray(np.log1p(0.5 * (gap / noise[:, None]) ** 2))
-
-
-def _nearest(
-    points: np.ndarray, asked: np.ndarray, taken: np.ndarray, words: tuple[np.ndarray, np.ndarray], meant: np.ndarray
-) -> np.ndarray:
-    """(K, m) of each of the ``asked`` (K, m, d) which of those ``taken`` of ``points`` (K, n, d) is nearest; ``words`` of these, and of the
-    asked ones."""
-    own, place = np.nonzero(taken)
-    if not len(place):
-        return np.zeros(asked.shape[:2], dtype=np.int64)
-    tree = Nearest(points[own, place], own, words[0][own, place], meant)
-    count, m = asked.shape[:2]
-    found = tree.find(asked.reshape(count * m, -1), np.repeat(np.arange(count), m), words[1].ravel())
-    return np.asarray(place[np.minimum(found, len(place) - 1)].reshape(count, m))
+    return np.asarray(np.log1p(0.5 * (gap / noise) ** 2))

@@ -50,8 +50,8 @@ def _least(rows: np.ndarray, columns: np.ndarray, out: np.ndarray) -> None:
 def features(
     points: np.ndarray, normals: np.ndarray, diagonal: np.ndarray, left_out: np.ndarray | None = None
 ) -> np.ndarray:
-    """(K, n, 6) places and normals in diagonals; what is ``left_out`` (K, n) lies far from everything."""
-    found = np.concatenate([points / diagonal[:, None, None], _TURN * normals], axis=2)
+    """(..., 6) places and normals (..., 3) in diagonals (...), which broadcast; what is ``left_out`` (...) lies far from everything."""
+    found = np.concatenate([points / diagonal[..., None], _TURN * normals], axis=-1)
     if left_out is not None:
         found[..., 0] += np.where(left_out, _FAR, 0.0)
     return found
@@ -59,22 +59,22 @@ def features(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Gaps:
-    """How far pairs of points lie apart (K, m), in diagonals, along ``way`` (K, m, 3): from the cloud to the surface."""
+    """How far pairs of points lie apart (...), in diagonals, along ``way`` (..., 3): from the cloud to the surface."""
 
     value: np.ndarray
     way: np.ndarray
 
 
 def gaps(surface: np.ndarray, cloud: np.ndarray, normal: np.ndarray, apart: np.ndarray, diagonal: np.ndarray) -> Gaps:
-    """Of pairs of points of a surface and a cloud (K, m, 3): along the ``normal`` of the one that stands for its neighbours, which
-    lie ``apart`` (K, m), and aside as far as the other lies beyond the reach of those."""
+    """Of pairs of points of a surface and a cloud (..., 3): along the ``normal`` of the one that stands for its neighbours, which
+    lie ``apart`` (...), and aside as far as the other lies beyond the reach of those; ``diagonal`` broadcasts to (...)."""
     way = surface - cloud
-    along = (way * normal).sum(axis=2)
-    aside = way - along[:, :, None] * normal
-    length = np.sqrt((aside * aside).sum(axis=2))
+    along = (way * normal).sum(axis=-1)
+    aside = way - along[..., None] * normal
+    length = np.sqrt((aside * aside).sum(axis=-1))
     beyond = np.maximum(length - REACH * apart, 0.0)
-    aside *= (beyond / np.maximum(length, 1e-12))[:, :, None]
+    aside *= (beyond / np.maximum(length, 1e-12))[..., None]
     whole = np.sqrt(along * along + beyond * beyond)
-    straight = (along[:, :, None] * normal + aside) / np.maximum(whole, 1e-12)[:, :, None]
+    straight = (along[..., None] * normal + aside) / np.maximum(whole, 1e-12)[..., None]
     flat = beyond == 0.0
-    return Gaps(np.where(flat, along, whole) / diagonal[:, None], np.where(flat[:, :, None], normal, straight))
+    return Gaps(np.where(flat, along, whole) / diagonal, np.where(flat[..., None], normal, straight))

@@ -99,9 +99,9 @@ def closed(batch: Batch, real: Real, joints: Mapping[str, float]) -> Real:
     sites = moved(batch, values)
     address = np.asarray(batch.numbers).astype(np.uint64)
     made = geometry.sample(sites, 1, _COMPARED, random.key(batch.seed, "closed"), address, outside=True)
-    one = np.array([real.diagonal])
     ours, theirs = (
-        features(p[None], n[None], one)[0] for p, n in ((made.position[0], made.normal[0]), (real.points, real.normals))
+        features(p, n, np.array(real.diagonal))
+        for p, n in ((made.position[0], made.normal[0]), (real.points, real.normals))
     )
     near = cKDTree(ours).query(theirs)[1]
     begin = np.cumsum([0, *(len(table) for table in sites)])

@@ -100,13 +100,13 @@ def _chosen(model: Model, targets: Targets, effort: Effort, seed: int) -> Candid
     unit = (position - low[:, None]) / np.maximum(high - low, 1e-9)[:, None]
     coarse = targets.first(_COARSE)
     score = np.empty(near.shape)
-    one = np.ones(near.shape[1])
+    one = np.ones((1, 1))
     for number in range(len(targets)):  # of orientations and objects, each a batch of hundreds
         at = place.reshape(near.shape)[number]
         scale = targets.size[number] / targets.diagonal[number]
         cloud = (coarse.points[number] - targets.low[number]) / targets.diagonal[number]
         mine = features(unit[at] * scale, normal[at], one, hidden[at])
-        theirs = features(cloud[None], coarse.normals[number][None], one[:1])
+        theirs = features(cloud[None], coarse.normals[number][None], one)
         words = word[at], np.broadcast_to(coarse.word[number], (len(at), theirs.shape[1]))
         there, here = nearest(mine, np.broadcast_to(theirs, (len(at), *theirs.shape[1:])), words, targets.meant)
         every = np.arange(len(at))[:, None]
