@@ -48,9 +48,13 @@ def refine(
     now = compare(batch, target, placed, targets, schedule.points, marked)
     first, last = schedule.width
     held = None if marked is None else _held(model, batch, marked)
+    ways, better = np.zeros((len(found), 0, *now.position.shape[1:])), np.ones(len(found), dtype=bool)
     for step in range(schedule.steps):
         width = first * (last / first) ** (step / max(schedule.steps - 1, 1))
-        moved, there = _step(model, targets, batch, target, placed, now, damping, width, held)
+        free = model.freedoms(batch)
+        free = free if held is None else free.take(np.flatnonzero(~np.isin(free.names, held)))
+        ways = _derivatives(model, batch, now, free, ways, better)
+        moved, there = _step(model, targets, batch, target, placed, now, free, ways, damping, width, held is not None)
         then = compare(moved, target, there, targets, schedule.points, marked)
         better = (then.score < now.score) & ~moved.state.failed
         damping = np.where(better, np.maximum(damping * 0.3, 1e-5), np.minimum(damping * 6.0, 1e3))
@@ -78,14 +82,15 @@ def _step(
     target: np.ndarray,
     placed: Placed,
     now: Compared,
+    free: Freedoms,
+    ways: np.ndarray,
     damping: np.ndarray,
     width: float,
-    held: np.ndarray | None,
+    fixed: bool,
 ) -> tuple[Batch, Placed]:
-    """Each candidate after one damped step towards smaller gaps."""
-    free = model.freedoms(batch)
-    free = free if held is None else free.take(np.flatnonzero(~np.isin(free.names, held)))
-    moved = _derivatives(model, batch, now, free) * placed.scale[:, None, None, None]
+    """Each candidate after one damped step towards smaller gaps; ``ways`` are the derivatives of its points. Its place stays if it is
+    ``fixed``."""
+    moved = ways * placed.scale[:, None, None, None]
     diagonal, every = targets.diagonal[target], np.arange(len(target))[:, None]
     matrix = np.zeros((len(target), moved.shape[1] + _SHIFTS + 1, moved.shape[1] + _SHIFTS + 1))
     slope = np.zeros(matrix.shape[:2])
@@ -113,7 +118,7 @@ def _step(
         leaned = columns * weight[:, None, :]
         matrix += leaned @ columns.transpose(0, 2, 1)
         slope += (leaned * gap.value[:, None, :]).sum(axis=2)
-    return _solved(model, batch, placed, free, matrix, slope, damping, diagonal, held is not None)
+    return _solved(model, batch, placed, free, matrix, slope, damping, diagonal, fixed)
 
 
 def _count(weight: np.ndarray) -> np.ndarray:
@@ -182,10 +187,16 @@ def _moved(model: Model, batch: Batch, free: Freedoms) -> tuple[Batch, np.ndarra
     return model.altered(batch, free.owner, changes), reach
 
 
-def _derivatives(model: Model, batch: Batch, now: Compared, free: Freedoms) -> np.ndarray:
-    """(K, P, n, 3): how the points of each candidate move as each of its numbers grows by the width of its range."""
+def _derivatives(
+    model: Model, batch: Batch, now: Compared, free: Freedoms, before: np.ndarray, changed: np.ndarray
+) -> np.ndarray:
+    """(K, P, n, 3): how the points of each candidate move as each of its numbers grows by the width of its range. They are those ``before``
+    (K, Q, n, 3) for candidates that have not ``changed`` (K,) since."""
     count, n = now.position.shape[:2]
     out = np.zeros((count, free.most, n, 3))
+    many = min(free.most, before.shape[1])  # numbers that a candidate does not have are 0
+    out[~changed, :many] = before[~changed, :many]
+    free = free.take(np.flatnonzero(changed[free.owner]))
     if not len(free):
         return out
     moved, reach = _moved(model, batch, free)

@@ -1,0 +1,29 @@
+"""Steps of damped least squares: what has not changed is not asked again."""
+
+from __future__ import annotations
+
+from unittest import mock
+
+import numpy as np
+
+import artipg_dsl as apg
+from artipg_dsl.fit import refine as steps
+from artipg_dsl.fit.compare import compare
+from artipg_dsl.fit.model import Model
+
+from .helpers import N
+from .test_decide import clouds, still
+
+
+def test_derivatives_of_what_has_not_moved_are_kept(model: Model, samples: apg.Samples) -> None:
+    batch = model.assembled([(samples.batch, np.arange(N))])
+    now = compare(batch, np.arange(N), still(N), clouds(samples).targets.first(256), 200)
+    free, none = model.freedoms(batch), np.zeros((N, 0, 200, 3))
+    whole = steps._derivatives(model, batch, now, free, none, np.ones(N, dtype=bool))
+    assert all(np.abs(one).max() > 0.01 for one in whole)
+    changed = np.arange(N) == 1
+    before = np.where(changed[:, None, None, None], 7.0, whole)
+    with mock.patch.object(steps, "_moved", side_effect=steps._moved) as moved:
+        again = steps._derivatives(model, batch, now, free, before, changed)
+    assert np.unique(moved.call_args.args[2].owner).tolist() == [1]
+    assert again.tobytes() == whole.tobytes()
