@@ -14,7 +14,7 @@ from ..runtime.batch import Batch
 from ..sampling.repair import repair
 from .compare import Candidates, Targets
 from .decide import decide
-from .measure import FAR, agreement, distances, surfaces, verdict
+from .measure import FAR, agreement, distances, roughly, surfaces, verdict
 from .model import Model
 from .pose import UNITS, Posed, targets, turn
 from .refine import refine
@@ -97,7 +97,7 @@ def _searched(
     said = [_words(posed, words or {}, semantic) for posed in several]
     asked = targets(several, said, sorted(semantic.index(word) for word in set((words or {}).values())))
     found = search(model, asked, effort, seed)
-    whole, outside = surfaces(found.batch, tables(found.batch), found.placed.scale, found.placed.shift)
+    whole, outside = roughly(found.batch, tables(found.batch), found.placed.scale, found.placed.shift)
     off = [
         distances(*_turned(posed, *_stands(posed, asked, found, row, row)), whole[row], outside[row])["both"]
         for row, posed in enumerate(several)

@@ -14,7 +14,7 @@ from ..geometry import points as geometry
 from ..geometry.pointset import PointSet
 from ..geometry.sites import SiteTable
 from ..runtime.batch import Batch
-from .outer import spacing
+from .outer import outer, spacing
 
 _POINTS = 16384  # of a structure: its whole boundary
 _OUTSIDE = 4096  # what of it can be seen from without
@@ -43,6 +43,19 @@ def surfaces(
         at = made.position * scale[:, None, None] + shift[:, None, :]
         found.append([Surface(*columns) for columns in zip(at, made.normal, word, strict=True)])
     return found[0], found[1]
+
+
+def roughly(
+    batch: Batch, sites: list[SiteTable], scale: np.ndarray, shift: np.ndarray
+) -> tuple[list[Surface], list[Surface]]:
+    """The same without words, and with depth pictures that tell what can be seen: rays take up to a fifth of a fit."""
+    address = batch.state.objects.astype(np.uint64)
+    made = geometry.sample(sites, len(batch), _POINTS, random.key(0, "fitted"), address)
+    at = made.position * scale[:, None, None] + shift[:, None, :]
+    whole = [Surface(*columns) for columns in zip(at, made.normal, np.zeros(at.shape[:2], dtype=np.int64), strict=True)]
+    seen = [np.flatnonzero(one)[:: _POINTS // _OUTSIDE] for one in outer(at)]
+    outside = [Surface(one.points[k], one.normals[k], one.word[k]) for one, k in zip(whole, seen, strict=True)]
+    return whole, outside
 
 
 def _at_rest(batch: Batch, sites: list[SiteTable], points: PointSet) -> PointSet:
