@@ -35,27 +35,34 @@ class Sight:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Coverage:
-    """Points of K surfaces, ``count`` (K,) of each, and which of them were ``seen``."""
+    """Points of K surfaces, ``count`` (K,) of each, and which of them were ``seen``; ``whole`` (K,): of a surface too few were not seen
+    to matter anywhere."""
 
     tree: Nearest | None
     count: np.ndarray
     seen: np.ndarray
+    whole: np.ndarray
 
     @staticmethod
     def of(places: np.ndarray, shared: np.ndarray, seen: np.ndarray) -> Coverage:
         """Of those of ``places`` (K, n, 6) that are ``shared`` (K, n); ``seen`` (K, n) of these."""
-        own, point = np.nonzero(shared)
+        count = shared.sum(axis=1)
+        whole = (shared & ~seen).sum(axis=1) <= (1.0 - _SHARES[1]) * np.minimum(count, _BESIDE)
+        own, point = np.nonzero(shared & ~whole[:, None])
         tree = Nearest(places[own, point], own, _SETS_APART) if len(own) else None
-        return Coverage(tree, shared.sum(axis=1), np.append(seen[own, point], False))
+        return Coverage(tree, count, np.append(seen[own, point], False), whole)
 
     def at(self, places: np.ndarray, of: np.ndarray) -> np.ndarray:
         """(m,) how far places (m, 6) were seen, by what was of the surfaces ``of`` (m,) beside them: 0 to 1, and 1 where a surface has no
         points."""
-        if self.tree is None or not len(places):
-            return np.ones(len(places))
-        many = np.minimum(self.count[of], _BESIDE)
-        near = self.tree.several(places, of, _BESIDE)
+        found = np.ones(len(places))
+        doubtful = np.flatnonzero(~self.whole[of])
+        if self.tree is None or not len(doubtful):
+            return found
+        own = of[doubtful]
+        many = np.minimum(self.count[own], _BESIDE)
+        near = self.tree.several(places[doubtful], own, _BESIDE)
         seen = (self.seen[near] & (np.arange(_BESIDE) < many[:, None])).sum(axis=1)
         low, high = _SHARES
-        told = np.clip((seen / np.maximum(many, 1) - low) / (high - low), 0.0, 1.0)
-        return np.asarray(np.where(many > 0, told, 1.0))
+        found[doubtful] = np.clip((seen / many - low) / (high - low), 0.0, 1.0)
+        return found

@@ -74,6 +74,15 @@ def test_coverage_is_that_of_the_surface_beside() -> None:
     assert coverage.at(asked[:0], np.zeros(0, dtype=int)).shape == (0,)
 
 
+@pytest.mark.parametrize(("lost", "asked"), [(3, False), (4, True)])
+def test_a_surface_that_was_seen_is_not_asked(lost: int, asked: bool) -> None:
+    """Of twelve neighbours three that were not seen say nothing."""
+    sheet, seen = np.zeros((1, 50, 6)), np.arange(50)[None] >= lost
+    coverage = Coverage.of(sheet, np.ones((1, 50), dtype=bool), seen)
+    assert (coverage.tree is not None) == asked
+    assert coverage.at(sheet[0, :2], np.zeros(2, dtype=int)).tolist() == [1.0, 1.0] or asked
+
+
 def test_a_few_points_are_fewer_neighbours() -> None:
     few = np.zeros((2, 3, 6))
     few[1, :, 0] = 5.0
