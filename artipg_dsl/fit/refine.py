@@ -48,7 +48,7 @@ def refine(
     now = compare(batch, target, placed, targets, schedule.points, marked)
     first, last = schedule.width
     held = None if marked is None else _held(model, batch, marked)
-    ways, better = np.zeros((len(found), 0, *now.position.shape[1:])), np.ones(len(found), dtype=bool)
+    ways, better = np.zeros((len(found), 0, 3, now.position.shape[1])), np.ones(len(found), dtype=bool)
     for step in range(schedule.steps):
         width = first * (last / first) ** (step / max(schedule.steps - 1, 1))
         free = model.freedoms(batch)
@@ -90,34 +90,30 @@ def _step(
 ) -> tuple[Batch, Placed]:
     """Each candidate after one damped step towards smaller gaps; ``ways`` are the derivatives of its points. Its place stays if it is
     ``fixed``."""
-    moved = ways * placed.scale[:, None, None, None]
     diagonal, every = targets.diagonal[target], np.arange(len(target))[:, None]
-    matrix = np.zeros((len(target), moved.shape[1] + _SHIFTS + 1, moved.shape[1] + _SHIFTS + 1))
+    most, many = free.most, np.bincount(free.owner, minlength=len(target))
+    matrix = np.zeros((len(target), most + _SHIFTS + 1, most + _SHIFTS + 1))
     slope = np.zeros(matrix.shape[:2])
     local = now.position - placed.shift[:, None, :]  # what a scale carries outwards
-    grown = targets.known[target]
+    grown = np.where(targets.known[target], 0.0, 1.0)
     seen = [np.ones(now.there.shape), np.where(now.hidden, 0.0, 1.0)]
     index = [now.there, None]
     pairs = zip((now.to_surface, now.to_cloud), now.agree, now.unlike, seen, index, strict=True)
     for gap, agree, unlike, weight, at in pairs:
-        carried = moved if at is None else np.take_along_axis(moved, at[:, None, :, None], axis=2)
-        out = local if at is None else local[every, at]
-        columns = (
-            np.concatenate(
-                [
-                    (carried * gap.way[:, None]).sum(axis=3),
-                    gap.way.transpose(0, 2, 1),
-                    np.where(grown[:, None], 0.0, (out * gap.way).sum(axis=2))[:, None],
-                ],
-                axis=1,
-            )
-            / diagonal[:, None, None]
-        )
         weight = weight * _trust(gap, width) * np.where(unlike, 0.0, np.maximum(agree, _OPPOSED))
         weight = weight / np.maximum(_count(weight), 1.0)[:, None]
-        leaned = columns * weight[:, None, :]
-        matrix += leaned @ columns.transpose(0, 2, 1)
-        slope += (leaned * gap.value[:, None, :]).sum(axis=2)
+        out = local if at is None else local[every, at]
+        outwards = grown[:, None] * (out * gap.way).sum(axis=2)
+        for k in range(len(target)):  # one at a time, since its numbers stay in the cache
+            moved = ways[k, : many[k]]
+            moved = moved if at is None else np.take(moved, at[k], axis=2)
+            x, y, z = way = gap.way[k].T
+            along = placed.scale[k] * (moved[:, 0] * x + moved[:, 1] * y + moved[:, 2] * z)
+            columns = np.concatenate([along, way, outwards[k : k + 1]]) / diagonal[k]
+            leaned = columns * weight[k]
+            own = np.append(np.arange(many[k]), most + np.arange(_SHIFTS + 1))
+            matrix[k, own[:, None], own] += leaned @ columns.T
+            slope[k, own] += (leaned * gap.value[k]).sum(axis=1)
     return _solved(model, batch, placed, free, matrix, slope, damping, diagonal, fixed)
 
 
@@ -190,10 +186,10 @@ def _moved(model: Model, batch: Batch, free: Freedoms) -> tuple[Batch, np.ndarra
 def _derivatives(
     model: Model, batch: Batch, now: Compared, free: Freedoms, before: np.ndarray, changed: np.ndarray
 ) -> np.ndarray:
-    """(K, P, n, 3): how the points of each candidate move as each of its numbers grows by the width of its range. They are those ``before``
-    (K, Q, n, 3) for candidates that have not ``changed`` (K,) since."""
+    """(K, P, 3, n): how the points of each candidate move as each of its numbers grows by the width of its range. They are those ``before``
+    (K, Q, 3, n) for candidates that have not ``changed`` (K,) since."""
     count, n = now.position.shape[:2]
-    out = np.zeros((count, free.most, n, 3))
+    out = np.zeros((count, free.most, 3, n))
     many = min(free.most, before.shape[1])  # numbers that a candidate does not have are 0
     out[~changed, :many] = before[~changed, :many]
     free = free.take(np.flatnonzero(changed[free.owner]))
@@ -218,7 +214,7 @@ def _derivatives(
     site, patch, u, v = (getattr(now.points, name)[own, point] for name in ("site", "patch", "u", "v"))
     place, _, exists = geometry.evaluate_flat(others, copy, site, there, patch, u, v)
     way = (place - now.points.position[own, point]) * (free.width / np.where(reach == 0.0, np.inf, reach))[copy, None]
-    out[own, free.place[copy], point] = np.where(exists[:, None], way, 0.0)
+    out[own, free.place[copy], :, point] = np.where(exists[:, None], way, 0.0)
     return out
 
 

@@ -18,7 +18,7 @@ from .test_decide import clouds, still
 def test_derivatives_of_what_has_not_moved_are_kept(model: Model, samples: apg.Samples) -> None:
     batch = model.assembled([(samples.batch, np.arange(N))])
     now = compare(batch, np.arange(N), still(N), clouds(samples).targets.first(256), 200)
-    free, none = model.freedoms(batch), np.zeros((N, 0, 200, 3))
+    free, none = model.freedoms(batch), np.zeros((N, 0, 3, 200))
     whole = steps._derivatives(model, batch, now, free, none, np.ones(N, dtype=bool))
     assert all(np.abs(one).max() > 0.01 for one in whole)
     changed = np.arange(N) == 1
