@@ -107,7 +107,7 @@ def _step(
         for k in range(len(target)):  # one at a time, since its numbers stay in the cache
             moved = ways[k, : many[k]]
             moved = moved if at is None else np.take(moved, at[k], axis=2)
-            x, y, z = way = gap.way[k].T
+            x, y, z = way = np.ascontiguousarray(gap.way[k].T)
             along = placed.scale[k] * (moved[:, 0] * x + moved[:, 1] * y + moved[:, 2] * z)
             columns = np.concatenate([along, way, outwards[k : k + 1]]) / diagonal[k]
             leaned = columns * weight[k]
@@ -207,6 +207,9 @@ def _derivatives(
     order = np.argsort(stands, kind="stable")
     count_of = np.bincount(stands, minlength=begin[-1])
     low = np.cumsum(count_of) - count_of
+    asked = np.flatnonzero(count_of[base])
+    copy, there, base = copy[asked], there[asked], base[asked]
+    others, there = _taken(others, np.searchsorted(begin, base, side="right") - 1, there)
     many = count_of[base]
     point = order[runs(low[base], many)]
     copy, there = np.repeat(copy, many), np.repeat(there, many)
@@ -216,6 +219,16 @@ def _derivatives(
     way = (place - now.points.position[own, point]) * (free.width / np.where(reach == 0.0, np.inf, reach))[copy, None]
     out[own, free.place[copy], :, point] = np.where(exists[:, None], way, 0.0)
     return out
+
+
+def _taken(tables: list[SiteTable], site: np.ndarray, row: np.ndarray) -> tuple[list[SiteTable], np.ndarray]:
+    """The tables with the rows ``row`` (n,) alone of the sites ``site`` (n,), which are in order, and where these are now (n,)."""
+    found, now = [], np.empty_like(row)
+    for table in tables:
+        mine = np.flatnonzero(site == table.number)
+        found.append(table.take(row[mine]))
+        now[mine] = np.arange(len(mine))
+    return found, now
 
 
 def _changed(

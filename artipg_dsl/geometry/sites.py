@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -35,6 +35,12 @@ class SiteTable:
 
     def __len__(self) -> int:
         return len(self.owner)
+
+    def take(self, at: np.ndarray) -> SiteTable:
+        """Some of the rows, ascending."""
+        params = {name: value[at] for name, value in self.params.items()}
+        columns = ("owner", "rotation", "translation", "mirror", "link", "instance", "semantic", "rank")
+        return replace(self, params=params, **{name: getattr(self, name)[at] for name in columns})
 
     @cached_property
     def pieces(self) -> list[convex.PieceGroup]:

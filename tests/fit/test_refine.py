@@ -10,6 +10,7 @@ import artipg_dsl as apg
 from artipg_dsl.fit import refine as steps
 from artipg_dsl.fit.compare import compare
 from artipg_dsl.fit.model import Model
+from artipg_dsl.geometry import points as geometry
 
 from .helpers import N
 from .test_decide import clouds, still
@@ -27,3 +28,17 @@ def test_derivatives_of_what_has_not_moved_are_kept(model: Model, samples: apg.S
         again = steps._derivatives(model, batch, now, free, before, changed)
     assert np.unique(moved.call_args.args[2].owner).tolist() == [1]
     assert again.tobytes() == whole.tobytes()
+
+
+def test_rows_that_stand_still_are_left_out(model: Model, samples: apg.Samples) -> None:
+    batch = model.assembled([(samples.batch, np.arange(N))])
+    now = compare(batch, np.arange(N), still(N), clouds(samples).targets.first(256), 200)
+    free, none = model.freedoms(batch), np.zeros((N, 0, 3, 200))
+    evaluate = geometry.evaluate_flat
+    with mock.patch.object(geometry, "evaluate_flat", side_effect=evaluate) as asked:
+        whole = steps._derivatives(model, batch, now, free, none, np.ones(N, dtype=bool))
+    given, *bound = asked.call_args.args
+    every = steps._moved(model, batch, free)[0].sites()
+    assert 0 < sum(map(len, given)) < 0.8 * sum(map(len, every))
+    assert np.unique(bound[2]).max() < max(map(len, given))
+    assert all(np.abs(one).max() > 0.01 for one in whole)
