@@ -174,7 +174,6 @@ class Session:
 
     def _compiled(self) -> Sampler:
         from .geometry import facts
-        from .graph.text import digest, to_text
         from .runtime.plan import PlanError
         from .sampling.sample import Sampler
 
@@ -192,7 +191,6 @@ class Session:
             )
         if lowering is None or self.report.failed:
             raise CompileError(self.report)
-        lowering.program.hash = lowering.program.hash or digest(lowering.program)
         try:
             sampler = Sampler(lowering.program)
         except PlanError as error:
@@ -203,10 +201,10 @@ class Session:
                 hint="determine one of them from something else",
             )
             raise CompileError(self.report) from None
-        program, body = lowering.program, to_text(lowering.program)
+        program = lowering.program
         digests = {name: facts.digest_of(primitive) for name, primitive in program.primitives.items()}
         told: Kept = {"hash": program.hash, "primitives": digests}
-        self._keep("program", json.dumps(told) + "\n" + body)
+        self._keep("program", json.dumps(told) + "\n" + lowering.text)
         return sampler
 
     def examine(self) -> Report:

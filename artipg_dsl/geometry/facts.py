@@ -26,15 +26,16 @@ _told: dict[Primitive, str] = {}  # digests of primitives that nobody has asked 
 
 
 class _Facts:
-    """The facts about a primitive; ``entry`` names their file, None where nothing is kept."""
+    """The facts about a primitive of a ``digest``; ``entry`` names their file, None where nothing is kept."""
 
     def __init__(self, primitive: Primitive):
         self.held: dict[str, Any] = {}
         self.count: Counter[str] = Counter()  # how many there are of names that differ in the last word
+        self.digest = _told.pop(primitive, "") or digest(Program("", primitives={primitive.name: primitive}))
         self.entry: str | None = None
         if cache.folder() is None:
             return
-        self.entry = cache.key("facts", _told.pop(primitive, "") or digest_of(primitive))
+        self.entry = cache.key("facts", self.digest)
         found = cache.read(self.entry)
         if found is not None:
             try:
@@ -45,10 +46,9 @@ class _Facts:
             self.count.update(map(_kind, self.held))
 
 
-@lru_cache(maxsize=512)
 def digest_of(primitive: Primitive) -> str:
     """What tells a primitive from any other, by its formulas."""
-    return digest(Program("", primitives={primitive.name: primitive}))
+    return _facts(primitive).digest
 
 
 def tell_digests(program: Program, digests: Mapping[str, str]) -> None:

@@ -88,15 +88,26 @@ class TextError(Exception):
 
 
 class _Writer:
-    def __init__(self, program: P.Program, places: bool):
-        self.program, self.places = program, places
+    def __init__(self, program: P.Program):
+        self.program, self.places = program, True
         self.scopes = {s: k for k, s in enumerate(program.scopes)}
         self.columns: dict[Column, int] = {}
         self.exprs: dict[Expr, int] = {}
         self.lines: list[str] = []
+        self.bare: dict[
+            int, str
+        ] = {}  # lines that are others without places, documentation and comments, which nothing reads back
 
     def emit(self, text: str) -> None:
         self.lines.append(text)
+
+    def item(self, word: str, item: Any, comment: str = "") -> None:
+        """A line of a record; its expressions have lines before, which are the same without places."""
+        line = f"{word} {self.encode(item)}"
+        self.places = False
+        self.bare[len(self.lines)] = f"{word} {self.encode(item)}"
+        self.places = True
+        self.emit(line + comment)
 
     def column(self, column: Column) -> str:
         if column not in self.columns:
@@ -177,12 +188,17 @@ class _Writer:
 
 def to_text(program: P.Program) -> str:
     """The program as text, which ``from_text`` reads."""
-    return _written(program, places=True)
+    return write(program)[0]
 
 
-def _written(program: P.Program, *, places: bool) -> str:
-    """A program as text; without ``places`` also without source positions, documentation and comments, which nothing reads back."""
-    writer = _Writer(program, places)
+def digest(program: P.Program) -> str:
+    """The hash of what a program computes: places and documentation left out."""
+    return write(program)[1]
+
+
+def write(program: P.Program) -> tuple[str, str]:
+    """The program as text, and the hash of what it computes."""
+    writer = _Writer(program)
     for number, scope in enumerate(program.scopes):
         if scope.parent is None:
             writer.emit(f"@{number} = {scope.kind} {json.dumps(scope.name)}")
@@ -195,36 +211,32 @@ def _written(program: P.Program, *, places: bool) -> str:
     for draw in program.draws:
         writer.column(draw.column)
     for draw in program.draws:
-        line = writer.encode(draw)
-        writer.emit(f"draw {line}" + (f"  # {draw.column.name}" if places else ""))
+        writer.item("draw", draw, f"  # {draw.column.name}")
     for column, value in program.definitions.items():
         name, found = writer.column(column), writer.expr(value)
-        comment = show(value, 160) if places else ""
-        writer.emit(f"define {name} {found}" + (f"  # {column.name} = {comment[:160]}" if places else ""))
+        line = f"define {name} {found}"
+        writer.bare[len(writer.lines)] = line
+        writer.emit(f"{line}  # {column.name} = {show(value, 160)[:160]}")
     for name in _LISTS:
         for item in getattr(program, name):
-            writer.emit(f"{name} {writer.encode(item)}")
+            writer.item(name, item)
     for kind in ("materials", "primitives"):
         for item in getattr(program, kind).values():
-            writer.emit(f"{kind} {writer.encode(item)}")
+            writer.item(kind, item)
     for name, words in program.vocabularies.items():
         writer.emit(f"vocabulary {json.dumps(name)} {writer.encode(words)}")
     head = [f"apgc {_VERSION}", f"program {json.dumps(program.name)}"]
-    if places and program.doc:
-        head.append(f"doc {json.dumps(program.doc, ensure_ascii=False)}")
-    return "\n".join([*head, *writer.lines, ""])
+    doc = [f"doc {json.dumps(program.doc, ensure_ascii=False)}"] if program.doc else []
+    computed = [writer.bare.get(number, line) for number, line in enumerate(writer.lines)]
+    seal = blake2b("\n".join([*head, *computed, ""]).encode(), digest_size=16).hexdigest()
+    return "\n".join([*head, *doc, *writer.lines, ""]), seal
 
 
 def to_words(value: Any) -> str:
     """Expressions and records outside of a program, with what holds them together, as ``from_words`` reads them."""
-    writer = _Writer(P.Program(""), places=True)
+    writer = _Writer(P.Program(""))
     last = writer.encode(value)
     return "\n".join([*writer.lines, last])
-
-
-def digest(program: P.Program) -> str:
-    """The hash of what a program computes: places and documentation left out."""
-    return blake2b(_written(program, places=False).encode(), digest_size=16).hexdigest()
 
 
 # ---------------------------------------------------------------- reading

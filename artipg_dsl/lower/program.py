@@ -10,7 +10,7 @@ from ..graph.expr import Scope, ScopeError
 from ..graph.linear import Circle
 from ..graph.program import UNLABELLED, Link, Program
 from ..graph.reference import definitions_of
-from ..graph.text import digest
+from ..graph.text import write
 from ..semantics.check import TypedProgram
 from ..semantics.symbols import Symbol
 from ..syntax import ast
@@ -42,6 +42,7 @@ class Lowering:
     context: Draft
     root: Env
     links: Links
+    text: str = ""  # of the program, when it is complete
 
     def unplaced(self) -> Iterator[Component]:
         """The parts in the text of the category that nothing places along any axis; not those that stand in an element of a repeat,
@@ -179,8 +180,8 @@ def legality(lowering: Lowering) -> None:
 
 
 def seal(lowering: Lowering) -> None:
-    """The hash of what the program computes."""
-    lowering.program.hash = digest(lowering.program)
+    """The text of the program, and the hash of what it computes."""
+    lowering.text, lowering.program.hash = write(lowering.program)
 
 
 @dataclass(frozen=True, slots=True)

@@ -49,6 +49,7 @@ class Lowered:
     possible: bool = True  # whether some of its test values meet the conditions, where a path shapes it
     paths: tuple[Handed, ...] = ()  # what its first use handed in
     trace: tuple[tuple[Span, str], ...] = ()  # and where
+    digest: str = ""  # of the primitive, where it is known
 
     @property
     def blamed(self) -> tuple[Span, str] | None:

@@ -14,7 +14,8 @@ from ... import cache
 from ...graph.expr import Expr
 from ...graph.interval import Interval
 from ...graph.primitive import Primitive
-from ...graph.text import TextError, from_words, to_words
+from ...graph.program import Program
+from ...graph.text import TextError, digest, from_words, to_words
 from ...semantics.symbols import ModuleScope, Symbol
 from ...shapes import Misfit, fit
 from ..values.handed import Handed
@@ -65,7 +66,10 @@ def keep(entry: str, lowered: Lowered) -> None:
     if len(ports) < len(lowered.ports):
         return
     conditions = tuple((c.holds, c.sides, c.message, c.text, c.bend) for c in lowered.conditions)
-    held = lowered.primitive, lowered.names, tuple(ports), conditions, lowered.centred_size, lowered.possible
+    primitive = lowered.primitive
+    lowered.digest = digest(Program("", primitives={primitive.name: primitive}))
+    flags = lowered.centred_size, lowered.possible
+    held = primitive, lowered.digest, lowered.names, tuple(ports), conditions, *flags
     cache.write(entry, to_words(held).encode("utf-8"))
 
 
@@ -78,13 +82,14 @@ def _told(port: Value) -> tuple[Any, ...] | None:
 
 
 def _read(held: Any) -> Lowered:
-    fit(held, tuple[Primitive, tuple[str, ...], tuple[Any, ...], tuple[Any, ...], bool, bool])
-    primitive, names, ports, conditions, centred, possible = held
+    fit(held, tuple[Primitive, str, tuple[str, ...], tuple[Any, ...], tuple[Any, ...], bool, bool])
+    primitive, seal, names, ports, conditions, centred, possible = held
     asked = tuple[Expr, _Pair | None, str, str, _Pair | None]
     for condition in conditions:
         fit(condition, asked)
     made = [Condition(holds, sides, message, text, bend) for holds, sides, message, text, bend in conditions]
-    return Lowered(primitive, names, {name: _port(*told) for name, *told in ports}, made, centred, possible)
+    offered = {name: _port(*told) for name, *told in ports}
+    return Lowered(primitive, names, offered, made, centred, possible, digest=seal)
 
 
 def _port(kind: str, *told: Any) -> Value:
