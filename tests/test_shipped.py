@@ -126,3 +126,12 @@ def test_doors_with_a_bar_are_drawn_at_once() -> None:
     bar = sampler.program.draws[number].options.index("PushBar")
     sampler.batch(np.arange(30), seed=1, given={number: float(bar)}, statistics=counted)
     assert counted.first_valid == 30
+
+
+def test_racks_stand_with_their_long_side_to_the_front() -> None:
+    batch = Session.of("Foldingrack").sampler.batch(np.arange(12), 0)
+    points = sample_points(batch, 1000).position
+    depth, width, _ = np.moveaxis(points.max(axis=1) - points.min(axis=1), -1, 0)
+    winged = np.array([batch.drawn(i).get("flap", "none") != "none" for i in range(len(batch))])
+    assert winged.sum() >= 3 and (depth < width)[winged].all()
+    assert np.median(depth / width) < 0.8
