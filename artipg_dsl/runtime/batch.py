@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import fields
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from operator import itemgetter
 from typing import Any
 
@@ -88,27 +88,31 @@ class Batch:
     def read(self, exprs: Sequence[Expr], scope: Scope) -> list[np.ndarray]:
         """One array (rows of ``scope``,) per expression."""
         size = self.rowmap.rows(scope).size
+        found = (np.asarray(value) for value in self._values_of(exprs, scope))
+        return [array if array.shape == (size,) else np.full(size, array) for array in found]
+
+    def _values_of(self, exprs: Sequence[Expr], scope: Scope) -> list[Any]:
+        """The same, where all rows may share one value."""
         missing = [e for e in exprs if (e, scope) not in self.plan.outputs and e.op != "const"]
         if any((e, scope) not in self._extra for e in missing):
             plan = self.plan.also(tuple((e, scope) for e in missing))
             _, values = plan.function(self._asked())
             self._extra |= {(e, scope): values[plan.outputs[e, scope]] for e in missing}
-        found = []
-        for expr in exprs:
-            value = (
-                expr.value
-                if expr.op == "const"
-                else self._extra[expr, scope]
-                if (expr, scope) in self._extra
-                else self._values[self.plan.outputs[expr, scope]]
-            )
-            array = np.asarray(value)
-            found.append(array if array.shape == (size,) else np.full(size, array))
-        return found
+        return [
+            expr.value
+            if expr.op == "const"
+            else self._extra[expr, scope]
+            if (expr, scope) in self._extra
+            else self._values[self.plan.outputs[expr, scope]]
+            for expr in exprs
+        ]
 
     def _vectors(self, cells: Sequence[Expr], scope: Scope) -> np.ndarray:
         """(rows, len(cells)) float64."""
-        return np.stack([np.asarray(v, dtype=np.float64) for v in self.read(cells, scope)], axis=-1)
+        found = np.empty((self.rowmap.rows(scope).size, len(cells)))
+        for k, value in enumerate(self._values_of(cells, scope)):
+            found[:, k] = value
+        return found
 
     def _poses(self, pose: Any, scope: Scope) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         cells = self._vectors(pose_cells(pose), scope)
@@ -181,6 +185,7 @@ class Batch:
     @cached_property
     def _sites(self) -> list[SiteTable]:
         found = []
+        links = cache(self.link_numbers)  # of many sites the same
         for number, site in enumerate(self.program.sites):
             owner = self.owner(site.scope)
             primitive = self.program.primitives[site.primitive]
@@ -200,7 +205,7 @@ class Batch:
                     rotation,
                     translation,
                     mirror,
-                    self.link_numbers(site.scope, site.link),
+                    links(site.scope, site.link),
                     instance,
                     word,
                     rank,
