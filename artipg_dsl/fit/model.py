@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..graph.depend import draws_behind
-from ..graph.expr import Expr
+from ..graph.expr import Expr, Scope
 from ..graph.reference import ranks_of
 from ..random import mix
 from ..runtime.batch import Batch
@@ -17,7 +17,7 @@ from ..runtime.kernels import Kept, State
 from ..runtime.laws import TOLERANCE
 from ..runtime.needs import motion_of, narrowing_of, pose_cells
 from ..runtime.plan import Plan, make_plan
-from ..sampling.known import evaluate_again, keep_draw, make_batch, rows_of_draw
+from ..sampling.known import DrawRows, evaluate_again, keep_draw, make_batch, rows_of_draw
 from ..sampling.sample import Sampler
 from ..sampling.search import domain_ends
 from .states import Moved, Opened, resting, shut
@@ -117,14 +117,20 @@ class Model:
         for (batch, at), place in zip(parts, places, strict=True):
             objects[place], lane[place] = batch.state.objects[at], batch.state.lanes()[at]
         state = State(parts[0][0].seed, objects, np.zeros(len(objects), dtype=np.int64), lane=lane)
-        for number in range(len(self.program.draws)):
-            keys, values = [], []
-            for (batch, at), place in zip(parts, places, strict=True):
-                chosen = rows_of_draw(batch, number, at)
-                rows = batch.rowmap.rows(self.program.draws[number].column.scope)
-                keys.append(mix(rows.address[chosen.row], place[chosen.owner]))
-                values.append(batch.state.values[number][chosen.row])
-            state.kept[number] = _kept(np.concatenate(keys), np.concatenate(values))
+        # draws of one scope have the same rows
+        known: dict[Scope, tuple[list[np.ndarray], np.ndarray, np.ndarray]] = {}
+        for number, draw in enumerate(self.program.draws):
+            scope = draw.column.scope
+            if scope not in known:
+                chosen = [rows_of_draw(batch, number, at) for batch, at in parts]
+                keys = [
+                    mix(batch.rowmap.rows(scope).address[one.row], place[one.owner])
+                    for (batch, _), one, place in zip(parts, chosen, places, strict=True)
+                ]
+                known[scope] = [one.row for one in chosen], *_sorted(np.concatenate(keys))
+            rows, order, key = known[scope]
+            values = [batch.state.values[number][row] for (batch, _), row in zip(parts, rows, strict=True)]
+            state.kept[number] = _kept(key, np.concatenate(values)[order])
         return make_batch(self.program, self.plan, state)
 
     def merged(self, batch: Batch, others: Batch, of: np.ndarray, order: np.ndarray) -> Batch:
@@ -200,17 +206,20 @@ class Model:
         ``copies``: the place in the batch of what each copy is of. ``lane``: what the rows that are new are drawn by.
         """
         values = []
-        for number in range(len(self.program.draws)):
-            chosen = rows_of_draw(batch, number, copies)
+        known: dict[Scope, tuple[DrawRows, np.ndarray, np.ndarray]] = {}
+        for number, draw in enumerate(self.program.draws):
+            scope = draw.column.scope
+            if scope not in known:
+                chosen = rows_of_draw(batch, number, copies)
+                known[scope] = chosen, *_sorted(chosen.key)
+            chosen, order, key = known[scope]
             value = batch.state.values[number][chosen.row]
             mine = np.flatnonzero(changes.draw == number)
             if len(mine):
                 size = int(chosen.row.max(initial=0)) + 1
                 where = chosen.owner * size + chosen.row  # ascending
-                at = np.searchsorted(where, changes.copy[mine] * size + changes.row[mine])
-                value = value.copy()
-                value[at] = changes.value[mine]
-            values.append(_kept(chosen.key, value))
+                value[np.searchsorted(where, changes.copy[mine] * size + changes.row[mine])] = changes.value[mine]
+            values.append(_kept(key, value[order]))
         return evaluate_again(batch, copies, values=values, lane=lane, plan=self.plan)
 
     def freedoms(self, batch: Batch) -> Freedoms:
@@ -247,10 +256,16 @@ def _bits(value: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(value + 0.0).view(np.uint64)  # -0.0 is 0.0
 
 
-def _kept(key: np.ndarray, value: np.ndarray) -> Kept:
+def _sorted(key: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The order in which keys ascend, and the keys in it."""
     order = np.argsort(key, kind="stable")
-    still = np.zeros(len(order))
-    return Kept(key[order], value[order], still, still.astype(bool))
+    return order, key[order]
+
+
+def _kept(key: np.ndarray, value: np.ndarray) -> Kept:
+    """Values to be kept by their keys, which ascend."""
+    still = np.zeros(len(key))
+    return Kept(key, value, still, still.astype(bool))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
