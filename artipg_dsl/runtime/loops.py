@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 APART = 1e-6  # metres: farther than this, two points are not together
 _CLOSED = 1e-13  # and nearer than this, no step brings them closer
+_LED = 1e-5  # near enough on the way from rest, from where one more step is a thousand times nearer
 _STAGES = 6  # on the way from rest
 _ROUNDS = 8  # steps for each
 _INDEPENDENT = 1e-6  # of a column that the columns before do not make up
@@ -123,10 +124,11 @@ class Loops:
         for stage in range(1, _STAGES + 1):
             share = stage / _STAGES
             values = follow(joints, np.where(driven, values, rest + share * (wanted - rest)))
+            near = _CLOSED if stage == _STAGES else _LED
             open_ones = np.arange(len(states))
             for _ in range(_ROUNDS):
                 gap, slope = self.equations(values[open_ones])
-                going = np.abs(gap).max(axis=0, initial=0.0) >= _CLOSED  # each object stops by itself
+                going = np.abs(gap).max(axis=0, initial=0.0) >= near  # each object stops by itself
                 some = np.flatnonzero(going.any(axis=1))
                 if not len(some):
                     break
