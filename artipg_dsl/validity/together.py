@@ -29,6 +29,10 @@ _SLICES = 16  # of a turn, for boxes
 _MOST = 4_000  # cells of two links; what is left beyond counts as meeting
 
 
+Boxes = tuple[np.ndarray, np.ndarray]
+"""Low and high corners, (k, 3) each."""
+
+
 @dataclass(slots=True, eq=False)
 class Ways:
     """Pairs of links (k,) and the joints between them (k, C), -1 for none: those of the first from the innermost on, in the
@@ -77,6 +81,10 @@ class _Reach:
     low: np.ndarray
     high: np.ndarray
     radius: np.ndarray
+
+    def boxes(self, level: np.ndarray, at: np.ndarray) -> Boxes:
+        """Of things ``at`` (m,), each swept as far up as told."""
+        return self.low[level, at], self.high[level, at]
 
 
 def _reach(tree: Tree, link: np.ndarray, low: np.ndarray, high: np.ndarray) -> _Reach:
@@ -166,23 +174,31 @@ def _cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
         )
     seen = np.flatnonzero((count[way.first] > 0) & (count[way.second] > 0))
     whole = _reach(tree, full, lows[full], highs[full])
-    place = np.zeros(links, dtype=np.int64)
-    place[full] = np.arange(len(full))
-    levels = way.levels[0][seen], way.levels[1][seen]
-    seen = seen[_meet(whole, levels, place[way.first[seen]], place[way.second[seen]])]
-    # their pieces
+    number = np.zeros(links, dtype=np.int64)
+    number[full] = np.arange(len(full))
+    sides = tuple(zip(way.levels, (way.first, way.second), strict=True))
+    one, two = (whole.boxes(level[seen], number[link[seen]]) for level, link in sides)
+    seen = seen[_meet(one, two)]
+    # their pieces, as far as these come near the other link at all
     used = np.flatnonzero(np.isin(body.link, np.union1d(way.first[seen], way.second[seen])))
     own = _reach(tree, body.link[used], body.low[used], body.high[used])
     place = np.zeros(len(body), dtype=np.int64)
     place[used] = np.arange(len(used))
-    index, piece = enumerate_ranges(begin[way.first[seen]], count[way.first[seen]])
-    at, other = enumerate_ranges(begin[way.second[seen]][index], count[way.second[seen]][index])
-    row, piece = seen[index[at]], piece[at]
+    chosen = []
+    for (level, link), (beyond, beside) in zip(sides, reversed(sides), strict=True):
+        index, piece = enumerate_ranges(begin[link[seen]], count[link[seen]])
+        row = seen[index]
+        kept = _meet(own.boxes(level[row], place[piece]), whole.boxes(beyond[row], number[beside[row]]))
+        chosen.append((index[kept], piece[kept]))
+    (index, piece), (index_of_others, others) = chosen
+    many = np.bincount(index_of_others, minlength=len(seen))
+    at, other = enumerate_ranges((np.cumsum(many) - many)[index], many[index])
+    row, piece, other = seen[index[at]], piece[at], others[other]
     if body.side is not None:
         one, two = body.side[piece], body.side[other]
         keep = (((one & 1) * (two >> 1)) | ((one >> 1) * (two & 1))).astype(bool)
         row, piece, other = row[keep], piece[keep], other[keep]
-    near = _meet(own, (way.levels[0][row], way.levels[1][row]), place[piece], place[other])
+    near = _meet(own.boxes(way.levels[0][row], place[piece]), own.boxes(way.levels[1][row], place[other]))
     row, piece, other = row[near], piece[near], other[near]
     joint = way.joint[row]
     known = np.maximum(joint, 0)
@@ -224,13 +240,9 @@ def _where_gates_let(tree: Tree, joint: np.ndarray, part: Cells) -> Cells:
     return part
 
 
-def _meet(own: _Reach, levels: tuple[np.ndarray, np.ndarray], first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Which of two things (k,), each swept as far up as told, have boxes that overlap."""
-    lows, highs = (
-        [getattr(own, name)[level, at] for level, at in zip(levels, (first, second), strict=True)]
-        for name in ("low", "high")
-    )
-    return ((lows[0] < highs[1]) & (lows[1] < highs[0])).all(axis=1)
+def _meet(first: Boxes, second: Boxes) -> np.ndarray:
+    """Which of two boxes (k,) overlap."""
+    return ((first[0] < second[1]) & (second[0] < first[1])).all(axis=1)
 
 
 def least_share(
