@@ -242,7 +242,8 @@ def _where_gates_let(tree: Tree, joint: np.ndarray, part: Cells) -> Cells:
 
 def _meet(first: Boxes, second: Boxes) -> np.ndarray:
     """Which of two boxes (k,) overlap."""
-    return ((first[0] < second[1]) & (second[0] < first[1])).all(axis=1)
+    found: np.ndarray = ((first[0] < second[1]) & (second[0] < first[1])).all(axis=1)
+    return found
 
 
 def least_share(
