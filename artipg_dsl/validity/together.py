@@ -242,8 +242,7 @@ def _where_gates_let(tree: Tree, joint: np.ndarray, part: Cells) -> Cells:
 
 def _meet(first: Boxes, second: Boxes) -> np.ndarray:
     """Which of two boxes (k,) overlap."""
-    found: np.ndarray = ((first[0] < second[1]) & (second[0] < first[1])).all(axis=1)
-    return found
+    return np.logical_and.reduce((first[0] < second[1]) & (second[0] < first[1]), axis=1)
 
 
 def least_share(
