@@ -13,7 +13,7 @@ _KINDS = {
     "tree": "syntax trees",
     "tables": "tables of the parser",
     "grammar": "the parser that explains mistakes",
-    "solid": "lowered primitives",
+    "solid": "lowered primitives that took long",
     "program": "compiled programs",
     "facts": "what surfaces and pieces are like",
     "machine": "the compiled backend",

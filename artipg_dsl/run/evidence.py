@@ -121,15 +121,22 @@ def _looked_at(
         progress(done * steps + step, total)
         stage(words)
 
+    def alone(part: np.ndarray) -> _Seen:
+        nonlocal done
+        seen = task.look(part, told)
+        done += 1
+        return seen
+
     def others(rest: Sequence[np.ndarray], many: int) -> Iterator[_Seen]:
+        nonlocal done
         stage(f"checking objects with {min(many, len(rest))} workers")
         progress(done * steps, total)
-        return map_each(_look, rest, many, _take, task)
+        for seen in map_each(_look, rest, many, _take, task):
+            done += 1
+            progress(done * steps, total)
+            yield seen
 
-    for seen in share(parts, workers, lambda part: task.look(part, told), others):
-        done += 1
-        progress(done * steps, total)
-        yield seen
+    return share(parts, workers, alone, others)
 
 
 _task: _Task | None = None  # what this worker works for

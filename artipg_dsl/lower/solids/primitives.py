@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from functools import partial
 
 from ...graph import expr as E
@@ -26,6 +27,7 @@ from .probe import possible, test_ranges
 from .recalled import entry_of, keep, recall
 
 _MOST_COPIES = 64  # of an indexed surface
+_LONG = 0.03  # seconds of lowering; what takes less is read no faster
 
 
 def lower_primitive(context: Draft, symbol: Symbol, values: dict[str, Value] | None = None) -> Lowered:
@@ -60,10 +62,11 @@ def shaped(context: Draft, symbol: Symbol, paths: dict[str, Handed], tested: dic
     while name in context.program.primitives:
         name, number = f"{symbol.name}_{number}", number + 1
     entry = entry_of(symbol, name, paths, tested)
-    known = None if entry is None else recall(entry)
-    found = known or _made(context, symbol, name, paths, tested)
-    if entry is not None and known is None:
-        keep(entry, found)
+    found, begun = None if entry is None else recall(entry), time.process_time()
+    if found is None:
+        found = _made(context, symbol, name, paths, tested)
+        if entry is not None and time.process_time() - begun > _LONG:
+            keep(entry, found)
     found.paths, found.trace = tuple(paths.values()), tuple(context.trace)
     return found
 
