@@ -60,9 +60,16 @@ def run(options: argparse.Namespace) -> int:
             )
         else:
             content = Content(resolution=read_resolution(options) or STANDARD, details=details)
-            output = Output.of(formats, content)
+            output = Output.of(formats, content, options.memory)
             write_dataset(
-                job, out, output, force=options.force, progress=progress, workers=options.workers, memory=options.memory
+                job,
+                out,
+                output,
+                force=options.force,
+                progress=progress,
+                workers=options.workers,
+                memory=options.memory,
+                cluster=options.cluster,
             )
     done = plural(len(job.request.objects), "object")
     names = ", ".join(entry.name for entry in formats)
@@ -98,6 +105,11 @@ def _layout(options: argparse.Namespace) -> Layout | None:
         )
     if options.tolerance is not None or options.triangles is not None:
         raise UsageError(f"{found[0].name} has no meshes to choose for", "leave out --tolerance and --triangles")
+    if options.cluster or options.memory is not None:
+        raise UsageError(
+            f"{found[0].name} is laid out on this machine, some objects at a time",
+            "leave out --cluster and --memory; --workers divides the work",
+        )
     return found[0]
 
 

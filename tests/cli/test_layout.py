@@ -59,6 +59,8 @@ def test_python_writes_the_same(apgc: Apgc, tmp_path: Path) -> None:
         (("Laptop", "--format", "shapenetpart", "--split", "0,0,0"), "'0,0,0' is not a split"),
         (("Laptop", "--format", "urdf", "--split", "8,1,1"), "--split is for layouts"),
         (("Laptop", "--format", "shapenetpart", "--tolerance", "1mm"), "shapenetpart has no meshes to choose for"),
+        (("Laptop", "--format", "shapenetpart", "--cluster", "local"), "shapenetpart is laid out on this machine"),
+        (("Laptop", "--format", "shapenetpart", "--memory", "1GB"), "shapenetpart is laid out on this machine"),
         (("Laptop", "--format", "shapenetpart", "--map", "none.json"), "cannot read none.json"),
     ],
 )

@@ -71,5 +71,7 @@ def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
 
 def test_a_scheduler_that_does_not_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("distributed")
-    assert main(["sample", str(CHEST), "-n", "2", "-o", str(tmp_path / "o"), "--cluster", "nonsense://x"]) == 1
-    assert "no Dask scheduler answers at nonsense://x" in capsys.readouterr().err
+    for command in (["sample"], ["export", "--format", "urdf"]):
+        asked = [*command, str(CHEST), "-n", "2", "-o", str(tmp_path / command[0]), "--cluster", "nonsense://x"]
+        assert main(asked) == 1
+        assert "no Dask scheduler answers at nonsense://x" in capsys.readouterr().err
