@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -46,12 +47,19 @@ def run(options: argparse.Namespace) -> int:
         require_manifold()
     tasks = [_Task(options, name, known) for name in names]
     cards, pictures = [], []
+    silent = options.json or options.markdown or alone  # until the end: else cards tell how far it is
+
+    def others(rest: Sequence[_Task], many: int) -> Iterator[tuple[Card, bytes]]:
+        with Progress("reports") if silent else nullcontext() as progress:
+            if progress:
+                progress(0, len(rest))
+            for done, found in enumerate(map_each(_examined, rest, many), start=1):
+                if progress:
+                    progress(done, len(rest))
+                yield found
+
     for card, seen in share(
-        tasks,
-        options.workers,
-        lambda task: _examined(replace(task, watched=True)),
-        lambda rest, many: map_each(_examined, rest, many),
-        long=True,
+        tasks, options.workers, lambda task: _examined(replace(task, watched=True)), others, long=True
     ):
         cards.append(card)
         pictures.append(seen)
