@@ -81,7 +81,9 @@ def _read(text: str) -> Sampler:
     fit(told, Kept)
     with uncollected():
         program = from_text(body, told["hash"])
-        facts.tell_digests(program, told["primitives"])
+        for name, known in told["primitives"].items():
+            if name in program.primitives:
+                facts.tell_digest(program.primitives[name], known)
         program.foreign = False
         return Sampler(program)
 

@@ -37,9 +37,8 @@ def check_closed(solids: Mapping[Any, Lowered], report: Report) -> None:
     Every surface, at each variant its test values show, must meet others all around and have the inside on one side.
     """
     for symbol, lowered in solids.items():
-        primitive = lowered.primitive
         if lowered.digest:
-            facts.tell_digests(Program("", primitives={primitive.name: primitive}), {primitive.name: lowered.digest})
+            facts.tell_digest(lowered.primitive, lowered.digest)
         try:
             examine_primitive(lowered.primitive)
             _cover(symbol, lowered, report)

@@ -9,15 +9,14 @@ from __future__ import annotations
 import atexit
 import json
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import lru_cache
 from threading import Lock
 from typing import Any, TypeVar
 
 from .. import cache
 from ..graph.primitive import Primitive
-from ..graph.program import Program
-from ..graph.text import digest
+from ..graph.text import primitive_digest
 
 Fact = TypeVar("Fact")
 _LOCK = Lock()
@@ -31,7 +30,7 @@ class _Facts:
     def __init__(self, primitive: Primitive):
         self.held: dict[str, Any] = {}
         self.count: Counter[str] = Counter()  # how many there are of names that differ in the last word
-        self.digest = _told.pop(primitive, "") or digest(Program("", primitives={primitive.name: primitive}))
+        self.digest = _told.pop(primitive, "") or primitive_digest(primitive)
         self.entry: str | None = None
         if cache.folder() is None:
             return
@@ -51,9 +50,9 @@ def digest_of(primitive: Primitive) -> str:
     return _facts(primitive).digest
 
 
-def tell_digests(program: Program, digests: Mapping[str, str]) -> None:
-    """Says what is known of the primitives of a program, by name: to find them takes as long as to write them."""
-    _told.update({program.primitives[name]: found for name, found in digests.items() if name in program.primitives})
+def tell_digest(primitive: Primitive, known: str) -> None:
+    """Says what is known of a primitive: to find it takes as long as to write it."""
+    _told[primitive] = known
 
 
 def _kind(name: str) -> str:

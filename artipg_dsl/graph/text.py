@@ -94,9 +94,8 @@ class _Writer:
         self.columns: dict[Column, int] = {}
         self.exprs: dict[Expr, int] = {}
         self.lines: list[str] = []
-        self.bare: dict[
-            int, str
-        ] = {}  # lines that are others without places, documentation and comments, which nothing reads back
+        # lines that are others without places, documentation and comments, which nothing reads back
+        self.bare: dict[int, str] = {}
 
     def emit(self, text: str) -> None:
         self.lines.append(text)
@@ -194,6 +193,11 @@ def to_text(program: P.Program) -> str:
 def digest(program: P.Program) -> str:
     """The hash of what a program computes: places and documentation left out."""
     return write(program)[1]
+
+
+def primitive_digest(primitive: Primitive) -> str:
+    """What tells a primitive from any other, by its formulas."""
+    return digest(P.Program("", primitives={primitive.name: primitive}))
 
 
 def write(program: P.Program) -> tuple[str, str]:

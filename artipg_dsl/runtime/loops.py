@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 APART = 1e-6  # metres: farther than this, two points are not together
 _CLOSED = 1e-13  # and nearer than this, no step brings them closer
-_LED = 1e-5  # near enough on the way from rest, from where one more step is a thousand times nearer
+_LED = 1e-5  # near enough on the way from rest, where the next stage moves them again
 _STAGES = 6  # on the way from rest
 _ROUNDS = 8  # steps for each
 _INDEPENDENT = 1e-6  # of a column that the columns before do not make up

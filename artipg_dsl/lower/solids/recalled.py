@@ -14,8 +14,7 @@ from ... import cache
 from ...graph.expr import Expr
 from ...graph.interval import Interval
 from ...graph.primitive import Primitive
-from ...graph.program import Program
-from ...graph.text import TextError, digest, from_words, to_words
+from ...graph.text import TextError, from_words, primitive_digest, to_words
 from ...semantics.symbols import ModuleScope, Symbol
 from ...shapes import Misfit, fit
 from ..values.handed import Handed
@@ -66,10 +65,9 @@ def keep(entry: str, lowered: Lowered) -> None:
     if len(ports) < len(lowered.ports):
         return
     conditions = tuple((c.holds, c.sides, c.message, c.text, c.bend) for c in lowered.conditions)
-    primitive = lowered.primitive
-    lowered.digest = digest(Program("", primitives={primitive.name: primitive}))
+    lowered.digest = primitive_digest(lowered.primitive)
     flags = lowered.centred_size, lowered.possible
-    held = primitive, lowered.digest, lowered.names, tuple(ports), conditions, *flags
+    held = lowered.primitive, lowered.digest, lowered.names, tuple(ports), conditions, *flags
     cache.write(entry, to_words(held).encode("utf-8"))
 
 
@@ -83,13 +81,13 @@ def _told(port: Value) -> tuple[Any, ...] | None:
 
 def _read(held: Any) -> Lowered:
     fit(held, tuple[Primitive, str, tuple[str, ...], tuple[Any, ...], tuple[Any, ...], bool, bool])
-    primitive, seal, names, ports, conditions, centred, possible = held
+    primitive, digest, names, ports, conditions, centred, possible = held
     asked = tuple[Expr, _Pair | None, str, str, _Pair | None]
     for condition in conditions:
         fit(condition, asked)
     made = [Condition(holds, sides, message, text, bend) for holds, sides, message, text, bend in conditions]
     offered = {name: _port(*told) for name, *told in ports}
-    return Lowered(primitive, names, offered, made, centred, possible, digest=seal)
+    return Lowered(primitive, names, offered, made, centred, possible, digest=digest)
 
 
 def _port(kind: str, *told: Any) -> Value:
