@@ -5,14 +5,16 @@
     python benchmarks/fitting.py FOLDER Bottle=Chair             # chairs fitted by bottles: what a wrong category gives
 
 Beside each distance stands that of one box along the axes for each link, and what is chosen. CPU seconds are those of this process,
-divided by the objects.
+divided by the objects. How much of what is chosen is right, `benchmarks/structure.py` says.
 """
 
 from __future__ import annotations
 
 import argparse
 import time
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -53,8 +55,19 @@ def boxed(posed: Posed, up: str, front: str) -> float:
     return distances(points, normals, whole, Surface(place[seen], normal[seen], word[seen]))["both"]
 
 
-def real(folder: Path, category: str, objects: str, frame: Frame) -> list[tuple[float, float]]:
-    """The distances of real objects from what is fitted to them, and from their boxes."""
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A real object by the ``name`` of its folder, what was fitted to it, its distance in percent, and that of boxes."""
+
+    name: str
+    values: dict[str, Any]
+    verdict: str
+    distance: float
+    boxes: float
+
+
+def real(folder: Path, category: str, objects: str, frame: Frame) -> tuple[list[Case], float]:
+    """What is fitted to the real objects of a folder, and the CPU seconds for each."""
     sampler = Session.of(category).sampler
     model = Model(sampler)
     opened = Model(sampler, opened=True) if can_open(sampler.program) else None
@@ -64,17 +77,11 @@ def real(folder: Path, category: str, objects: str, frame: Frame) -> list[tuple[
     begun = time.process_time()
     found = fit(model, posed, opened=opened)
     spent = (time.process_time() - begun) / len(files)
-    told = []
+    cases = []
     for file, cloud, one in zip(files, posed, found, strict=True):
-        box = boxed(cloud, one.told["frame"]["up"], one.told["frame"]["front"])
-        both, said = one.told["distance"]["both"], one.told["verdict"]
-        told.append((both, box))
-        chosen = {k: v for k, v in one.values.items() if isinstance(v, str | int) and "." not in k}
-        print(
-            f"{category:<17} {file.parent.name[:34]:<35} {both:6.2f} {box:6.2f}  {said:<13} {spent:5.1f} s  {chosen}",
-            flush=True,
-        )
-    return told
+        boxes = boxed(cloud, one.told["frame"]["up"], one.told["frame"]["front"])
+        cases.append(Case(file.parent.name, one.values, one.told["verdict"], one.told["distance"]["both"], boxes))
+    return cases, spent
 
 
 def main() -> None:
@@ -86,7 +93,14 @@ def main() -> None:
     told = []
     for pair in asked.pairs:
         category, _, objects = pair.partition("=")
-        told += real(asked.folder, category, objects or category, Frame(front=asked.front))
+        cases, spent = real(asked.folder, category, objects or category, Frame(front=asked.front))
+        for case in cases:
+            chosen = {k: v for k, v in case.values.items() if isinstance(v, str | int) and "." not in k}
+            print(
+                f"{category:<17} {case.name[:34]:<35} {case.distance:6.2f} {case.boxes:6.2f}  {case.verdict:<13} {spent:5.1f} s  {chosen}",
+                flush=True,
+            )
+            told.append((case.distance, case.boxes))
     shares = np.array(told)
     print(f"{len(shares)} objects: median {np.median(shares[:, 0]):.2f}, boxes {np.median(shares[:, 1]):.2f}")
 
