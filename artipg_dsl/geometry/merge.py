@@ -19,6 +19,7 @@ import numpy as np
 from ..native import backend, gaps
 
 _LEFT = 0.05  # of the depth of a piece: one that keeps less when it is cut is lost
+_LOST = 3  # one piece in so many at most: four staves of a thin ring lose a third, and stand all round it
 _SECTORS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 60)
 _WAYS = np.array(
     [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if (x, y, z) != (0, 0, 0)], float
@@ -213,7 +214,8 @@ def cut(pieces: Cluster, tolerance: float, small: float) -> tuple[np.ndarray, fl
     """The plane (normal, offset) along which the hull of pieces of one primitive can be cut off, to clear what they surround.
 
     It is that of their face that the hull reaches farthest beyond: a stave of a ring so cut touches the bore. None where
-    a piece would fall short by more than ``tolerance``, or, unless all are within a box of ``small``, one would be lost.
+    a piece would fall short by more than ``tolerance``, or, unless all are within a box of ``small``, one would be lost;
+    of those, where more than one in _LOST would be.
     """
     if len({piece.unit for piece in pieces}) > 1:
         return None
@@ -225,7 +227,8 @@ def cut(pieces: Cluster, tolerance: float, small: float) -> tuple[np.ndarray, fl
     if high.max() > tolerance or low.min() > -_LEFT * (high.max() - low.min()):
         return None
     lost = low > -_LEFT * (high - low)
-    return None if lost.any() and np.ptp(points, axis=0).max() > small else (normal, offset)
+    most = len(pieces) // _LOST if np.ptp(points, axis=0).max() <= small else 0
+    return None if lost.sum() > most else (normal, offset)
 
 
 def halves(cluster: Cluster) -> tuple[Cluster, Cluster]:
