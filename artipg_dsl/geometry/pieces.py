@@ -221,12 +221,15 @@ def _points(primitive: Primitive, piece: Piece, index: np.ndarray, params: Param
 
 @lru_cache(maxsize=8192)
 def _known(primitive: Primitive, number: int, index: int) -> tuple[_Hull, ...]:
-    """The sets of faces that the test values show for a declared piece."""
+    """The sets of faces that the test values show for a declared piece, or for the last step that they have, as steps are alike."""
     piece = primitive.pieces[number]
 
     def find() -> tuple[_Hull, ...]:
         params = draw_trial(primitive)
-        rows = np.flatnonzero(_counts(primitive, piece, params) > index)
+        counts = _counts(primitive, piece, params)
+        if 0 < counts.max() <= index:
+            return _known(primitive, number, int(counts.max()) - 1)
+        rows = np.flatnonzero(counts > index)
         points = _points(primitive, piece, np.full(len(rows), index), mesh.take(params, rows))
         return _distinct(primitive, piece.name, points)
 

@@ -76,6 +76,20 @@ def test_faces_found_once_are_checked_for_every_instance():
         assert np.array_equal(alone[0].faces, together.faces)
 
 
+def test_steps_beyond_the_test_values_have_the_faces_of_the_last(monkeypatch):
+    x, y, z = shapes.size()
+    half = [(a * (x / 2), b * (y / 2), c * (z / 2)) for a in (-1.0, 1.0) for b in (-1.0, 1.0) for c in (-1.0, 1.0)]
+    corners = tuple((p[0] + var("i") * x, p[1], p[2]) for p in half)
+    row = shapes.cuboid(pieces=(Piece("slab", corners, shapes.call("floor", x * 10.0) + 1.0),))
+    most = int(np.floor(10 * draw_trial(row)["size.x"].max())) + 1
+    pieces.build(row, draw_trial(row))
+    monkeypatch.setattr(pieces, "_own", lambda *_: pytest.fail("a hull of its own"))
+    params = {"size.x": np.array([0.1 * (most + 3)]), "size.y": np.full(1, 0.1), "size.z": np.full(1, 0.2)}
+    groups = pieces.build(row, params)
+    assert [g.name for g in groups] == [f"slab[{i}]" for i in range(len(groups))] and len(groups) > most
+    assert all(np.array_equal(g.faces, groups[0].faces) for g in groups)
+
+
 def test_pieces_without_numbers_are_refused():
     x, y, z = shapes.size()
     lump = shapes.cuboid(pieces=(Piece("lump", ((x, y, z), (-x, y, z), (x, -y, z), (-x, -y, -z))),))
