@@ -60,49 +60,40 @@ class Corners:
         return narrow.Side([self.vertices], np.zeros_like(every), every)
 
 
-def inset(vertices: np.ndarray, faces: np.ndarray, margin: float = DEPTH / 2) -> np.ndarray:
-    """Pieces (k, P, 3) with the planes of their faces (F, 3) moved inwards by ``margin``: what touches meets no more."""
-    corners = vertices[:, faces]
-    normal = cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
+def inset(points: np.ndarray, first: np.ndarray, faces: np.ndarray, margin: float = DEPTH / 2) -> np.ndarray:
+    """Corners (N, 3) of pieces with the planes of their faces moved inwards by ``margin``: what touches meets no more.
+
+    The pieces follow one another, ``first`` (k,) tells where each begins; ``faces`` (F, 3) are numbers of ``points``, and no piece
+    is without any.
+    """
+    corners = points[faces]
+    normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.sqrt(dot(normal, normal))
-    normal = np.where(length[..., None] > 0, normal / np.where(length > 0, length, 1.0)[..., None], 0.0)
-    middle = (vertices.min(axis=1) + vertices.max(axis=1)) / 2
-    turned = dot(normal, corners[:, :, 0] - middle[:, None]).sum(axis=1) < 0.0  # mirrored: the faces run the other way
+    normal = np.where(length[:, None] > 0, normal / np.where(length > 0, length, 1.0)[:, None], 0.0)
+    middle = (np.minimum.reduceat(points, first) + np.maximum.reduceat(points, first)) / 2
+    piece = np.searchsorted(first, faces[:, 0], side="right") - 1
+    outwards = np.bincount(piece, dot(normal, corners[:, 0] - middle[piece]), minlength=len(first))
+    turned = outwards[piece] < 0.0  # mirrored: the faces run the other way
     normal[turned] = -normal[turned]
-    incident = _incident(faces, vertices.shape[1])
-    gram = np.zeros((*vertices.shape[:2], 6))  # N'N of the normals at each corner: xx, yy, zz, yz, zx, xy
-    push = np.zeros(vertices.shape)
-    nothing = np.zeros((len(vertices), 1, 3))
-    normal = np.concatenate([normal, nothing], axis=1)  # the last for corners with fewer faces
-    for column in incident.T:
-        n = normal[:, column]
-        gram += n[..., [0, 1, 2, 1, 2, 0]] * n[..., [0, 1, 2, 2, 0, 1]]
-        push -= n
-    gram = gram.transpose(2, 0, 1)
+    n, corner = np.repeat(normal, 3, axis=0).T, faces.ravel()
+
+    def gathered(values: np.ndarray) -> np.ndarray:
+        return np.bincount(corner, values, minlength=len(points))
+
     ridge = 1e-6
-    a, b, c = gram[0] + ridge, gram[1] + ridge, gram[2] + ridge
-    d, e, f = gram[3], gram[4], gram[5]
+    # N'N of the normals N at each corner
+    a, b, c = (gathered(n[i] * n[i]) + ridge for i in range(3))
+    d, e, f = (gathered(n[i] * n[j]) for i, j in ((1, 2), (2, 0), (0, 1)))
     # the symmetric system [[a, f, e], [f, b, d], [e, d, c]] m = push, by its adjugate
     aa, bb, cc = b * c - d * d, a * c - e * e, a * b - f * f
     dd, ee, ff = e * f - a * d, f * d - b * e, d * e - c * f
     det = a * aa + f * ff + e * ee
-    x, y, z = push[..., 0], push[..., 1], push[..., 2]
+    x, y, z = (-gathered(n[i]) for i in range(3))
     move = np.stack([aa * x + ff * y + ee * z, ff * x + bb * y + dd * z, ee * x + dd * y + cc * z], axis=-1)
-    move /= np.where(det > 0, det, 1.0)[..., None]
+    move /= np.where(det > 0, det, 1.0)[:, None]
     reach = np.sqrt(dot(move, move))
-    move *= np.minimum(1.0, 20.0 / np.maximum(reach, 1e-300))[..., None]  # needles: not farther than makes sense
-    return vertices + margin * move
-
-
-def _incident(faces: np.ndarray, corners: int) -> np.ndarray:
-    """(P, D): the faces at each corner, filled up with -1."""
-    corner, face = faces.ravel(), np.repeat(np.arange(len(faces)), 3)
-    order = np.argsort(corner, kind="stable")
-    count = np.bincount(corner, minlength=corners)
-    rank = np.arange(len(corner)) - np.repeat(np.cumsum(count) - count, count)
-    found = np.full((corners, int(count.max(initial=0))), -1)
-    found[corner[order], rank] = face[order]
-    return found
+    move *= np.minimum(1.0, 20.0 / np.maximum(reach, 1e-300))[:, None]  # needles: not farther than makes sense
+    return points + margin * move
 
 
 def overlap(first: Bodies, second: Bodies) -> np.ndarray:

@@ -141,12 +141,24 @@ class Pieces:
             kind = int(self.kind[group[0]])
             for own, used, faces in self._with_faces(group):
                 alike.setdefault((kind, id(faces)), []).append((own, used, faces))
+        blocks, firsts, triangles, begin = [], [], [], 0
+        places = []
         for (kind, _), parts in alike.items():
-            corners, (_, used, faces) = self.corners[kind], parts[0]
+            _, used, faces = parts[0]
             slot = self.slot[np.concatenate([own for own, _, _ in parts])]
-            moved = inset(corners[slot[:, None], used], faces)
-            corners[slot, : len(used)] = moved
-            corners[slot, len(used) :] = moved[:, -1:]
+            first = begin + len(used) * np.arange(len(slot))
+            blocks.append(self.corners[kind][slot[:, None], used].reshape(-1, 3))
+            firsts.append(first)
+            triangles.append((first[:, None, None] + faces).reshape(-1, 3))
+            places.append((kind, slot, len(used)))
+            begin += len(used) * len(slot)
+        if not places:
+            return
+        moved = inset(np.concatenate(blocks), np.concatenate(firsts), np.concatenate(triangles))
+        for (kind, slot, many), first in zip(places, firsts, strict=True):
+            corners, own = self.corners[kind], moved[first[0] : first[0] + many * len(slot)].reshape(-1, many, 3)
+            corners[slot, :many] = own
+            corners[slot, many:] = own[:, -1:]
 
     def _with_faces(self, group: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Pieces of one shape by their faces: (pieces, which of their points are corners, faces)."""

@@ -65,19 +65,29 @@ def test_a_pair_is_judged_alike_alone_and_among_others() -> None:
 @pytest.mark.parametrize("mirror", [1.0, -1.0])
 def test_inset_moves_every_face_by_the_margin(mirror: float) -> None:
     size = np.array([2.0, 0.3, 0.001])
-    found = inset((CUBE * size * (1, mirror, 1))[None], FACES, 1e-4)[0]
+    found = inset(CUBE * size * (1, mirror, 1), np.array([0]), FACES, 1e-4)
     assert np.allclose(found.max(axis=0) - found.min(axis=0), size - 2e-4, atol=1e-9)
 
 
 def test_inset_of_a_slanted_plate_keeps_to_its_own_planes() -> None:
     (turned, axes) = boxes(50, 7)
-    found = inset(turned, FACES, 1e-3)
+    first = 8 * np.arange(50)
+    found = inset(turned.reshape(-1, 3), first, (first[:, None, None] + FACES).reshape(-1, 3), 1e-3).reshape(50, 8, 3)
     along = [np.einsum("kpi,kai->kap", points, axes) for points in (turned, found)]
     before, after = (np.ptp(values, axis=2) for values in along)
     assert np.allclose(before - after, 2e-3, atol=1e-6)
 
 
+def test_inset_moves_each_piece_as_if_it_were_alone() -> None:
+    corners = [CUBE, CUBE[:4] * (1, 1, 2) + 3.0, 0.5 * CUBE * (-1, 1, 1)]
+    faces = [FACES, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]), FACES]
+    first = np.array([0, 8, 12])
+    together = inset(np.concatenate(corners), first, np.concatenate([a + f for a, f in zip(first, faces, strict=True)]))
+    alone = [inset(own, np.array([0]), told) for own, told in zip(corners, faces, strict=True)]
+    assert np.array_equal(together, np.concatenate(alone))
+
+
 @pytest.mark.parametrize(("shift", "meets"), [(1.0, False), (1.0 - 1e-5, True), (1.0 - 5e-7, False)])
 def test_what_touches_does_not_meet(shift: float, meets: bool) -> None:
-    first = inset(CUBE[None], FACES)
+    first = inset(CUBE, np.array([0]), FACES)[None]
     assert overlap(Corners(first), Corners(first + [shift, 0.0, 0.0]))[0] == meets
