@@ -6,7 +6,8 @@ import numpy as np
 
 NEAR = 1e-9  # metres: points nearer than this are one; radians: edges that turn by less are one line
 _WELL = 1e-6  # metres
-_WAYS = tuple((np.cos(k * np.pi / 4), np.sin(k * np.pi / 4)) for k in range(8))
+_FEW = 32  # points that are soon wrapped
+_WAYS = tuple((np.cos(k * np.pi / 8), np.sin(k * np.pi / 8)) for k in range(16))
 
 
 def hulls(points: np.ndarray, valid: np.ndarray) -> np.ndarray:
@@ -15,7 +16,8 @@ def hulls(points: np.ndarray, valid: np.ndarray) -> np.ndarray:
     By wrapping (R. Jarvis, 1973): from each corner, the next is the point towards which the outline turns least. Sets
     without points give nan.
     """
-    points, valid = _outer(points, valid)
+    if points.shape[1] > _FEW:
+        points, valid = _outer(*_distinct(points, valid))
     count = len(points)
     rows = np.arange(count)
     some = valid.any(axis=1)
@@ -52,23 +54,40 @@ def hulls(points: np.ndarray, valid: np.ndarray) -> np.ndarray:
     return np.stack(corners, axis=1)
 
 
+def _distinct(points: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """One of all that are the same: neighbours share their corners, and rings stand above one another."""
+    x, y = (np.where(valid, points[..., axis], np.inf) for axis in range(2))
+    order = np.lexsort((y, x), axis=1)
+    x, y = np.take_along_axis(x, order, axis=1), np.take_along_axis(y, order, axis=1)
+    again = np.zeros(valid.shape, dtype=bool)
+    again[:, 1:] = (x[:, 1:] == x[:, :-1]) & (y[:, 1:] == y[:, :-1])
+    kept = valid.copy()
+    np.put_along_axis(kept, order, np.take_along_axis(valid, order, axis=1) & ~again, axis=1)
+    return _narrowed(points, kept)
+
+
 def _outer(points: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Without what lies well inside the polygon of the outermost points in eight directions: no corner of a hull, nor near one."""
-    if points.shape[1] <= len(_WAYS):
-        return points, valid
+    """Without what lies well inside the polygon of the outermost points in some directions: no corner of a hull, nor near one."""
     rows = np.arange(len(points))
     far = [np.argmax(np.where(valid, points[..., 0] * x + points[..., 1] * y, -np.inf), axis=1) for x, y in _WAYS]
     corners = np.stack([points[rows, at] for at in far], axis=1)
-    inside = valid.copy()
+    inside, edges = valid.copy(), np.zeros(len(points), dtype=bool)
     for one, two in zip(corners.swapaxes(0, 1), np.roll(corners, -1, axis=1).swapaxes(0, 1), strict=True):
         edge = two - one
         length = np.sqrt(edge[:, 0] ** 2 + edge[:, 1] ** 2)
         off = points - one[:, None]
         inward = edge[:, None, 0] * off[..., 1] - edge[:, None, 1] * off[..., 0]
-        inside &= inward > _WELL * length[:, None]
-    left = valid & ~inside
-    order = np.argsort(~left, axis=1, kind="stable")[:, : int(left.sum(axis=1).max(initial=1))]
-    return points[rows[:, None], order], left[rows[:, None], order]
+        inside &= (inward > _WELL * length[:, None]) | (length == 0.0)[
+            :, None
+        ]  # one point may be outermost in several directions
+        edges |= length > 0.0
+    return _narrowed(points, valid & ~(inside & edges[:, None]))
+
+
+def _narrowed(points: np.ndarray, kept: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The points of each set that are ``kept``, before others, in as few columns as hold them."""
+    order = np.argsort(~kept, axis=1, kind="stable")[:, : int(kept.sum(axis=1).max(initial=1))]
+    return np.take_along_axis(points, order[:, :, None], axis=1), np.take_along_axis(kept, order, axis=1)
 
 
 def depth(corners: np.ndarray, points: np.ndarray) -> np.ndarray:

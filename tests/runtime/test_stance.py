@@ -29,10 +29,11 @@ def tips(body: str) -> bool:
     return len(find_faults(program(body).batch(np.arange(1), 0)).others) > 0
 
 
-def test_hulls_are_those_of_scipy() -> None:
+@pytest.mark.parametrize("count", [30, 90])
+def test_hulls_are_those_of_scipy(count: int) -> None:
     rng = np.random.default_rng(1)
-    points = rng.normal(size=(40, 30, 2)).round(1)  # rounded: many lie on one line, some coincide
-    valid = rng.random((40, 30)) < 0.7
+    points = rng.normal(size=(40, count, 2)).round(1)  # rounded: many lie on one line, some coincide
+    valid = rng.random((40, count)) < 0.7
     found = hulls(points, valid)
     for row in range(40):
         exact = ConvexHull(points[row, valid[row]])
@@ -53,9 +54,10 @@ def test_corners_on_one_upright_line_but_for_rounding_come_back_to_the_first() -
         assert depth(found, np.array([[0.4, 0.1]]))[0] == pytest.approx(0.4)
 
 
+@pytest.mark.parametrize("width", [5, 50])
 @pytest.mark.parametrize("points", [[], [(0, 0)], [(0, 0), (1, 0)], [(0, 0), (1, 0), (2, 0), (1, 0)]])
-def test_on_points_and_lines_nothing_stands(points: list) -> None:
-    padded, valid = np.zeros((1, 5, 2)), np.zeros((1, 5), dtype=bool)
+def test_on_points_and_lines_nothing_stands(points: list, width: int) -> None:
+    padded, valid = np.zeros((1, width, 2)), np.zeros((1, width), dtype=bool)
     padded[0, : len(points)], valid[0, : len(points)] = np.array(points).reshape(-1, 2), True
     assert depth(hulls(padded, valid), np.array([[1.0, 0.0]]))[0] <= 0.0
 
