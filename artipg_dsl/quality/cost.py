@@ -15,7 +15,7 @@ import numpy as np
 from ..geometry.pieces import amounts, build
 from ..geometry.sites import SiteTable
 from ..runtime.batch import Batch
-from ..validity.mass import Weighing, weighing_of
+from ..validity.mass import weighing
 
 _TOO_MANY = 1500  # pieces of a part in one object
 _TOO_TIGHT = 150_000  # pairs of its pieces with those on other links: the check of an object takes a second
@@ -78,8 +78,8 @@ def _shared(batch: Batch) -> np.ndarray:
     count = sum(len(table) for table in batch.sites())
     if not batch.program.stable or not count:
         return np.zeros(count)
-    weighing = Weighing(*weighing_of(batch))
-    return np.bincount(weighing.place[weighing.touching.pairs.row], minlength=count)
+    known = weighing(batch)
+    return np.bincount(known.place[known.touching.pairs.row], minlength=count)
 
 
 def _making(table: SiteTable) -> float:

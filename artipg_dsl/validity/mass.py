@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -42,6 +43,13 @@ def masses(batch: Batch) -> Mass:
     return batch.known["masses"]
 
 
+def weighing(batch: Batch) -> Weighing:
+    """The primitives of a batch and bounds of what they weigh, without inertia; worked out once for a batch."""
+    if "weighing" not in batch.known:
+        batch.known["weighing"] = Weighing(*weighing_of(batch))
+    return batch.known["weighing"]
+
+
 def weighing_of(batch: Batch) -> tuple[list[SiteTable], list[np.ndarray], np.ndarray, int, np.ndarray]:
     """What ``link_mass`` is told of a batch."""
     links, tables = batch.links(), batch.sites()
@@ -55,14 +63,19 @@ def find_weightless(batch: Batch) -> list[tuple[str, np.ndarray]]:
     """Links that weigh nothing, in words, and the objects in which they do.
 
     The densest primitive of a body loses nothing to others, and none is without thickness: only a link that is fixed to
-    others can lose all it has to them.
+    others can lose all it has to them. Bounds tell most links that keep some of it; overlaps are measured for the others alone.
     """
     if batch.joints().that().all():
         return []
-    links, found = batch.links(), masses(batch)
+    links, rough = batch.links(), weighing(batch).rough
+    most = np.bincount(rough.link, rough.taken(rough.most, np.ones(len(rough.link))), len(rough.mass))
+    asked = ~(rough.mass - most > np.maximum(_LEAST, rough.mass / 10))
+    if not asked.any():
+        return []
+    found = masses(batch)
     trace = found.inertia[:, 0, 0] + found.inertia[:, 1, 1] + found.inertia[:, 2, 2]
     wrong: dict[str, list[int]] = {}
-    for row in np.flatnonzero(~((found.mass > _LEAST) & (trace > 0.0))).tolist():
+    for row in np.flatnonzero(asked & ~((found.mass > _LEAST) & (trace > 0.0))).tolist():
         path = batch.program.links[links.definition[row]].path
         words = f"the link `{path}` has no mass of its own: denser parts fill all of it"
         wrong.setdefault(words, []).append(int(links.owner[row]))
@@ -224,6 +237,7 @@ class Weighing:
                     summed[:, i, j] += np.bincount(link, about[:, i, j], self.count)
         return Mass(total, middle, summed)
 
+    @cached_property
     def rough(self) -> Rough:
         """Bounds of the masses from boxes alone."""
         mass, center = _summed(self.own, self.count)

@@ -15,7 +15,7 @@ from ..geometry.vectors import dot
 from ..runtime.motion import apply, multiply, rotation_about
 from .bodies import Pieces
 from .hull import NEAR, depth, hulls
-from .mass import SAMPLED, Mass, Rough, Weighing, masses, weighing_of
+from .mass import SAMPLED, Mass, Rough, masses, weighing
 from .tree import Tree, lead_states
 
 _FLOOR = 1e-3  # metres: what is higher does not stand on it
@@ -42,13 +42,12 @@ def find_falling(tree: Tree, body: Pieces) -> list[np.ndarray]:
     if "masses" in batch.known:
         still, tipped = Stance(tree, body, masses(batch)).verdicts(whatever, left)
     else:
-        weighing = Weighing(*weighing_of(batch))
-        known = weighing.rough()
+        known = weighing(batch).rough
         stance = Stance(tree, body, known)
         still, stands = stance.decided(known, whatever)
         tipped, left = still.copy(), left & ~(still | stands)
         if left.any():
-            stance.weigh(weighing.masses(left))
+            stance.weigh(weighing(batch).masses(left))
             found = stance.verdicts(whatever, left)
             still, tipped = still | found[0], tipped | found[1]
     return [

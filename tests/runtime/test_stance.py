@@ -14,7 +14,7 @@ from artipg_dsl.session import Session
 from artipg_dsl.validity.bodies import gather
 from artipg_dsl.validity.faults import find_faults
 from artipg_dsl.validity.hull import depth, hulls
-from artipg_dsl.validity.mass import Weighing, masses, weighing_of
+from artipg_dsl.validity.mass import masses, weighing
 from artipg_dsl.validity.stance import TILT, Stance, find_falling
 from artipg_dsl.validity.tree import Tree
 
@@ -179,7 +179,7 @@ def test_bounds_of_masses_decide_as_masses_do(name: str) -> None:
     tree = Tree(batch)
     body = gather(batch, tree.first, tree.turn, tree.shift)
     open_too = any(statement.open for statement in sampler.program.stable)
-    bounds = Weighing(*weighing_of(batch)).rough()
+    bounds = weighing(batch).rough
     falls, stands = Stance(tree, body, bounds).decided(bounds, open_too)
     (found,) = find_falling(tree, body)
     still, tipped = Stance(tree, body, masses(batch)).verdicts(open_too, np.ones(24, dtype=bool))
