@@ -73,19 +73,25 @@ def _to_blame(tree: Tree, check: _Check, met: list[_Mine]) -> list[_Mine]:
 
 def _meeting(tree: Tree, check: _Check, hulls: list[_Mine], side: list[int]) -> list[_Mine]:
     """Which hulls meet one of the other side on another link."""
+    if not hulls:
+        return []
+    owner = np.array([i for i, _ in hulls])
+    items = [hull.item for _, hull in hulls]
+    link = tree.first[owner] + np.array([item.group.table.link[item.row] for item in items])
+    corners = [hull.vertices for _, hull in hulls]
+    ends = np.cumsum([len(points) for points in corners])
+    each = np.repeat(link, np.diff(ends, prepend=0))
+    turned = turn_points(tree.turn[each], np.concatenate(corners)[:, None])[:, 0]
+    placed = np.split(turned + tree.shift[each], ends[:-1])
     alike: dict[tuple[int, bytes], list[int]] = {}
     for k, (_, hull) in enumerate(hulls):
-        alike.setdefault((len(hull.vertices), hull.faces.tobytes()), []).append(k)
-    groups = []
-    for numbers in alike.values():
-        owner = np.array([hulls[k][0] for k in numbers])
-        items = [hulls[k][1].item for k in numbers]
-        link = tree.first[owner] + np.array([item.group.table.link[item.row] for item in items])
-        corners = np.stack([hulls[k][1].vertices for k in numbers])
-        placed = turn_points(tree.turn[link], corners) + tree.shift[link][:, None]
-        groups.append(Alike(placed, hulls[numbers[0]][1].faces, owner, link))
+        alike.setdefault((len(corners[k]), hull.faces.tobytes()), []).append(k)
+    groups = [
+        Alike(np.stack([placed[k] for k in numbers]), hulls[numbers[0]][1].faces, owner[numbers], link[numbers])
+        for numbers in alike.values()
+    ]
     body = pack_pieces(groups)
-    number = np.concatenate([np.zeros(0, dtype=np.int64), *map(np.array, alike.values())])[body.source]
+    number = np.concatenate(list(alike.values()))[body.source]
     body.side = np.array(side, dtype=np.int64)[number]
     check(tree, body)
     return [hulls[k] for k in np.sort(number[body.met]).tolist()]

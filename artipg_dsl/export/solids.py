@@ -6,7 +6,7 @@ once; ``Solid`` picks out one instance.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Generic, TypeVar
@@ -21,6 +21,7 @@ from ..geometry.vectors import cross, dot
 from .shading import Shading, shade
 
 if TYPE_CHECKING:
+    from ..geometry.pieces import PieceGroup
     from ..geometry.sites import SiteTable
 
 
@@ -134,17 +135,11 @@ def build_pieces(tables: list[SiteTable]) -> list[ShapedPieces]:
     """Convex pieces of all instances of all sites, boxes told from other hulls."""
     groups: list[ShapedPieces] = []
     for table in tables:
-        if not len(table.owner):
-            continue
         names: dict[str, int] = {}
-        for part in table.pieces:
+        for part, placed, center, (is_box, size, bulge) in _placed(table) if len(table.owner) else ():
             rows = np.asarray(part.rows)
-            is_box, size, center = match_box(part.vertices)
-            bulge = match_round(part.vertices)
             name, _, index = part.name.partition("[")
             number = names.setdefault(name, len(names))
-            center = _place_points(table, rows, center[:, None])[:, 0]
-            vertices = _place_points(table, rows, part.vertices)
             for sign in (1.0, -1.0):
                 c = np.flatnonzero(table.mirror[rows] == sign)
                 if len(c):
@@ -152,10 +147,32 @@ def build_pieces(tables: list[SiteTable]) -> list[ShapedPieces]:
                     step = int(index[:-1] or 0)
                     groups.append(
                         ShapedPieces(
-                            table, number, step, rows[c], vertices[c], faces, is_box[c], size[c], center[c], bulge[c]
+                            table, number, step, rows[c], placed[c], faces, is_box[c], size[c], center[c], bulge[c]
                         )
                     )
     return groups
+
+
+def _placed(table: SiteTable) -> Iterator[tuple[PieceGroup, np.ndarray, np.ndarray, list[np.ndarray]]]:
+    """The pieces of a table with their corners and centres in the object's frame, whether they are boxes, of which size, and whether
+    they are round: those of as many corners all at once, for a wall has hundreds of steps of a few pieces each."""
+    alike: dict[int, list[int]] = {}
+    for number, part in enumerate(table.pieces):
+        alike.setdefault(part.vertices.shape[1], []).append(number)
+    found: dict[int, tuple[np.ndarray, ...]] = {}
+    for numbers in alike.values():
+        parts = [table.pieces[number] for number in numbers]
+        vertices, rows = (
+            np.concatenate([np.asarray(getattr(p, name)) for p in parts]) for name in ("vertices", "rows")
+        )
+        is_box, size, center = match_box(vertices)
+        center = _place_points(table, rows, center[:, None])[:, 0]
+        columns = _place_points(table, rows, vertices), center, is_box, size, match_round(vertices)
+        ends = np.cumsum([len(part.rows) for part in parts])[:-1]
+        found |= dict(zip(numbers, zip(*(np.split(column, ends) for column in columns), strict=True), strict=True))
+    for number, part in enumerate(table.pieces):
+        placed, center, *shape = found[number]
+        yield part, placed, center, shape
 
 
 def _place_points(table: SiteTable, rows: np.ndarray, points: np.ndarray) -> np.ndarray:
