@@ -14,12 +14,12 @@ from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
 from ..geometry.resolution import Resolution
 from .registry import Format
 from .remote import Place, Remote
-from .robot import Robots
 from .write import refuse_existing, replacing_folder, write_remote
 
 if TYPE_CHECKING:
     from ..details.dressing import Dressing
     from ..runtime.batch import Batch
+    from .robot import Robots
 
 OBJECTS = "objects"
 
@@ -50,6 +50,8 @@ def write_objects(
     ``force``: write what is there again. ``add``: write what is missing and leave the rest alone. ``resolution`` of the meshes,
     and the ``details`` that they wear.
     """
+    from .robot import Robots  # late: most samples have no files per object, and it loads fifteen modules
+
     robots = Robots(batch, resolution=resolution, physics=not all(entry.seen for entry in formats), details=details)
     wanted = set(batch.numbers.tolist() if only is None else only.tolist())
     for i, number in enumerate(batch.numbers.tolist()):
