@@ -9,6 +9,7 @@ import numpy as np
 import artipg_dsl as apg
 from artipg_dsl.annotate.cloud import Points
 from artipg_dsl.annotate.states import joint_twist
+from artipg_dsl.run.prior import PriorFile, read_prior
 
 from .clouds import Clouds, join, normalise, unit
 from .part import Part, part_arrays
@@ -28,11 +29,14 @@ def our_shapes(known: tuple[str, ...], each: int, n: int, seed: int) -> Clouds:
     return _clouds({"points": np.concatenate(points)}, np.repeat(np.arange(len(known)), each), known, names)
 
 
-def our_motion(known: tuple[str, ...], each: int, n: int, seed: int) -> Clouds:
-    """Fresh objects of the categories, each at rest and in a random state; ``moves`` (K, n) tells what moves."""
+def our_motion(known: tuple[str, ...], each: int, n: int, seed: int, prior: str | None = None) -> Clouds:
+    """Fresh objects of the categories, each at rest and in a random state; ``moves`` (K, n) tells what moves. Categories that the file
+    ``prior`` does not speak of are drawn as declared."""
+    said = None if prior is None else read_prior(prior)
+    draws = said.categories if isinstance(said, PriorFile) else {}
     made = []
     for category in known:
-        objects = apg.sample(category, n=each, seed=seed)
+        objects = apg.sample(category, n=each, seed=seed, prior=draws.get(category))
         made.append((objects, objects.points(n, objects.joint_values(STATES), surface="outside"), category, -1))
     return motion_clouds(made, known)
 

@@ -64,13 +64,13 @@ def objects_table(told: dict[str, Any]) -> str:
 
 
 def steps_table(runs: Sequence[dict[str, Any]]) -> str:
-    """The first metric of each arm after trainings of different lengths, over the seeds that all have."""
+    """The first metric of the arms that were trained for longer, by length, over the seeds that all have."""
     seeds = min(told["seeds"] for told in runs)
     name, m = next(iter(runs[0]["metrics"].items()))
     rows = [["trained on", *(f"{told['steps']:,} steps" for told in runs)]]
-    for arm in runs[0]["arms"]:
-        kept = [told["arms"][arm][name]["over_seeds"][:seeds] for told in runs]
-        rows.append([arm, *(_tell(sum(values) / seeds, m) for values in kept)])
+    for arm in [arm for arm in runs[0]["arms"] if any(arm in told["arms"] for told in runs[1:])]:
+        kept = [told["arms"][arm][name]["over_seeds"][:seeds] if arm in told["arms"] else None for told in runs]
+        rows.append([arm, *("-" if values is None else _tell(sum(values) / seeds, m) for values in kept)])
     return table(rows)
 
 
@@ -94,8 +94,11 @@ def written(page: str, results: Path) -> str:
 
     def fill(place: re.Match[str]) -> str:
         experiment, kind = place.groups()
-        paths = [folder / f"{experiment}.json" for folder in (results, results / "longer")]
-        told, *longer = (json.loads(path.read_text(encoding="utf-8")) for path in paths if path.exists())
+        told, *longer = (
+            json.loads(path.read_text(encoding="utf-8"))
+            for path in (results / f"{experiment}.json", *(results / "longer").glob(f"{experiment}_*.json"))
+        )
+        longer.sort(key=lambda one: one["steps"])
         made = steps_table([told, *longer]) if kind == "steps" else KINDS[kind](told)
         return f"<!-- {experiment}: {kind} -->\n{made}\n<!-- end -->"
 

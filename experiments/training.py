@@ -117,6 +117,7 @@ def command(experiment: Experiment) -> None:
     parser.add_argument("--seeds", type=_whole, default=3)
     parser.add_argument("--folds", type=_whole, default=experiment.folds)
     parser.add_argument("--steps", type=float, default=1.0, help="share of the steps of training, for a quick look")
+    parser.add_argument("--arms", nargs="+", default=list(experiment.arms), help="some of the arms alone, by name")
     parser.add_argument("-o", "--output", type=Path, default=HERE / "results" / f"{experiment.name}.json")
     given = parser.parse_args()
     torch.set_num_threads(1)  # small networks gain nothing from more
@@ -124,7 +125,15 @@ def command(experiment: Experiment) -> None:
     torch.utils.deterministic.fill_uninitialized_memory = False  # nothing reads it, and it takes a seventh of the time
     try:
         told = perform(
-            experiment, given.real, given.map, given.each, given.seeds, given.folds, given.steps, given.output
+            experiment,
+            given.real,
+            given.map,
+            given.each,
+            given.seeds,
+            given.folds,
+            given.steps,
+            given.output,
+            given.arms,
         )
     except UserError as wrong:
         raise SystemExit(f"error: {wrong}") from None
@@ -140,9 +149,15 @@ def perform(
     folds: int,
     share: float,
     output: Path,
+    only: Sequence[str] | None = None,
 ) -> dict[str, Any]:
-    """Runs the experiment and writes ``output``; ``share`` of its steps. Raises UserError."""
+    """Runs the experiment, of its arms all or ``only`` some, and writes ``output``; ``share`` of its steps. Raises UserError."""
     start = time.process_time()
+    for name in only or ():
+        if name not in experiment.arms:
+            raise UserError(f"{experiment.name} has no arm {name}", f"its arms are {'; '.join(experiment.arms)}")
+    arms = {name: arm for name, arm in experiment.arms.items() if only is None or name in only}
+    pairs = [pair for pair in experiment.pairs if set(pair) <= set(arms)]
     objects = read_real(folder, map_file)
     real = experiment.real(objects)
     count = len(np.unique(real.origin))
@@ -154,9 +169,7 @@ def perform(
     print(f"clouds: {clouds} ({time.process_time() - start:.0f} s of CPU time)", flush=True)
     steps = max(1, round(share * experiment.steps))
     train = partial(experiment.train, steps=steps)
-    found = run(
-        real, sources, experiment.arms, train, experiment.judge, seeds, folds, lambda line: print(line, flush=True)
-    )
+    found = run(real, sources, arms, train, experiment.judge, seeds, folds, lambda line: print(line, flush=True))
     told = {
         "what": experiment.what,
         "versions": {
@@ -171,7 +184,7 @@ def perform(
         "clouds": clouds,
         "categories": list(real.known),
         "cpu_minutes": round((time.process_time() - start) / 60, 1),
-        **summarise(*by_object(real, found), experiment.metrics, experiment.pairs),
+        **summarise(*by_object(real, found), experiment.metrics, pairs),
     }
     part = output.with_suffix(".part")
     part.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")

@@ -196,6 +196,15 @@ def test_doors_open_the_way_that_they_have_room() -> None:
     assert not ours["both"][length == 0.0].any()
 
 
+def test_a_prior_draws_the_categories_that_it_speaks_of() -> None:
+    """Of tables nearly all have something that moves by it, half of them as declared; laptops are drawn as declared."""
+    known = ("Laptop", "Table")
+    declared, prior = (our_motion(known, 12, 512, seed=2, prior=prior) for prior in (None, "partnet"))
+    still = [int((~made["moves"].any(axis=1))[24:36].sum()) for made in (declared, prior)]
+    assert still[0] >= 6 and still[1] <= 3
+    assert (declared["points"][:24] == prior["points"][:24]).all()
+
+
 @pytest.fixture(scope="module")
 def fits(objects: list[Real], tmp_path_factory: pytest.TempPathFactory) -> list[Fit]:
     """A real microwave, fitted, as the object 1 of some."""
@@ -390,6 +399,19 @@ def test_an_experiment_runs_and_repeats(
     assert {pair["of"] for pair in one["pairs"]} == {4 if name == "completion" else 3}
     with pytest.raises(UserError, match="cannot be held out in 9 folds"):
         perform(experiment, few, None, 1, 1, 9, 0.005, tmp_path / "c.json")
+    with pytest.raises(UserError, match="has no arm nobody"):
+        perform(experiment, few, None, 1, 1, 2, 0.005, tmp_path / "c.json", ["real", "nobody"])
+
+
+def test_some_arms_alone_are_what_they_are_among_all(few: Path, tmp_path: Path) -> None:
+    pytest.importorskip("torch", reason=TORCH)
+    from experiments.moving import Moving
+    from experiments.training import perform
+
+    every = perform(Moving(), few, None, 1, 1, 2, 0.005, tmp_path / "a.json")
+    some = perform(Moving(), few, None, 1, 1, 2, 0.005, tmp_path / "b.json", ["ours", "real"])
+    assert some["arms"] == {arm: every["arms"][arm] for arm in ("real", "ours")}
+    assert [(pair["one"], pair["other"]) for pair in some["pairs"]] == [("ours", "real")]
 
 
 def test_networks_learn() -> None:
