@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import artipg_dsl as apg
 from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.grasps import sample_grasps
 from artipg_dsl.annotate.gripper import REASONS, STANDARD, Gripper, judge, read_gripper
@@ -153,7 +154,7 @@ category Post {
 
 
 def test_a_hose_is_held_above_the_taps_wherever_it_has_swung() -> None:
-    made = Session.of("Faucet").sampler.batch(np.array([45, 76, 119, 191]), 5)
+    made = apg.sample("Faucet", n=4, seed=5, set={"spout": "HoseSpout"}).batch
     found = sample_grasps(made)
     hose = np.array(found.name) == "bend_hose"
     assert hose.sum() == 40  # at its root and at its mouth
