@@ -27,16 +27,16 @@ def scene(request):
     begin, end = (np.searchsorted(body.link, np.arange(len(tree.links.owner)), side=side) for side in ("left", "right"))
     way = way.at(np.flatnonzero((end > begin)[way.first] & (end > begin)[way.second]))
     lots = np.random.Generator(np.random.PCG64(1))
-    row = lots.integers(0, len(way.first), 400)
+    row = lots.integers(0, len(way.first), 2000)
     piece, other = (
-        begin[link] + lots.integers(0, 1 << 30, 400) % (end - begin)[link] for link in (way.first[row], way.second[row])
+        begin[link] + lots.integers(0, 1 << 30, 2000) % (end - begin)[link] for link in (way.first[row], way.second[row])
     )
     joint = way.joint[row]
     start = np.where(joint >= 0, lots.normal(size=joint.shape), 0.0)
     wide = 10.0 ** lots.uniform(-4, 0.6, joint.shape) * (lots.uniform(size=joint.shape) < 0.8)
     stop = start + np.where(joint >= 0, wide, 0.0)
     radius = np.where(joint >= 0, lots.uniform(0.0, 0.5, joint.shape), 0.0)
-    return tree, body, way, Cells(row, piece, other, start, stop, radius, np.zeros(400))
+    return tree, body, way, Cells(row, piece, other, start, stop, radius, np.zeros(2000))
 
 
 @pytest.mark.parametrize("gap", [None, 0.01])
