@@ -77,10 +77,9 @@ def _outer(points: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, np.ndarra
         length = np.sqrt(edge[:, 0] ** 2 + edge[:, 1] ** 2)
         off = points - one[:, None]
         inward = edge[:, None, 0] * off[..., 1] - edge[:, None, 1] * off[..., 0]
-        inside &= (inward > _WELL * length[:, None]) | (length == 0.0)[
-            :, None
-        ]  # one point may be outermost in several directions
-        edges |= length > 0.0
+        real = length > 0.0  # one point may be outermost in several directions
+        inside &= (inward > _WELL * length[:, None]) | ~real[:, None]
+        edges |= real
     return _narrowed(points, valid & ~(inside & edges[:, None]))
 
 

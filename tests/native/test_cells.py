@@ -29,7 +29,8 @@ def scene(request):
     lots = np.random.Generator(np.random.PCG64(1))
     row = lots.integers(0, len(way.first), 2000)
     piece, other = (
-        begin[link] + lots.integers(0, 1 << 30, 2000) % (end - begin)[link] for link in (way.first[row], way.second[row])
+        begin[link] + lots.integers(0, 1 << 30, 2000) % (end - begin)[link]
+        for link in (way.first[row], way.second[row])
     )
     joint = way.joint[row]
     start = np.where(joint >= 0, lots.normal(size=joint.shape), 0.0)

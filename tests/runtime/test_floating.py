@@ -13,7 +13,7 @@ from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
 from artipg_dsl.validity.faults import find_faults
-from artipg_dsl.validity.mass import find_crossed
+from artipg_dsl.validity.mass import Weighing, find_crossed, find_weightless
 
 HEAD = "apg 1\nuse primitives { Cuboid, Cylinder, RoundedCuboid }\ncategory Case {\n"
 BODY = "root part body : Cuboid(size = [20cm, 20cm, 20cm])\n"
@@ -211,6 +211,12 @@ def test_a_link_that_others_fill_weighs_nothing_and_is_drawn_again() -> None:
     assert all(not found.others for found in [find_faults(made)])
     alone = [sampler.batch(np.array([k]), 0, checked=True).state.attempt[0] for k in range(12)]
     assert alone == made.state.attempt.tolist()
+
+
+def test_what_bounds_tell_to_keep_a_mass_is_not_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    safes = Session.of("Safe").sampler.batch(np.arange(12), 0)
+    monkeypatch.setattr(Weighing, "masses", lambda *_: pytest.fail("overlaps were measured"))
+    assert not safes.joints().that().all() and find_weightless(safes) == []
 
 
 WASHER = """apg 1
