@@ -433,7 +433,7 @@ def test_parts_are_as_frequent_as_in_real_objects(category: str, words: set[str]
     assert close((sum(there) / 400, 400), wanted)
 
 
-@pytest.mark.parametrize("category", ["StorageFurniture", "Table"])
-def test_nearly_all_have_something_that_moves_as_all_of_the_data_set_have(category: str) -> None:
+@pytest.mark.parametrize(("category", "least"), [("StorageFurniture", 0.9), ("Table", 0.9), ("Bucket", 1.0)])
+def test_nearly_all_have_something_that_moves_as_all_of_the_data_set_have(category: str, least: float) -> None:
     found = as_in_the_data_set(category)
-    assert sum(any(joint["type"] != "fixed" for joint in each["joints"]) for each in found) >= 0.9 * 400
+    assert sum(any(joint["type"] != "fixed" for joint in each["joints"]) for each in found) >= least * 400
