@@ -50,7 +50,7 @@ def write_objects(
     ``force``: write what is there again. ``add``: write what is missing and leave the rest alone. ``resolution`` of the meshes,
     and the ``details`` that they wear.
     """
-    from .robot import Robots  # late: most samples have no files per object, and it loads fifteen modules
+    from .robot import Robots  # start-up: most samples have no files per object, and it loads fifteen modules
 
     robots = Robots(batch, resolution=resolution, physics=not all(entry.seen for entry in formats), details=details)
     wanted = set(batch.numbers.tolist() if only is None else only.tolist())

@@ -39,18 +39,18 @@ class Mass:
 def masses(batch: Batch) -> Mass:
     """The mass of every link of a batch, in the object's frame at joint values 0; worked out once for a batch."""
     if "masses" not in batch.known:
-        batch.known["masses"] = link_mass(*weighing_of(batch))
+        batch.known["masses"] = link_mass(*_weighing_of(batch))
     return batch.known["masses"]
 
 
 def weighing(batch: Batch) -> Weighing:
     """The primitives of a batch and bounds of what they weigh, without inertia; worked out once for a batch."""
     if "weighing" not in batch.known:
-        batch.known["weighing"] = Weighing(*weighing_of(batch))
+        batch.known["weighing"] = Weighing(*_weighing_of(batch))
     return batch.known["weighing"]
 
 
-def weighing_of(batch: Batch) -> tuple[list[SiteTable], list[np.ndarray], np.ndarray, int, np.ndarray]:
+def _weighing_of(batch: Batch) -> tuple[list[SiteTable], list[np.ndarray], np.ndarray, int, np.ndarray]:
     """What ``link_mass`` is told of a batch."""
     links, tables = batch.links(), batch.sites()
     start = np.searchsorted(links.owner, np.arange(len(batch)))
