@@ -36,6 +36,7 @@ def sample(
     repair: bool = False,
     values: str | Path | Iterable[Mapping[str, Any]] | None = None,
     prior: str | Path | Mapping[str, Any] | None = None,
+    frame: str | Path | None = None,
 ) -> Samples:
     """Sample objects of a category, which is a shipped one (by name) or a file.
 
@@ -47,8 +48,9 @@ def sample(
     smallest change instead of drawn again. ``values`` gives the objects by their values, as a file or a dictionary for
     each, ``[{"width": 0.52, "handle": "BowHandle"}]``; omitted values are drawn, and invalid objects are corrected.
     ``repairs`` lists the changed values. ``prior`` draws by other weights and narrower ranges: the name of a shipped one
-    ("partnet"), a file, or a dictionary, ``{"tray": 0.23, "handle": {"BarHandle": 3, "none": 1}}``. Raises CompileError,
-    SettingError, NoObject, UserError.
+    ("partnet"), a file, or a dictionary, ``{"tray": 0.23, "handle": {"BarHandle": 3, "none": 1}}``. ``frame`` turns the objects
+    to lie as those of another collection: the name of a shipped one ("partnet"), or a file. Raises CompileError, SettingError,
+    NoObject, UserError.
     """
     request = read_request(
         category,
@@ -61,6 +63,7 @@ def sample(
         repair=repair,
         values=values,
         prior=prior,
+        frame=frame,
     )
     return Samples(open_job(request, values=str(values) if isinstance(values, str | Path) else "values"))
 
@@ -73,12 +76,15 @@ def load(
     set: Mapping[str, Value] | None = None,
     checked: bool = True,
     prior: str | Path | Mapping[str, Any] | None = None,
+    frame: str | Path | None = None,
 ) -> Samples:
     """Sample objects of a category given as program text. Raises CompileError, SettingError, NoObject."""
     if text.strip().endswith((".apg", ".apgc")) and "\n" not in text.strip():
         raise UsageError(f"`load` takes the text of a program, not its name {text}", f'write sample("{text}")')
     sampler = Session.of_text(text).sampler
-    request = read_request(sampler.program.name, seed=seed, n=n, settings=set, checked=checked, prior=prior)
+    request = read_request(
+        sampler.program.name, seed=seed, n=n, settings=set, checked=checked, prior=prior, frame=frame
+    )
     return Samples(prepare(sampler, request))
 
 

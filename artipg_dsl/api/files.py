@@ -135,6 +135,7 @@ class Files:
         *,
         split: str = "8,1,1",
         map: Mapping[str, Mapping[str, Any]] | None = None,
+        frame: str | Path | None = None,
         force: bool = False,
     ) -> Path:
         """Write a folder as the field's training code reads it, ``batch.lay_out("parts", "shapenetpart")``.
@@ -142,11 +143,13 @@ class Files:
         Categories can be added to an existing folder. The layouts are those of ``apgc export``; ``split`` sets the
         proportions of train, val and test. ``map`` translates the category and its words into the layout's vocabulary:
         ``{"Kettle": {"class": "Mug", "parts": {"*": "cup"}}}``.
+        Objects are turned to lie as those of the layout's data set, or, with ``frame``, as that says ("own": as declared).
         Raises UsageError, ExportError, UserError.
         """
         from ..diagnostics.suggest import did_you_mean
         from ..layouts.entry import read_shares
         from ..layouts.registry import LAYOUTS
+        from ..run.frame import read_frame
         from ..run.laying import write_layout
 
         if layout not in LAYOUTS:
@@ -154,7 +157,9 @@ class Files:
                 f"there is no layout {layout!r}",
                 did_you_mean(layout, LAYOUTS) or f"the layouts are {', '.join(LAYOUTS)}",
             )
-        write_layout(self.job, folder, LAYOUTS[layout], shares=read_shares(split), own=map, force=force)
+        faced = frame is not None
+        job = self.job.facing(read_frame(frame).of(self.job.program.name)) if frame is not None else self.job
+        write_layout(job, folder, LAYOUTS[layout], shares=read_shares(split), own=map, force=force, faced=faced)
         return Path(folder)
 
     def to_urdf(self, folder: str | Path, *, force: bool = False) -> list[Path]:

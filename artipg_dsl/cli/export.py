@@ -13,7 +13,7 @@ from ..export.remote import is_same, place_of
 from .messages import plural, say
 from .progress import Progress, took
 from .sample import bared, read_resolution, refuse_file
-from .wanted import choose_details, open_wanted
+from .wanted import choose_details, open_wanted, tell_frame
 
 if TYPE_CHECKING:
     from ..layouts.registry import Layout
@@ -43,6 +43,7 @@ def run(options: argparse.Namespace) -> int:
     out = place_of(options.out or (options.program if folder.is_dir() else "out"))
     refuse_file(out)
     job = open_wanted(options, every=True)
+    tell_frame(job, formats, options.frame)
     details = choose_details(options, job)
     with Progress(job.program.name) as progress:
         if folder.is_dir() and is_same(out, folder):
@@ -143,7 +144,15 @@ def _lay_out(options: argparse.Namespace, layout: Layout, begun: float) -> int:
     job = open_wanted(options, every=True)
     with Progress(job.program.name) as progress:
         entry = write_layout(
-            job, out, layout, shares=shares, own=own, force=options.force, progress=progress, workers=options.workers
+            job,
+            out,
+            layout,
+            shares=shares,
+            own=own,
+            force=options.force,
+            progress=progress,
+            workers=options.workers,
+            faced=options.frame is not None,
         )
     counts = ", ".join(f"{len(at)} {split}" for split, at in entry.splits().items())
     done = plural(len(entry.numbers), "object")

@@ -190,6 +190,8 @@ def _compare_folders(first: str, second: str, everything: bool) -> list[str]:
         raise UserError(f"{first} and {second} hold objects of different programs")
     if a.request.prior != b.request.prior:
         raise UserError(f"{first} and {second} hold objects drawn by other priors")
+    if a.request.turned != b.request.turned:
+        raise UserError(f"{first} and {second} hold objects in different frames")
     a = replace(a, sampler=b.sampler)  # tables are told apart by the program object they belong to
     numbers, others, steps = a.request.objects, b.request.objects, b.request.mutations
     sources = steps[-1].origins(others)[0] if len(steps) == len(a.request.mutations) + 1 else others

@@ -11,7 +11,7 @@ from ..errors import UsageError, UserError
 from ..export.remote import Place, Remote, is_same, place_of
 from .messages import plural, say
 from .progress import Progress, took
-from .wanted import is_folder, open_wanted, read_request, read_strength
+from .wanted import is_folder, open_wanted, read_request, read_strength, tell_frame
 
 if TYPE_CHECKING:
     from ..export.content import Content
@@ -63,6 +63,7 @@ def run(options: argparse.Namespace) -> int:
     with Progress(options.program) as progress:
         progress.stage("compiling")
         job = _open_job(options)
+    tell_frame(job, formats, options.frame)
     if options.details is not None:
         from ..details.store import borrow  # start-up: most objects wear none, and k-d trees load slowly
 
@@ -184,6 +185,8 @@ def show_statistics(job: Job, manifest: Manifest) -> str:
     lines = [f"{what}, {100 * valid / made:.1f}% valid on the first attempt, {plural(counts['attempts'], 'attempt')}"]
     if job.request.prior is not None:
         lines.append(f"drawn by the prior {job.request.prior.show()}")
+    if job.request.turned:
+        lines.append(f"turned by {job.request.turned} degrees about z")
     if not counts.get("checked", False):
         lines.append("links were not checked for collisions")
     if "candidates" in counts:

@@ -90,6 +90,11 @@ def add_drawing(to: argparse.ArgumentParser, n: int) -> None:
         metavar="NAME|FILE",
         help="draw by other weights and narrower ranges, such as presence of parts: a JSON file, or a shipped prior, such as partnet",
     )
+    to.add_argument(
+        "--frame",
+        metavar="NAME|FILE",
+        help="turn the objects to lie as those of another collection: a JSON file, a shipped frame, such as partnet, or own",
+    )
     to.set_defaults(default_number=n)
     add_backend(to)
 

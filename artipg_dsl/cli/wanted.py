@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..errors import UsageError, UserError
 from ..run.settings import split_settings
+from .messages import say
 
 if TYPE_CHECKING:
     from ..details.dressing import Dressing
+    from ..export.registry import Format
     from ..run.job import Job
     from ..run.request import Request
 
@@ -27,6 +30,7 @@ def read_request(options: argparse.Namespace, program: str | None = None, **more
         numbers=only,
         settings=split_settings(options.set),
         prior=options.prior,
+        frame=options.frame,
         **more,
     )
 
@@ -46,6 +50,8 @@ def open_wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
         )
     if options.prior is not None:
         raise UsageError(f"the samples in {options.program} are there already", "leave out --prior, or name a category")
+    if options.frame is not None:
+        raise UsageError(f"the samples in {options.program} lie as they do", "leave out --frame, or name a category")
     job = reopen(options.program)
     numbers = job.request.objects
     if options.only is None:
@@ -56,6 +62,18 @@ def open_wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
             f"there is no object {absent[0]} in {options.program}", f"its manifest lists {len(numbers)} objects"
         )
     return job.of(options.only)
+
+
+def tell_frame(job: Job, formats: Sequence[Format], asked: str | None) -> None:
+    """Say where objects do not lie as those of the data set that a format follows, unless the frame was ``asked`` for."""
+    from ..run.frame import read_frame
+
+    for name in dict.fromkeys(entry.frame for entry in formats if entry.frame):
+        degrees = read_frame(name).of(job.program.name)
+        if asked is None and degrees != job.request.turned:
+            say(
+                f"{job.program.name} of the data set lie turned by {degrees} degrees: drawn with --frame {name}, these do, too"
+            )
 
 
 def read_strength(options: argparse.Namespace) -> float:

@@ -27,7 +27,15 @@ Seen = dict[Path, tuple[int, int, int]]
 def run(options: argparse.Namespace) -> int:
     if options.out is not None:
         refuse_existing(Path(options.out), options.force)
-    elif options.number or options.only or options.seed is not None or options.set or options.prior or options.force:
+    elif (
+        options.number
+        or options.only
+        or options.seed is not None
+        or options.set
+        or options.prior
+        or options.frame
+        or options.force
+    ):
         raise UsageError("these options say what is drawn, and nothing is", "add -o FILE, or leave them out")
     session = of_text(options.program)
     if session.path is None or not session.path.is_file():

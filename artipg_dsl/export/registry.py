@@ -65,6 +65,7 @@ class Format:
     seen: bool = False  # it has what is seen alone, nothing that collides
     container: Container | None = None
     pack: bool = False  # the arrays hold much that repeats
+    frame: str = ""  # the shipped frame by which objects lie as in the data set that it follows
 
     @property
     def kind(self) -> str:
@@ -172,6 +173,7 @@ FORMATS: dict[str, Format] = {
             member="partnet_mobility:partnet_files",
             file="mobility.urdf",
             tells="mobility_cvx.urdf",
+            frame="partnet",
         ),
         Format(
             f"partnet-mobility{_BARE}",
@@ -180,6 +182,7 @@ FORMATS: dict[str, Format] = {
             file="mobility.urdf",
             clears=("mobility_cvx.urdf", "mobility_vhacd.urdf", "textured_objs"),
             seen=True,
+            frame="partnet",
         ),
     )
     for entry in _contained(plain)

@@ -13,5 +13,6 @@ evaluate. Begin with ``program`` (the records) and ``expr`` (the expressions in 
     feasible, defined                    what can never hold; whether a value is a number whatever is drawn
     depend, unlabelled                   what a value depends on; surface without a label
     reweigh                              the same program with other weights and narrower ranges of its draws
+    turn                                 the same program, its objects turned about the vertical
     text, nodes, verify                  the text form, read back with nothing taken on trust
 """

@@ -35,7 +35,7 @@ class Layout:
     ``vocabulary``: a closed one, which has to have a class for the category; ``judge(term)`` says what is wrong with a map
     to it. ``words(program)``: what the index needs of a program beside that. ``needs``: (module, package, extra), ``too`` another.
     ``chunk``: objects that are made together. ``divides``: each point has a class of its own, so words that hold on some of a part
-    count.
+    count. ``frame``: the shipped one by which objects lie as in the data set, where they do not lie so by themselves.
     """
 
     name: str
@@ -51,6 +51,7 @@ class Layout:
     chunk: int = 64
     gathers: bool = False
     divides: bool = False
+    frame: str = ""
 
     def entry(
         self, program: Program, seed: int, numbers: np.ndarray, shares: Shares, own: Mapping[str, Any] | None = None
@@ -141,6 +142,7 @@ LAYOUTS: dict[str, Layout] = {
             words_by="partnet_seg:words",
             needs=_H5,
             chunk=32,
+            frame="partnet",
         ),
         Layout(
             "gapartnet",
@@ -151,6 +153,7 @@ LAYOUTS: dict[str, Layout] = {
             "gapartnet",
             "gaparts:check_term",
             chunk=4,
+            frame="partnet",
         ),
         Layout(
             "gapartnet-views",
@@ -161,6 +164,7 @@ LAYOUTS: dict[str, Layout] = {
             "gapartnet",
             "gaparts:check_term",
             chunk=1,
+            frame="partnet",
         ),
         Layout(
             "ancsh",
@@ -182,6 +186,7 @@ LAYOUTS: dict[str, Layout] = {
             "cage:check",
             "cage",
             "cage:check_term",
+            frame="partnet",
         ),
         Layout(
             "opd",
@@ -194,6 +199,7 @@ LAYOUTS: dict[str, Layout] = {
             needs=_H5,
             chunk=4,
             gathers=True,
+            frame="partnet",
         ),
         Layout(
             "maniskill",
@@ -205,6 +211,7 @@ LAYOUTS: dict[str, Layout] = {
             "maniskill:check_term",
             chunk=16,
             gathers=True,
+            frame="partnet",
         ),
         Layout(
             "ditto",
@@ -225,6 +232,7 @@ LAYOUTS: dict[str, Layout] = {
             too=("sapien", "SAPIEN", "sim"),
             chunk=1,
             gathers=True,
+            frame="partnet",
         ),
         Layout(
             "pcn",

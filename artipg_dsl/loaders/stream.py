@@ -33,8 +33,8 @@ class Stream:
     """``len(stream)`` batches an epoch; ``stream.batch(k, epoch)`` makes one of them.
 
     ``categories``: a name, a file, or several, in turn. ``task``: see ``TASKS``. ``size``: objects an epoch; ``batch``: objects a
-    batch; ``points``: of each cloud. ``states``: "rest", "open", "random", or joints by name, ``lid=20%``. ``set`` and ``checked`` as
-    in ``sample``, and ``prior``; of several categories, those that a file of priors does not speak of are drawn as declared.
+    batch; ``points``: of each cloud. ``states``: "rest", "open", "random", or joints by name, ``lid=20%``. ``set``, ``checked`` and
+    ``frame`` as in ``sample``, and ``prior``; of several categories, those that a file of priors does not speak of are drawn as declared.
     ``fresh``: other objects in each epoch; otherwise the same objects and points, while random states and transforms are new.
     ``transforms`` are applied in their order. ``view``: the camera of ``partial``, as in camera files. ``details``: a
     folder that ``apgc bind`` has written, whose details the points borrow, scaled by ``detail_strength`` 0 .. 1; with several categories,
@@ -54,6 +54,7 @@ class Stream:
         set: Mapping[str, Value] | None = None,
         checked: bool = True,
         prior: str | Path | Mapping[str, Any] | None = None,
+        frame: str | Path | None = None,
         fresh: bool = True,
         transforms: Iterable[Transform] = (),
         view: Mapping[str, Any] | None = None,
@@ -73,6 +74,7 @@ class Stream:
         self._settings, self._checked = set, checked
         self._details, self._strength = self._read_details(details), float(detail_strength)
         self._prior = None if prior is None else read_prior(prior)
+        self._frame = frame
         self.words  # noqa: B018  # what is wrong with the arguments is told here, not in a worker
         if self._prior is not None and all(job.request.prior is None for job in self._jobs):
             raise UsageError(f"{self._prior.name} says nothing of {', '.join(self.categories)}", "leave out `prior`")
@@ -91,7 +93,9 @@ class Stream:
         return [self._open(source) for source in self.sources]
 
     def _open(self, source: str) -> Job:
-        request = read_request(source, seed=self.seed, n=1, settings=self._settings, checked=self._checked)
+        request = read_request(
+            source, seed=self.seed, n=1, settings=self._settings, checked=self._checked, frame=self._frame
+        )
         if not isinstance(self._prior, PriorFile) or len(self.sources) == 1:
             return open_job(replace(request, prior=self._prior))
         sampler, name = open_program(source)

@@ -5,6 +5,7 @@ In: the words of the command line or the arguments of Python. Out: a ``Job``, wh
 
     request, settings, params, traces    what is drawn: seed and numbers, values that are fixed or given, mutants
     prior, weights                       other weights and ranges for the draws of a program
+    frame                                how objects of another collection lie against ours
     output, chunk                        what is written: formats and what they hold, shard by shard
     job, compiled, counts                a program at hand, compiled or not; outcomes of attempts
     dataset, resume                      the folder, and resuming it

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..diagnostics.suggest import did_you_mean
 from ..errors import SettingError, UsageError, UserError
+from ..graph.turn import turn
 from ..resources import COMPILED
 from ..runtime.kernels import TooMany
 from ..sampling.known import evaluate_again
@@ -52,7 +53,7 @@ class ProgramChanged(UserError):
 class Job:
     """Made by ``prepare`` alone: ``given`` and ``values`` are those of the request by the index of their draw.
 
-    ``sampler`` is that of the program as a prior weighs it, where there is one."""
+    ``sampler`` is that of the program as a prior weighs it, where there is one, and as a frame turns its objects."""
 
     sampler: Sampler
     request: Request
@@ -124,6 +125,15 @@ class Job:
         """The job of the same request but for some fields, with nothing counted yet. Raises as ``prepare`` does."""
         return _prepared(self.sampler, replace(self.request, **changes), "values")
 
+    def facing(self, degrees: int) -> Job:
+        """The job of the same objects, turned by so many degrees against the program's frame in place of those it has."""
+        made = self.request.turned
+        assert isinstance(made, int)
+        if degrees == made:
+            return self
+        turned = Sampler(turn(self.program, (degrees - made) // 90))
+        return replace(self, sampler=turned, request=replace(self.request, turned=degrees))
+
     def fresh(self) -> Job:
         """The same job with nothing counted yet."""
         return replace(self, statistics=Statistics())
@@ -178,14 +188,15 @@ def prepare(sampler: Sampler, request: Request, *, values: str = "values") -> Jo
     program = sampler.program
     if request.program not in ("", program.hash):
         raise ProgramChanged(request.source, request.program, program.hash)
-    known = replace(request, program=program.hash, prior=None)
+    known = replace(request, program=program.hash, prior=None, turned=0)
+    turned = request.turned if isinstance(request.turned, int) else request.turned.of(program.name)
     prior = None if request.prior is None else request.prior.of(program.name)
     if prior is None or not prior.draws:
-        return _prepared(sampler, known, values)
+        return _prepared(sampler, known, values).facing(turned)
     weighted = Sampler(apply_prior(program, prior))
     resolve_settings(program, request.settings)  # what the program itself refuses is told as without a prior
     try:
-        return _prepared(weighted, replace(known, prior=prior), values)
+        return _prepared(weighted, replace(known, prior=prior), values).facing(turned)
     except SettingError as error:
         raise SettingError(error.message, f"{prior.name} says so: set another value, or leave it out") from None
 

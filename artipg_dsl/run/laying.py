@@ -22,6 +22,7 @@ from ..layouts.findings import Findings
 from ..layouts.registry import LAYOUTS, Layout, require
 from ..sampling.statistics import Statistics
 from ..shapes import Misfit, fit
+from .frame import read_frame
 from .job import Job, open_job
 from .manifest import make_relative
 from .request import Drawn, Request
@@ -43,12 +44,16 @@ def write_layout(
     force: bool = False,
     progress: Progress | None = None,
     workers: int = 1,
+    faced: bool = False,
 ) -> Entry:
     """Write the objects of a job into the folder ``out``, beside other categories in the same layout.
 
     ``shares``: how many of every few objects go into train, val and test; ``own``: words of the user's. What the folder has of
-    the category is refused, or replaced by ``force``. Raises ExportError, UserError.
+    the category is refused, or replaced by ``force``. Objects are turned to lie as in the layout's data set unless they are
+    ``faced`` as they should be. Raises ExportError, UserError.
     """
+    if layout.frame and not faced:
+        job = job.facing(read_frame(layout.frame).of(job.program.name))
     out = Path(out)
     there = out.exists()
     require(layout)

@@ -81,6 +81,7 @@ def build_manifest(
 ) -> Manifest:
     """The manifest of a folder ``out``; ``counts`` is what the run has counted, once it is over."""
     size, content = count_numbers(request.numbers), output.content
+    turned = f"; objects turned by {request.turned} degrees about z" if request.turned else ""
     versions = {"artipg_dsl": __version__, "numpy": np.__version__}
     found: dict[str, Any] = {**request.to_manifest(), **output.to_manifest(), **versions}
     if content.details is not None:
@@ -95,7 +96,7 @@ def build_manifest(
         "shards": _name_shards(size, output.shard),
         "python": platform.python_version(),
         "cpu": _find_cpu_class(),
-        "frame": _FRAME,
+        "frame": _FRAME + turned,
         "vocabularies": list_vocabularies(program),
         "sites": [{"path": site.path, "primitive": site.primitive} for site in program.sites],
     }

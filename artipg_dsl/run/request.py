@@ -17,6 +17,7 @@ from ..sampling.mutate import OPERATIONS, Mutation
 from ..sampling.prior import CANDIDATES, MOST_CANDIDATES
 from ..sampling.trace import Replay
 from ..shapes import Rule
+from .frame import TURNS, Frame, read_frame
 from .params import read_params
 from .prior import Prior, PriorFile, read_prior
 from .schema import MOST, RUNS, FirstAndLast, Runs, Title, expand, one_of, to_runs, within
@@ -61,6 +62,7 @@ class Made(TypedDict):
         Title("the values given"),
     ]
     prior: NotRequired[Annotated[dict[str, Any], Title("the prior")]]
+    turned: NotRequired[Annotated[int, TURNS, Title("the frame")]]
 
 
 class Objects(TypedDict):
@@ -93,7 +95,8 @@ class Request:
     SI units. ``checked``: only objects without collisions. ``candidates`` above 0: each object is chosen among so many
     attempts, to follow the declared distributions. ``repair``: what fails at first is repaired rather than drawn again.
     ``values``: objects given by their values, numbered from 0, instead of drawn ones. ``program`` is the hash of the
-    compiled program as it is declared, once it is known. ``prior``: other weights and narrower ranges of its draws. Raises UsageError.
+    compiled program as it is declared, once it is known. ``prior``: other weights and narrower ranges of its draws. ``turned``:
+    by how many degrees the objects lie turned from x towards y, by their frame until the program is known. Raises UsageError.
     """
 
     source: str
@@ -107,6 +110,7 @@ class Request:
     mutations: tuple[Mutation | Replay, ...] = ()
     program: str = ""
     prior: Prior | PriorFile | None = None
+    turned: int | Frame = 0
 
     def __post_init__(self) -> None:
         if self.candidates and self.repair:
@@ -131,6 +135,8 @@ class Request:
         }
         if isinstance(self.prior, Prior):
             made["prior"] = dict(sorted(self.prior.draws.items()))
+        if isinstance(self.turned, int) and self.turned:
+            made["turned"] = self.turned
         return {
             "program": self.program,
             "seed": self.seed,
@@ -157,6 +163,7 @@ class Request:
             ),
             program=drawn["program"],
             prior=Prior(made["prior"]) if "prior" in made else None,
+            turned=made.get("turned", 0),
         )
 
 
@@ -172,11 +179,12 @@ def read_request(
     repair: bool = False,
     values: str | Path | Iterable[Mapping[str, Any]] | None = None,
     prior: str | Path | Mapping[str, Any] | None = None,
+    frame: str | Path | None = None,
 ) -> Request:
     """A request in the words of the command line, or as Python gives it: the objects 0 .. n - 1 or the given ``numbers``.
 
     ``values``: a file of objects given by their values, or a dictionary for each. ``prior``: the name of a shipped one, a file, or
-    what is said of each draw. Raises UsageError, UserError.
+    what is said of each draw. ``frame``: the name of a shipped one, or a file. Raises UsageError, UserError.
     """
     if not isinstance(settings, Mapping | None):
         raise UsageError(f"set is {settings!r}", 'it maps names to values: {"width": "45cm"}')
@@ -202,6 +210,7 @@ def read_request(
         repair and given is None,
         given,
         prior=None if prior is None else read_prior(prior),
+        turned=0 if frame is None else read_frame(frame),
     )
 
 

@@ -54,6 +54,7 @@ DRAWN: dict[str, Any] = {
     "mutations": (MUTATION,),
     "program": "a" * 32,
     "prior": Prior({"width": [0.1, 0.15], "tray": 0.23}),
+    "turned": -90,
 }
 CONTENT: dict[str, Any] = {
     "points": Sampling(64, "outside", "blue", "object", "link", (("base", 2.0), ("door", 0.5))),

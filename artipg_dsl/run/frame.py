@@ -1,0 +1,77 @@
+"""Frames: files of how objects of another collection lie against ours, by category, in quarter turns about the vertical.
+
+{"about": "...", "turns": {"Scissors": -90}}
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, NotRequired, TypedDict
+
+from ..diagnostics.suggest import did_you_mean
+from ..errors import UserError
+from ..shapes import Misfit, Rule, fit
+
+TURNS = Rule("0, 90, -90 or 180 degrees", lambda value: value in (0, 90, -90, 180))
+_SHIPPED = Path(__file__).resolve().parent / "frames"
+_FORM = 'write {"turns": {"Scissors": -90}}'
+OWN = "own"  # the frame that the program has
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """How many degrees the objects of each category are turned by, from x towards y. A ``shipped`` one names those alone that it
+    turns; ``name`` is what it is called."""
+
+    turns: Mapping[str, int]
+    name: str
+    shipped: bool = False
+
+    def of(self, category: str) -> int:
+        """Degrees. Raises UserError where a file does not speak of the category."""
+        if category in self.turns or self.shipped:
+            return self.turns.get(category, 0)
+        known = ", ".join(self.turns) or "no category"
+        raise UserError(
+            f"{self.name} says nothing of {category}: it speaks of {known}",
+            did_you_mean(category, self.turns) or f'write "{category}": 0 where it lies so already',
+        )
+
+
+class _File(TypedDict):
+    about: NotRequired[str]
+    turns: dict[str, Annotated[int, TURNS]]
+
+
+def list_frames() -> list[str]:
+    """The names of the frames that are shipped."""
+    return sorted(path.stem for path in _SHIPPED.glob("*.json"))
+
+
+def read_frame(given: str | Path) -> Frame:
+    """A frame: ``own``, the name of a shipped one, or a file. Raises UserError."""
+    if given == OWN:
+        return Frame({}, OWN, shipped=True)
+    path = Path(given)
+    if isinstance(given, str) and given in list_frames() and not path.exists():
+        path = _SHIPPED / f"{given}.json"
+    try:
+        found = json.loads(path.read_text(encoding="utf-8-sig"))
+    except FileNotFoundError:
+        known = [OWN, *list_frames()]
+        hint = did_you_mean(str(given), known) or f"the frames are {', '.join(known)}, or a file"
+        raise UserError(f"there is no frame {given}", hint) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{given} cannot be read: {getattr(error, 'strerror', None) or 'it is not text'}") from None
+    except json.JSONDecodeError as error:
+        raise UserError(f"{given}:{error.lineno}:{error.colno}: it is not JSON: {error.msg}", _FORM) from None
+    except (ValueError, RecursionError) as error:
+        raise UserError(f"{given} cannot be read: {error}", _FORM) from None
+    try:
+        fit(found, _File)
+    except Misfit as wrong:
+        raise UserError(f"{given}: {wrong}", _FORM) from None
+    return Frame(found["turns"], str(given), shipped=path.parent == _SHIPPED)
