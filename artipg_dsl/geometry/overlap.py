@@ -221,7 +221,7 @@ class _Rows:
                 )
                 some = [axis[at[:, None], pick] if width < asked.shape[1] else axis[at] for axis in points]
                 local = to_local(self.poses, row[at, None], some)
-                values = list(self.values[number][:, row[at] - shelf.start, None])
+                values = list(self.values[number].take(row[at] - shelf.start, axis=1)[..., None])
                 inside = self.inside[number].points(values, *local)[0] <= limit[at, None]
                 if width < asked.shape[1]:
                     held[at[:, None], pick] = inside

@@ -80,6 +80,8 @@ class Split:
 
         for expr in exprs:
             collect(expr)
+        powers = {node.args[1] for node in seen if node.op == "pow"}
+        self._exponents = [k for k, node in enumerate(hoisted) if node in powers]
         self._rows = compile_formula(tuple(hoisted), self._names)
         self._points = compile_formula(exprs, point, tuple(hoisted))
 
@@ -93,8 +95,16 @@ class Split:
         return out
 
     def points(self, rows: Sequence[np.ndarray], *point: np.ndarray) -> tuple[Any, ...]:
-        """The values at points: ``rows`` gathered to arrays that broadcast with the point variables (fractions)."""
-        return self._points(*rows, *point)
+        """The values at points: ``rows`` gathered to arrays that broadcast with the point variables (fractions).
+
+        Exponents are told for every point: NumPy computes the power of one that is broadcast in another way, by the number of rows.
+        """
+        given = list(rows)
+        if self._exponents:
+            shape = np.broadcast_shapes(*(array.shape for array in (*rows, *point)))
+            for k in self._exponents:
+                given[k] = np.ascontiguousarray(np.broadcast_to(given[k], shape))
+        return self._points(*given, *point)
 
 
 def rows_of(params: Params) -> int:

@@ -116,7 +116,7 @@ class _Planner:
             raise NotPlanned(op)  # NumPy's sums of truth values are truth values
         if op == "pow" and self.values[arguments[1]].constant is None:
             self.wary = True
-            if any(self.values[a].along != EVERY and self.values[a].constant is None for a in arguments):
+            if self.values[arguments[1]].along != EVERY:
                 raise NotPlanned(op)
         arguments = [self.number(a) for a in arguments]
         return self.add(op, "d" * len(kinds) + ("->?" if op in _TRUTHS else "->d"), arguments)

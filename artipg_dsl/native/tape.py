@@ -84,7 +84,7 @@ class Tape:
             except NotPlanned:
                 plan = None
             self.plans[key] = plan
-        if plan is None or plan.wary and (outer != 1 or inner == 1):
+        if plan is None or plan.wary and inner == 1:
             return None
         some = outer > 0 and inner > 0
         if not some and any(o.along != EVERY for o in plan.made):

@@ -7,9 +7,9 @@ import pytest
 
 from artipg_dsl import random
 from artipg_dsl.geometry import density, mesh, surface
-from artipg_dsl.geometry.patches import surfaces
+from artipg_dsl.geometry.patches import Split, surfaces
 from artipg_dsl.geometry.trial import draw_trial
-from artipg_dsl.graph.expr import const
+from artipg_dsl.graph.expr import const, raw, var
 from artipg_dsl.graph.formula import compile_formula
 
 from . import shapes
@@ -124,3 +124,13 @@ def test_the_normal_of_a_sphere_octant_is_its_radius():
     ):
         position, normal = surface.evaluate(primitive, patch, params, row, u, u[::-1])
         assert np.allclose(normal, (position - 0.4 * np.array([sx, sy, sz])) / 0.1, atol=1e-12)
+
+
+def test_powers_of_a_row_are_the_same_alone_and_among_others():
+    split = Split(shapes.cylinder(), (raw("pow", (var("p.x"), var("radius"))),), ("p.x",))
+    x = np.random.default_rng(1).uniform(0, 3, (2, 400))
+    exponents = np.array([[2.0], [0.5]])  # which NumPy has shorter ways for
+    both = split.points([exponents], x)[0]
+    for row in range(2):
+        alone = split.points([exponents[row : row + 1]], x[row : row + 1])[0]
+        assert alone.tobytes() == both[row : row + 1].tobytes()

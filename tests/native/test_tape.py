@@ -114,6 +114,10 @@ def test_a_power_with_exponents_that_are_broadcast_is_left_to_numpy(machine):
     assert formula._tape.run(machine, (np.ones((3, 1)), np.ones(50))) is None
     assert formula._tape.run(machine, (np.ones(50), 2.0)) is None
     assert formula._tape.run(machine, (np.ones(50), np.ones(50))) is not None
+    exponents = np.repeat([[2.0], [0.5], [-1.0]], 50, axis=1)
+    for base in (column(3, 1).reshape(3, 1), column(50, 2), column(150, 3).reshape(3, 50)):
+        found = formula._tape.run(machine, (base, exponents))
+        assert found is not None and bits(found[0]) == bits(formula.numpy(base, exponents)[0])
 
 
 def test_a_short_formula_is_left_to_numpy(using, monkeypatch):
