@@ -15,6 +15,8 @@ the whole folder, and what a folder read back does not hold as it should. Begin 
     completion                          layouts for completion
     pieces, pictures                    meshes and words of an object's links; what cameras see of it, pixel by pixel
     maniskill, maniskill_check          a layout for robots that open and turn things
+    where2act, where2act_check          a layout for trials of a hand
+    hand, forecast, foretold            what comes of them, in SAPIEN and as annotations say
     outlines                            masks as polygons
     hdf5, pcd, ply, pth                 files
     findings                            faults that a reader finds

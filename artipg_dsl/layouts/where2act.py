@@ -2,7 +2,7 @@
 
 ``<split>/<object>_<category>_<state>_<primitive>_<trial>/`` is one trial, as ``collect_data.py`` writes it and loaders read it.
 World: z up, the front to -x, the half diagonal of the object 1; the camera is 5 from its middle, its axes are x forward, y left, z up.
-What comes of a trial is computed in SAPIEN (``hand``).
+What comes of a trial is computed in SAPIEN (``hand``), or said by the annotations (``foretold``).
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from ..export.partnet_mobility import DatasetFrame, folder_frame
 from ..export.robot import RobotJoint, Robots
 from ..view.png import png_bytes
 from .entry import SPLITS, Entry
+from .foretold import Foretold
 from .hand import LENGTH, MISSED, PRIMITIVES, RADIUS, Arena, Outcome, Trial
 from .pictures import Picture, pictures
 
@@ -61,13 +62,13 @@ class Subject:
     frame: DatasetFrame
     joints: dict[str, RobotJoint]
     joint: np.ndarray
-    arena: Arena
+    arena: Arena | Foretold
 
     @staticmethod
-    def of(batch: Batch) -> Subject:
+    def of(batch: Batch, *, simulated: bool) -> Subject:
         robot, own = Robots(batch).robot(0), own_joints(batch)
         frame = folder_frame(robot)
-        arena = Arena(robot, frame.unit, own)
+        arena = Arena(robot, frame.unit, own) if simulated else Foretold(batch, robot, frame.unit, own)
         joint = np.where(led_links(batch, arena.order), own, -1)
         return Subject(batch, frame, {known.name: known for known in robot.joints}, joint, arena)
 
@@ -207,9 +208,19 @@ def told(
     }
 
 
-def files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
+def simulated_files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
+    """The trials of an object in SAPIEN."""
+    return _files(Subject.of(batch, simulated=True), entry)
+
+
+def foretold_files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
+    """The trials of an object as annotations say."""
+    return _files(Subject.of(batch, simulated=False), entry)
+
+
+def _files(subject: Subject, entry: Entry) -> Iterator[tuple[str, bytes]]:
     """The trials of an object: one for each primitive, in each state that it comes to rest in and that shows what a hand is led at."""
-    subject = Subject.of(batch)
+    batch = subject.batch
     number = int(batch.numbers[0])
     for k, known, values in subject.states() if (subject.joint >= 0).any() else ():
         view = subject.view(k, known, values)

@@ -1,7 +1,7 @@
 """Where2Act's files read back as its loaders do, and compared with the model.
 
 What physics has made of a trial is not made again: what is compared is that the point ends where the joints have come to, and
-that these are within their limits.
+that these are within their limits. What annotations say of a trial is compared.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from ..runtime.motion import link_motion
 from ..view.png import read_png
 from .entry import Entry
 from .findings import Findings
+from .foretold import Foretold
 from .hand import PRIMITIVES
 from .hdf5 import read_h5
 from .where2act import LIST, SIZE, Subject, View, aims, camera_points, mask_of, name_of
@@ -29,16 +30,25 @@ _OVER = 0.02  # rad, half diagonals: limits give a little
 _FILES = ("cam_XYZA.h5", "interaction_mask.png", "rgb.png", "viz_target_pose.png", "result.json")
 
 
-def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings) -> None:
-    """Read as the loaders do, and compare with the model."""
-    subject, number = Subject.of(batch), int(batch.numbers[0])
+def check_simulated(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings) -> None:
+    """Read as the loaders do, and compare with the model; what physics has made of a trial is not made again."""
+    _check(folder, entry, Subject.of(batch, simulated=True), found)
+
+
+def check_foretold(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings) -> None:
+    """Read as the loaders do, and compare with the model and with what it says of each trial."""
+    _check(folder, entry, Subject.of(batch, simulated=False), found)
+
+
+def _check(folder: Path, entry: Entry, subject: Subject, found: Findings) -> None:
+    number = int(subject.batch.numbers[0])
     split = folder / entry.split(number)
     listed = (split / LIST).read_text(encoding="utf-8").split() if (split / LIST).exists() else []
     own = [name for name in listed if name.partition("_")[0] == entry.token(number)]
     due = []
     for k, known, values in subject.states() if (subject.joint >= 0).any() else ():
         view = subject.view(k, known, values)
-        for count, (pixel, primitive, _, forward, toward) in enumerate(aims(subject, view)):
+        for count, (pixel, primitive, trial, forward, toward) in enumerate(aims(subject, view)):
             name = name_of(entry, number, k, primitive, count)
             due.append(name)
             place = f"{split.name}/{name}"
@@ -50,6 +60,11 @@ def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings)
                 told = json.loads((split / name / "result.json").read_bytes())
                 _check_view(place, split / name, subject, view, found)
                 _check_trial(place, told, subject, view, pixel, found)
+                if isinstance(subject.arena, Foretold):
+                    out = subject.arena.run(trial, known)
+                    ends = np.array([subject.value(word, out.values[word]) for word in subject.arena.order])
+                    found.near(place, "joint values at the end", np.array(told["final_joint_angles"]), ends, 1e-6)
+                    found.of(place, told["fault"] == out.fault, f"the fault is {told['fault']!r}, not {out.fault!r}")
                 for word, way in (("gripper_direction", toward), ("gripper_forward_direction", forward)):
                     found.near(place, word, np.array(told[f"{word}_world"]), way, 1e-6)
                     found.near(place, word, np.array(told[f"{word}_camera"]), way @ view.pose[:3, :3], 1e-6)

@@ -9,7 +9,7 @@ or each of them with even odds at rest or anywhere, or what others wait for is o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,28 +17,13 @@ import numpy as np
 from artipg_dsl.annotate.cloud import Points, sample_points
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.annotate.states import draw_values, joint_twist, own_joints
-from artipg_dsl.export.pose import link_poses
 from artipg_dsl.export.robot import Robots
-from artipg_dsl.layouts.hand import (
-    ALONG,
-    FAR,
-    GRIP,
-    LENGTH,
-    MOVED,
-    PRESS,
-    RADIUS,
-    SHARE,
-    START,
-    STIFF,
-    Arena,
-    Trial,
-    succeeds,
-)
+from artipg_dsl.layouts.forecast import Scene, foretell
+from artipg_dsl.layouts.hand import Arena, Trial, succeeds
 from artipg_dsl.layouts.where2act import led_links
 from artipg_dsl.runtime.batch import Batch
 
-from .forecast import Paths, Scene, clear, follow, shove, take_along
-from .subject import G, Subject, written
+from .subject import written
 
 PRIMITIVES = ("pushing", "pushing-left", "pulling", "pulling-left")  # -up is -left turned about the approach
 STATES = 3  # of an object: at rest, and at random
@@ -67,8 +52,8 @@ class Attempt:
 class Case:
     """One object: a batch of its own, its arena, the states it is tried in, its points."""
 
-    def __init__(self, batch: Batch, subject: Subject, arena: Arena, names: list[str], seed: int):
-        self.batch, self.subject, self.arena, self.unit = batch, subject, arena, arena.unit
+    def __init__(self, batch: Batch, arena: Arena, names: list[str], seed: int):
+        self.batch, self.arena, self.unit = batch, arena, arena.unit
         self.names, self.joints = names, batch.joints()
         self.draw = np.random.default_rng([seed, int(batch.numbers[0])])
         self.cloud = sample_points(
@@ -78,8 +63,6 @@ class Case:
         self.chains = [self._chain(k) for k in range(len(self.own))]
         led = led_links(batch, arena.order)
         self.rows = [r for r in range(len(self.cloud.link)) if led[self.cloud.link[r, 0]]]
-        rubs = {joint.name: joint.friction for joint in arena.robot.joints}
-        self.rubs = self.led(np.array([rubs.get(name, 0.0) for name in names]), np.abs)
         self.states = list(self._states())
 
     def _chain(self, link: int) -> list[int]:
@@ -206,29 +189,6 @@ class Case:
         low, high = (rest if np.isnan(end) else end for end in (low, high))
         return float(high - rest if high - rest >= rest - low else low - rest)
 
-    def weighs(self, state: int) -> np.ndarray:
-        """What the weight of what it carries pulls each joint (J,) back with, newton metres or newton."""
-        subject, values = self.subject, self.states[state][0]
-        poses, found = link_poses(subject.robot, subject.values(values)), np.zeros(len(self.names))
-        for joint in subject.moving:
-            if joint.name not in self.names:
-                continue
-            turn, place = poses[joint.child]
-            axis = turn @ joint.axis
-            for k in subject.carried(joint):
-                link, (own, shift) = subject.robot.links[k], poses[k]
-                arm = own @ link.center + shift - place
-                rise = axis[2] if joint.kind == "prismatic" else np.cross(axis, arm)[2]
-                found[self.names.index(joint.name)] += link.mass * G * rise
-        return self.led(found)
-
-    def led(self, own: np.ndarray, sign: Callable[[np.ndarray], np.ndarray] = np.positive) -> np.ndarray:
-        """What is on each joint (J,) and, at the rate that they go along, on those that follow it."""
-        leads, found = np.asarray(self.joints.mimic), own.copy()
-        follows = np.flatnonzero(leads >= 0)
-        np.add.at(found, leads[follows], sign(np.asarray(self.joints.multiplier)[follows]) * own[follows])
-        return found
-
     def room(self, joint: int, values: np.ndarray, sign: float) -> bool:
         if self.batch.gates is not None and joint in self.batch.gates.joint[self.batch.gates.held(values)]:
             return False
@@ -244,56 +204,15 @@ class Case:
         span = np.asarray(self.joints.high)[rows] - np.asarray(self.joints.low)[rows]
         return np.where(np.isnan(span), np.inf, span)
 
-    def foretell(self, trials: list[Trial], state: int) -> tuple[np.ndarray, list[str]]:
-        """Whether trials (T,) from one state succeed, and why not."""
-        values = self.states[state][1]
-        turn, shift = self.batch.pose(values)
-        link = np.array([t.link for t in trials])
-        point = np.stack([turn[t.link] @ t.point + shift[t.link] for t in trials])
-        normal = np.stack([turn[t.link] @ t.normal for t in trials])
-        toward, lead = (np.stack([getattr(t, name) for t in trials]) for name in ("toward", "lead"))
-        pushing = np.array([t.primitive.startswith("pushing") for t in trials])
-        plain = np.array([t.primitive == "pushing" for t in trials])
-        far = lead * FAR * self.unit
-        press = np.where(plain, 1e-4, PRESS)[:, None] * self.unit * toward
-        scene = Scene(self.batch, values, self.rubs, self.weighs(state), STIFF)
-        place = scene, link, point
-        held = self.goes(follow(*place, far), lead, plain)
-        taken = self.goes(take_along(*place, normal, press, far, GRIP), lead, plain)
-        shoved = self.goes(shove(*place, normal, press + far, GRIP), lead, plain)
-        good = np.where(pushing, taken | shoved, held)
-        why = np.where(good, "", np.where(held, "slips", "moves too little")).astype(object)
-        pushed = np.flatnonzero(pushing)
-        for k in np.unique(link[pushed]):
-            at = pushed[link[pushed] == k]
-            group = np.flatnonzero(self.arena.groups == self.arena.groups[k])
-            tip, wide, long = (point + normal * RADIUS * self.unit)[at], RADIUS * self.unit, LENGTH * self.unit
-            free = clear(scene, group, tip, toward[at], wide, START * self.unit + long)
-            begin = tip - toward[at] * START * self.unit
-            free &= clear(scene, np.zeros(0, dtype=np.int64), begin, toward[at], wide, long)
-            why[at[~free]] = "finger blocked"
-            good[at[~free]] = False
-        return good, list(why)
-
-    def goes(self, paths: Paths, lead: np.ndarray, plain: np.ndarray) -> np.ndarray:
-        """Whether what moves so counts as moved (T,)."""
-        slides = np.array([self.slides(row) for row in range(len(self.names))])[paths.row]
-        enough = (paths.gone > np.where(slides, MOVED * self.unit, MOVED)) | (
-            paths.gone > SHARE * self.spans(paths.row)
-        )
-        size = np.sqrt((paths.way**2).sum(axis=1))
-        cosine = (paths.way * lead).sum(axis=1) / np.maximum(size, 1e-12)
-        moved: np.ndarray = (enough & (paths.row >= 0)).any(axis=1) & (plain | (cosine > ALONG))
-        return moved
-
     def attempt(self, made: list[tuple[Trial, int, str, bool]]) -> list[Attempt]:
         found = []
         for state in range(len(self.states)):
             mine = [one for one in made if one[1] == state]
             if not mine:
                 continue
-            told, why = self.foretell([one[0] for one in mine], state)
-            for (trial, _, word, labelled), foretold, note in zip(mine, told, why, strict=True):
+            scene = Scene.of(self.batch, self.arena.robot, self.states[state][1])
+            told = foretell(scene, [one[0] for one in mine], self.unit, self.arena.groups)
+            for (trial, _, word, labelled), foretold, note in zip(mine, told.good, told.why, strict=True):
                 out = self.arena.run(trial, self.states[state][0])
                 chain = np.array(self.chains[trial.link])
                 begun, way = self.states[state][0], out.end - out.start
@@ -318,7 +237,7 @@ def try_object(batch: Batch, count: int, each: int, seed: int = 0) -> list[Attem
     groups = np.where(own >= 0, own, -1)
     with written(Robots(batch).robot(0), "urdf") as subject:
         arena = Arena(subject.robot, unit_of(batch), groups)
-        case = Case(batch, subject, arena, list(joints.name), seed)
+        case = Case(batch, arena, list(joints.name), seed)
         if not case.rows or not case.states:
             return []
         return case.attempt([*case.random(count), *case.worded(each)])

@@ -64,7 +64,8 @@ def test_labelled_points_move_more_than_others(category: str) -> None:
 
 def test_an_axis_that_is_turned_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """What annotations say of other axes than those of the files does not come."""
-    from . import forecast
+    from artipg_dsl.layouts import forecast
+
     from .attempts import try_object
 
     right = forecast.find_jacobian
@@ -102,7 +103,7 @@ category Lifted {
 
 def test_a_finger_that_leaves_before_it_presses_enough_moves_nothing() -> None:
     """It rises off a slope: what it takes along it takes from the first, and what is heavier stays where it is."""
-    from .forecast import Scene, take_along
+    from artipg_dsl.layouts.forecast import Scene, take_along
 
     made = Session.of_text(LIFTED).sampler.batch(np.arange(1), 0)
     normal, lead = np.array([[-0.08, -0.35, 0.93]]), 0.014 * np.array([[0.37, 0.73, 0.57]])

@@ -1,4 +1,4 @@
-"""What annotations say will become of a trial: whether the hand gets there, and how far a point goes along its joint.
+"""What annotations say will become of a trial of Where2Act: whether the hand gets there, and how far a point goes along its joint.
 
 A hand that is led by a way ``u`` takes a point of a link along as far as one joint lets it: to the place on the path of the
 point (``exp`` of the joint's twist, the column of the Jacobian) next to where the hand ends, no further than the joint has
@@ -8,18 +8,29 @@ what stands before the point. A joint that waits for another does not move.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from artipg_dsl.annotate.gripper import meet_pieces
-from artipg_dsl.annotate.jacobian import find_jacobian
-from artipg_dsl.runtime.batch import Batch
-from artipg_dsl.validity.bodies import gather
+from ..annotate.gripper import meet_pieces
+from ..annotate.jacobian import find_jacobian
+from ..export.substitute import simple_joints
+from ..geometry.vectors import cross
+from ..runtime.motion import apply
+from ..validity.bodies import gather
+from .hand import ALONG, FAR, GRIP, LENGTH, MOVED, PRESS, RADIUS, SHARE, START, STIFF, Trial
 
-STEPS = 300  # of a joint's way, on which the nearest place is looked for
-SWEEPS = 12  # over the joints of a chain
-TURN = np.pi  # no hand turns a hinge further by leading a point straight on
+if TYPE_CHECKING:
+    from ..export.robot import Robot
+    from ..runtime.batch import Batch
+
+_G = 9.81  # m/s2
+_STEPS = 300  # of a joint's way, on which the nearest place is looked for
+_SWEEPS = 12  # over the joints of a chain
+_TURN = np.pi  # no hand turns a hinge further by leading a point straight on
+BLOCKED, _SLIPS, _LITTLE = "finger blocked", "slips", "moves too little"
 
 
 @dataclass(frozen=True)
@@ -31,17 +42,112 @@ class Scene:
     state: np.ndarray
     rubs: np.ndarray
     weighs: np.ndarray
-    stiff: float
+    stiff: float = STIFF
+
+    @staticmethod
+    def of(batch: Batch, robot: Robot, state: np.ndarray) -> Scene:
+        """With the masses and the friction that the files of the object state."""
+        stated = {joint.name: joint.friction for joint in simple_joints(robot).joints}
+        rubs = np.array([stated.get(name, 0.0) for name in batch.joints().name])
+        return Scene(batch, state, _led(batch, rubs, np.abs), weights(batch, robot, state))
 
 
 @dataclass(frozen=True)
 class Paths:
-    """Of (T,) trials and the (D,) joints that drive the link: ``row`` of the joint table, -1 for none, how far each goes
-    ``gone`` (radian, metre), and the ``way`` (T, 3) of the point."""
+    """Of (T,) trials and the (D,) joints that drive the link: ``row`` of the joint table, -1 for none, by how much each value goes
+    up, ``gone`` (radian, metre), and the ``way`` (T, 3) of the point."""
 
     row: np.ndarray
     gone: np.ndarray
     way: np.ndarray
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """Of (T,) trials: whether they succeed by Where2Act's rule, why not ("" of those that do), and the paths."""
+
+    good: np.ndarray
+    why: np.ndarray
+    paths: Paths
+
+
+def foretell(scene: Scene, trials: Sequence[Trial], unit: float, groups: np.ndarray) -> Forecast:
+    """What becomes of trials from one state. ``unit`` in metres; ``groups`` (L,): links of one number move as one."""
+    turn, shift = scene.batch.pose(scene.state)
+    link = np.array([t.link for t in trials])
+    point = apply(turn[link], np.stack([t.point for t in trials])) + shift[link]
+    normal = apply(turn[link], np.stack([t.normal for t in trials]))
+    toward, lead = (np.stack([getattr(t, name) for t in trials]) for name in ("toward", "lead"))
+    pushing = np.array([t.primitive.startswith("pushing") for t in trials])
+    plain = np.array([t.primitive == "pushing" for t in trials])
+    far = lead * FAR * unit
+    press = np.where(plain, 1e-4, PRESS)[:, None] * unit * toward
+    place = scene, link, point
+    held, taken, shoved = (
+        (paths, _goes(scene, paths, lead, plain, unit))
+        for paths in (
+            follow(*place, far),
+            take_along(*place, normal, press, far, GRIP),
+            _shove(*place, normal, press + far, GRIP),
+        )
+    )
+    paths = _of(pushing, _of(shoved[1] & ~taken[1], shoved[0], taken[0]), held[0])
+    good = np.where(pushing, taken[1] | shoved[1], held[1])
+    why = np.where(good, "", np.where(held[1], _SLIPS, _LITTLE)).astype(object)
+    pushed = np.flatnonzero(pushing)
+    for k in np.unique(link[pushed]):
+        at = pushed[link[pushed] == k]
+        tip, wide, long = (point + normal * RADIUS * unit)[at], RADIUS * unit, LENGTH * unit
+        free = clear(scene, np.flatnonzero(groups == groups[k]), tip, toward[at], wide, START * unit + long)
+        free &= clear(scene, np.zeros(0, dtype=np.int64), tip - toward[at] * START * unit, toward[at], wide, long)
+        why[at[~free]] = BLOCKED
+        good[at[~free]] = False
+    reached = (why != BLOCKED)[:, None]
+    return Forecast(good, why, Paths(paths.row, reached * paths.gone, reached * paths.way))
+
+
+def _of(which: np.ndarray, one: Paths, other: Paths) -> Paths:
+    """The paths of one where ``which`` (T,) holds, elsewhere of the other; of either the same joints drive."""
+    choose = which[:, None]
+    return Paths(one.row, np.where(choose, one.gone, other.gone), np.where(choose, one.way, other.way))
+
+
+def _goes(scene: Scene, paths: Paths, lead: np.ndarray, plain: np.ndarray, unit: float) -> np.ndarray:
+    """Whether what moves so counts as moved (T,)."""
+    joints, gone = scene.batch.joints(), np.abs(paths.gone)
+    slides = joints.that("slides")[paths.row]
+    span = np.asarray(joints.high - joints.low)[paths.row]
+    enough = (gone > np.where(slides, MOVED * unit, MOVED)) | (gone > SHARE * np.where(np.isnan(span), np.inf, span))
+    cosine = _dot(paths.way, lead) / np.maximum(_size(paths.way), 1e-12)
+    moved: np.ndarray = (enough & (paths.row >= 0)).any(axis=1) & (plain | (cosine > ALONG))
+    return moved
+
+
+def weights(batch: Batch, robot: Robot, state: np.ndarray) -> np.ndarray:
+    """What the weight of what it carries, and of what follows it, pulls each joint (J,) back with, newton metres or newton."""
+    joints, (turn, shift) = batch.joints(), batch.pose(state)
+    mass = np.array([link.mass for link in robot.links])
+    center = apply(turn, np.stack([link.origin + link.center for link in robot.links])) + shift
+    axis = apply(turn[joints.child], joints.axis)
+    place = apply(turn[joints.child], joints.origin) + shift[joints.child]
+    carried = np.zeros((len(joints.owner), len(mass)), dtype=bool)
+    carried[np.arange(len(carried)), joints.child] = True
+    for _ in range(len(carried)):  # down the tree
+        for parent, child in zip(joints.parent, joints.child, strict=True):
+            carried[:, child] |= carried[:, parent]
+    lever = cross(axis[:, None], center[None] - place[:, None])[..., 2]
+    rise = np.where(joints.that("slides")[:, None], axis[:, None, 2], lever)
+    own = np.where(joints.that("slides", "turns"), (_G * mass * rise * carried).sum(axis=1), 0.0)
+    return _led(batch, own)
+
+
+def _led(batch: Batch, own: np.ndarray, sign: Callable[[np.ndarray], np.ndarray] = np.positive) -> np.ndarray:
+    """What is on each joint (J,) and, at the rate that they go along, on those that follow it."""
+    joints, found = batch.joints(), own.copy()
+    leads = np.asarray(joints.mimic)
+    follows = np.flatnonzero(leads >= 0)
+    np.add.at(found, leads[follows], sign(np.asarray(joints.multiplier)[follows]) * own[follows])
+    return found
 
 
 def follow(scene: Scene, link: np.ndarray, point: np.ndarray, lead: np.ndarray) -> Paths:
@@ -63,13 +169,13 @@ def follow(scene: Scene, link: np.ndarray, point: np.ndarray, lead: np.ndarray) 
         driver = np.where(waits[driver], -1, driver)
     rubs, weighs = scene.rubs[driver] / scene.stiff, scene.weighs[driver] / scene.stiff
     gone, steps = np.zeros(driver.shape), np.zeros((*driver.shape, 3))
-    for _ in range(SWEEPS if driver.shape[1] > 1 else 1):
+    for _ in range(_SWEEPS if driver.shape[1] > 1 else 1):
         for d in range(driver.shape[1]):
             rest = lead - steps.sum(axis=1) + steps[:, d]
             there = (driver[:, d] >= 0).astype(float)
             room = below[:, d] * there, above[:, d] * there
             gone[:, d], steps[:, d] = _nearest(turn[:, d], speed[:, d], *room, rest, rubs[:, d], weighs[:, d])
-    return Paths(driver, np.abs(gone), steps.sum(axis=1))
+    return Paths(driver, gone, steps.sum(axis=1))
 
 
 def _nearest(
@@ -85,17 +191,17 @@ def _nearest(
     is still behind, no longer overcomes what ``rubs`` and ``weighs`` (T,), in metres of the hand times metres of the point per unit."""
     rate, size, far = (np.sqrt((v**2).sum(axis=-1)) for v in (turn, speed, lead))
     way = np.sign((speed * lead).sum(axis=-1))
-    reach = np.where(rate > 0, TURN, far / np.maximum(size, 1e-9))
+    reach = np.where(rate > 0, _TURN, far / np.maximum(size, 1e-9))
     end = np.where(size > 1e-9, np.minimum(np.where(way > 0, above, below), reach), 0.0)
-    step = (way * end)[:, None] * np.linspace(0, 1, STEPS + 1)
+    step = (way * end)[:, None] * np.linspace(0, 1, _STEPS + 1)
     safe = np.where(rate > 0, rate, 1.0)[:, None]
     along = np.where(rate[:, None] > 0, np.sin(safe * step) / safe, step)
     across = np.where(rate[:, None] > 0, (1 - np.cos(safe * step)) / safe**2, 0.0)
     moved = along[..., None] * speed[:, None] + across[..., None] * np.cross(turn, speed)[:, None]
     gained = -np.diff(((moved - lead[:, None]) ** 2).sum(axis=-1) / 2, axis=-1)
     held = np.maximum(rubs + way * weighs, 0.0)
-    ends = gained < held[:, None] * (end / STEPS)[:, None]
-    best = np.where(ends.any(axis=-1), ends.argmax(axis=-1), STEPS)
+    ends = gained < held[:, None] * (end / _STEPS)[:, None]
+    best = np.where(ends.any(axis=-1), ends.argmax(axis=-1), _STEPS)
     at = np.arange(len(best))
     return step[at, best], moved[at, best]
 
@@ -128,7 +234,7 @@ def take_along(
     return Paths(found.row, np.where((grip <= 0)[:, None], 0.0, found.gone), found.way)
 
 
-def shove(
+def _shove(
     scene: Scene, link: np.ndarray, point: np.ndarray, normal: np.ndarray, lead: np.ndarray, friction: float
 ) -> Paths:
     """As ``follow``, of a finger that slips along the surface: it pushes by what it goes in, and friction draws as it slips."""
