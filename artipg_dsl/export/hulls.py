@@ -115,7 +115,7 @@ def _pieces(items: list[Item]) -> Iterator[Convex]:
         if (group.table.number, item.row) != first:
             first, unit = (group.table.number, item.row), k  # a primitive is named after its first piece
         corners, normals, offsets = shapes[k]
-        yield Convex(corners, normals, offsets, unit, group.name, group.index, item, stock, k)
+        yield Convex(corners, normals, offsets, unit, group.name, int(group.index[item.k]), item, stock, k)
 
 
 def _hull(cluster: Cluster) -> Hull:

@@ -6,7 +6,7 @@ once; ``Solid`` picks out one instance.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Generic, TypeVar
@@ -16,12 +16,13 @@ import numpy as np
 from ..annotate.frames import place
 from ..geometry import mesh
 from ..geometry.resolution import FINEST, STANDARD, Resolution, measure_bends, within_budget
+from ..geometry.sites import scatter
 from ..geometry.topology import topology
 from ..geometry.vectors import cross, dot
+from ..validity.bodies import enumerate_ranges
 from .shading import Shading, shade
 
 if TYPE_CHECKING:
-    from ..geometry.pieces import PieceGroup
     from ..geometry.sites import SiteTable
 
 
@@ -39,6 +40,11 @@ class SolidGroup:
     face_patch: np.ndarray
     face_uv: np.ndarray
 
+    @property
+    def places(self) -> np.ndarray:
+        """(k,) what tells things of one row apart: there is one mesh."""
+        return np.zeros(len(self.rows), dtype=np.int64)
+
     @cached_property
     def shading(self) -> Shading:
         """Vertices split where an edge is to look sharp, with normals (k, V', 3)."""
@@ -50,13 +56,13 @@ class ShapedPieces:
     """Convex pieces of ``rows`` of one site. Where ``is_box``, the piece is a box of ``size`` about ``center`` in the
     directions of the site's rotation; otherwise the hull of vertices (k, P, 3). All in the object's frame.
 
-    ``name`` numbers the declared piece, ``index`` its steps; ``round`` (k, 3): radius, length along z and whether that
+    ``name`` numbers the declared piece, ``index`` (k,) its steps; ``round`` (k, 3): radius, length along z and whether that
     ends in half spheres, of what is round about the site's z, else noughts.
     """
 
     table: SiteTable
     name: int
-    index: int
+    index: np.ndarray
     rows: np.ndarray
     vertices: np.ndarray
     faces: np.ndarray
@@ -64,6 +70,11 @@ class ShapedPieces:
     size: np.ndarray
     center: np.ndarray
     round: np.ndarray
+
+    @property
+    def places(self) -> np.ndarray:
+        """(k,) what orders the pieces of one row."""
+        return (self.name << 32) + self.index
 
     @cached_property
     def planes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -134,45 +145,21 @@ def _steps_of(tables: list[SiteTable], resolution: Resolution) -> Sequence[int |
 def build_pieces(tables: list[SiteTable]) -> list[ShapedPieces]:
     """Convex pieces of all instances of all sites, boxes told from other hulls."""
     groups: list[ShapedPieces] = []
+    scatter(tables)
     for table in tables:
-        names: dict[str, int] = {}
-        for part, placed, center, (is_box, size, bulge) in _placed(table) if len(table.owner) else ():
-            rows = np.asarray(part.rows)
-            name, _, index = part.name.partition("[")
-            number = names.setdefault(name, len(names))
-            for sign in (1.0, -1.0):
-                c = np.flatnonzero(table.mirror[rows] == sign)
-                if len(c):
-                    faces = part.faces if sign > 0 else part.faces[:, ::-1]
-                    step = int(index[:-1] or 0)
-                    groups.append(
-                        ShapedPieces(
-                            table, number, step, rows[c], placed[c], faces, is_box[c], size[c], center[c], bulge[c]
-                        )
-                    )
+        for number, cloud in enumerate(table.clouds):
+            for at, hull in cloud.fitted(np.arange(len(cloud.rows))):
+                rows, vertices = cloud.rows[at], cloud.points[at[:, None], hull.used]
+                is_box, size, center = match_box(vertices)
+                center = _place_points(table, rows, center[:, None])[:, 0]
+                columns = rows, _place_points(table, rows, vertices), is_box, size, center, match_round(vertices)
+                for sign in (1.0, -1.0):
+                    c = np.flatnonzero(table.mirror[rows] == sign)
+                    if len(c):
+                        faces = hull.told if sign > 0 else hull.told[:, ::-1]
+                        own, placed, *shape = (column[c] for column in columns)
+                        groups.append(ShapedPieces(table, number, cloud.index[at[c]], own, placed, faces, *shape))
     return groups
-
-
-def _placed(table: SiteTable) -> Iterator[tuple[PieceGroup, np.ndarray, np.ndarray, list[np.ndarray]]]:
-    """The pieces of a table with their corners and centres in the object's frame, whether they are boxes, of which size, and whether
-    they are round: those of as many corners all at once, for a wall has hundreds of steps of a few pieces each."""
-    alike: dict[int, list[int]] = {}
-    for number, part in enumerate(table.pieces):
-        alike.setdefault(part.vertices.shape[1], []).append(number)
-    found: dict[int, tuple[np.ndarray, ...]] = {}
-    for numbers in alike.values():
-        parts = [table.pieces[number] for number in numbers]
-        vertices, rows = (
-            np.concatenate([np.asarray(getattr(p, name)) for p in parts]) for name in ("vertices", "rows")
-        )
-        is_box, size, center = match_box(vertices)
-        center = _place_points(table, rows, center[:, None])[:, 0]
-        columns = _place_points(table, rows, vertices), center, is_box, size, match_round(vertices)
-        ends = np.cumsum([len(part.rows) for part in parts])[:-1]
-        found |= dict(zip(numbers, zip(*(np.split(column, ends) for column in columns), strict=True), strict=True))
-    for number, part in enumerate(table.pieces):
-        placed, center, *shape = found[number]
-        yield part, placed, center, shape
 
 
 def _place_points(table: SiteTable, rows: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -224,11 +211,15 @@ def match_round(vertices: np.ndarray) -> np.ndarray:
 
 
 def group_by_object(groups: list[Group], n_objects: int) -> list[list[Item[Group]]]:
-    """Items of each object, in the order of groups (of sites, then pieces) and within them of rows."""
+    """Items of each object, in the order of sites, rows, and pieces within a row."""
     items: list[list[Item[Group]]] = [[] for _ in range(n_objects)]
-    for group in groups:
-        for k, (row, owner) in enumerate(zip(group.rows.tolist(), group.table.owner[group.rows].tolist(), strict=True)):
-            items[owner].append(Item(group, k, row))
-    for one in items:  # groups of one site (two topologies, mirrored rows) lie together: order them by row
-        one.sort(key=lambda item: (item.group.table.number, item.row))
+    if not groups:
+        return items
+    which, k = enumerate_ranges(np.zeros(len(groups), dtype=np.int64), np.array([len(group.rows) for group in groups]))
+    row, place = (np.concatenate(column) for column in zip(*((g.rows, g.places) for g in groups), strict=True))
+    site = np.array([group.table.number for group in groups])[which]
+    owner = np.concatenate([group.table.owner[group.rows] for group in groups])
+    order = np.lexsort((place, row, site, owner))
+    for g, *at, of in zip(*(column[order].tolist() for column in (which, k, row, owner)), strict=True):
+        items[of].append(Item(groups[g], *at))
     return items

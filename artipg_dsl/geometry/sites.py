@@ -43,11 +43,6 @@ class SiteTable:
         return replace(self, params=params, **{name: getattr(self, name)[at] for name in columns})
 
     @cached_property
-    def pieces(self) -> list[convex.PieceGroup]:
-        """The convex pieces of all rows, in their own frames; built once, whoever asks."""
-        return [group for cloud in self.clouds for group in cloud.groups()]
-
-    @cached_property
     def clouds(self) -> list[convex.Cloud]:
         """The points of the convex pieces, before their faces are looked for."""
         return convex.clouds(self.primitive, self.params) if len(self) else []
