@@ -218,7 +218,12 @@ def hulls(program):
     for held in (facts._facts, pieces._known, pieces._mesh_hulls):
         held.cache_clear()
     batch = Sampler(program).batch(range(2), 0, checked=False)
-    found = [(g.name, g.vertices.tobytes(), g.faces.tobytes()) for site in batch.sites() for c in site.clouds for g in c.groups()]
+    found = [
+        (g.name, g.vertices.tobytes(), g.faces.tobytes())
+        for site in batch.sites()
+        for c in site.clouds
+        for g in c.groups()
+    ]
     new = bool(facts._changed)
     facts.flush()
     return found, new

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..geometry.merge import forget
 from ..validity.bodies import Alike, Pieces, pack_pieces, turn_points
 from ..validity.tree import Tree
 from ..validity.validate import find_meetings, find_meetings_at_rest
@@ -42,7 +41,6 @@ def make_colliders(
             find_meetings,
         ):  # most of what meets does so at rest, which is soon looked at
             _set_apart(tree, merged, check)
-        forget()
     return [body.in_order() for body in bodies]
 
 
@@ -83,9 +81,9 @@ def _meeting(tree: Tree, check: _Check, hulls: list[_Mine], side: list[int]) -> 
     each = np.repeat(link, np.diff(ends, prepend=0))
     turned = turn_points(tree.turn[each], np.concatenate(corners)[:, None])[:, 0]
     placed = np.split(turned + tree.shift[each], ends[:-1])
-    alike: dict[tuple[int, bytes], list[int]] = {}
+    alike: dict[int, list[int]] = {}
     for k, (_, hull) in enumerate(hulls):
-        alike.setdefault((len(corners[k]), hull.faces.tobytes()), []).append(k)
+        alike.setdefault(id(hull.faces), []).append(k)
     groups = [
         Alike(np.stack([placed[k] for k in numbers]), hulls[numbers[0]][1].faces, owner[numbers], link[numbers])
         for numbers in alike.values()

@@ -140,12 +140,17 @@ def _wrapped(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Corners (P, 3) and outward faces (F, 3) of the hull of points."""
     from scipy.spatial import ConvexHull  # late: importing the package must not load SciPy
 
+    # neighbours share corners, which would cost more than all else
+    once = np.unique(np.ascontiguousarray(points).view(f"V{3 * points.itemsize}").ravel(), return_index=True)[1]
+    points = points[np.sort(once)]
     low = points.min(axis=0)
     scaled = (points - low) / (points.max(axis=0) - low)
     found = ConvexHull(scaled)
-    used, faces = np.unique(found.simplices, return_inverse=True)
-    faces = faces.reshape(-1, 3)
-    a, b, c = (scaled[used][faces[:, n]] for n in range(3))
+    used = np.flatnonzero(np.bincount(found.simplices.ravel()))
+    number = np.empty(len(points), dtype=np.int32)
+    number[used] = np.arange(len(used))
+    a, b, c = (scaled[found.simplices[:, n]] for n in range(3))
     inward = dot(cross(b - a, c - a), found.equations[:, :3]) < 0
+    faces = number[found.simplices]
     faces[inward] = faces[inward][:, ::-1]
-    return points[used], faces.astype(np.int32)
+    return points[used], faces

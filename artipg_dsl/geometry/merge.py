@@ -52,17 +52,12 @@ Cluster = tuple[Convex, ...]
 
 def gap(pieces: Sequence[Convex]) -> float:
     """How far the hull of pieces reaches from them, at the points looked at; metres."""
-    return 0.0 if len(pieces) == 1 else _deepest(tuple(pieces))[0]
-
-
-def forget() -> None:
-    """Let go of what is known of pieces that were asked about: they hold all that was made with them."""
-    _deepest.cache_clear()
+    return 0.0 if len(pieces) == 1 else _asked([tuple(pieces)])[0][0]
 
 
 def _hollow(pieces: Sequence[Convex]) -> tuple[np.ndarray, float]:
     """The plane (normal (3,), offset) of the face beyond which the hull of several pieces reaches farthest from them."""
-    _, face = _deepest(tuple(pieces))
+    ((_, face),) = _asked([tuple(pieces)])
     for piece in pieces:
         if face < len(piece.offsets):
             return piece.normals[face], float(piece.offsets[face])
@@ -70,15 +65,27 @@ def _hollow(pieces: Sequence[Convex]) -> tuple[np.ndarray, float]:
     raise ValueError("no pieces")
 
 
-@lru_cache(maxsize=4096)  # several tolerances ask for the same
+def _asked(found: Sequence[Cluster]) -> list[tuple[float, int]]:
+    """``_deepest`` of each of some clusters of one body: by compiled code, where there is a stock, which keeps what several tolerances
+    ask for."""
+    machine, stock = backend.machine(), found[0][0].stock if found else None
+    if stock is None:
+        return [_deepest(cluster) for cluster in found]
+    numbers = [tuple([piece.number for piece in cluster]) for cluster in found]
+    new = [k for k, known in enumerate(numbers) if known not in stock.known]
+    if machine is None:
+        stock.known.update((numbers[k], _deepest(found[k])) for k in new)
+    elif new:
+        told = gaps.deepest(machine, stock, [numbers[k] for k in new], _TURNED)
+        stock.known.update(zip((numbers[k] for k in new), told, strict=True))
+    return [stock.known[known] for known in numbers]
+
+
 def _deepest(pieces: Cluster) -> tuple[float, int]:
     """How far the hull reaches from its pieces where it does most, and the nearest face there, counted over all pieces.
 
     Of many pieces, the one with the nearest middle tells how far a point lies at most: all are asked about the farthest alone.
     """
-    machine, stock = backend.machine(), pieces[0].stock
-    if machine is not None and stock is not None:
-        return gaps.deepest(machine, stock, [piece.number for piece in pieces], _TURNED)
     points = _extreme(np.concatenate([piece.points for piece in pieces]))
     i, j = _pairs(len(points))
     middles = (points[i] + points[j]) / 2
@@ -166,8 +173,8 @@ def _grid(run: list[list[Convex]], tolerance: float) -> list[Cluster]:
 
     def fits(count: int) -> bool:
         looked_at = range(count) if len(run) == 1 else (0, count // 4)  # steps around an axis are alike
-        sectors = (_sectors(steps, count) for steps in run)
-        return all(gap(parts[k]) <= tolerance for parts in sectors for k in looked_at if parts[k])
+        parts = [part for steps in run for k in looked_at if len(part := _sector(steps, count, k)) > 1]
+        return all(depth <= tolerance for some in (parts[:1], parts[1:]) for depth, _ in _asked(some))
 
     count = [*counts, most][bisect_left(counts, True, key=fits)]  # with more sectors gaps are less
     sectors = [_sectors(steps, count) for steps in run]
@@ -186,8 +193,11 @@ def _grid(run: list[list[Convex]], tolerance: float) -> list[Cluster]:
 
 
 def _sectors(steps: list[Convex], count: int) -> list[Cluster]:
-    edges = [-(-len(steps) * k // count) for k in range(count + 1)]
-    return [tuple(steps[a:b]) for a, b in zip(edges, edges[1:], strict=False)]
+    return [_sector(steps, count, k) for k in range(count)]
+
+
+def _sector(steps: list[Convex], count: int, k: int) -> Cluster:
+    return tuple(steps[-(-len(steps) * k // count) : -(-len(steps) * (k + 1) // count)])
 
 
 def _chained(parts: list[Cluster], tolerance: float) -> list[Cluster]:

@@ -59,11 +59,11 @@ def test_of_many_pieces_few_points_are_asked_about_and_the_gap_is_the_same(monke
     asked = []
     beyond = merge._beyond
     monkeypatch.setattr(merge, "_beyond", lambda n, o, p: asked.append(len(n) * len(p)) or beyond(n, o, p))
-    pruned = merge._deepest.__wrapped__(tube)
+    pruned = merge._deepest(tube)
     few = sum(asked)
     asked.clear()
     monkeypatch.setattr(merge, "_MANY", len(tube))
-    assert merge._deepest.__wrapped__(tube) == pruned and few < sum(asked) / 5
+    assert merge._deepest(tube) == pruned and few < sum(asked) / 5
 
 
 def test_rings_one_above_the_other_become_long_staves() -> None:

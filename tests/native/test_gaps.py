@@ -5,7 +5,7 @@ from scipy.spatial import ConvexHull
 
 from artipg_dsl.geometry import merge
 from artipg_dsl.geometry.merge import Convex
-from artipg_dsl.native import backend
+from artipg_dsl.native import gaps
 from artipg_dsl.native.gaps import Stock
 
 from .machine import needs_compiler
@@ -25,13 +25,17 @@ def pieces(count, near, plain):
 
 
 @needs_compiler
-def test_gaps_of_clusters(machine, monkeypatch):
+def test_gaps_of_clusters(machine):
     for near in (0.5, 1.0, 1.5, 3.0):
         for plain in (False, True):
             every = pieces(70, near, plain)
-            for some in (every[:2], every[3:9], every[::7], every):
-                found = []
-                for used in (None, machine):
-                    monkeypatch.setattr(backend, "machine", lambda used=used: used)
-                    found.append(merge._deepest.__wrapped__(tuple(some)))
-                assert found[0] == found[1]
+            clusters = [tuple(some) for some in (every[:2], every[3:9], every[::7], every)]
+            numbers = [[piece.number for piece in some] for some in clusters]
+            found = gaps.deepest(machine, every[0].stock, numbers, merge._TURNED)
+            assert found == [merge._deepest(some) for some in clusters]
+
+
+def test_what_was_asked_is_kept(using):
+    using("numpy")
+    every = pieces(4, 1.5, False)
+    assert merge.gap(every) == merge._deepest(tuple(every))[0] and list(every[0].stock.known) == [(0, 1, 2, 3)]
