@@ -51,7 +51,8 @@ def select_on_surfaces(at: np.ndarray, table: SiteTable, target: Target, points:
     """Those of the flat point numbers ``at`` that lie on the surfaces a target names."""
     if not target.surfaces:
         return at
-    meant = [i for i, patch in enumerate(surfaces(table.primitive)) if patch.name in target.surfaces]
+    declared = table.primitive.patches
+    meant = [i for i, patch in enumerate(surfaces(table.primitive)) if declared[patch.declared].name in target.surfaces]
     return at[np.isin(np.asarray(points.patch).ravel()[at], meant)]
 
 

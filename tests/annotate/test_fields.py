@@ -122,3 +122,20 @@ def test_vectors_lie_in_the_frame_of_the_object_and_move_with_their_link(batch: 
     for k in range(3):
         assert moved[:, k][said] == pytest.approx(-shown.normal[:, k][said], abs=1e-6)
     assert np.abs(moved[:, 1] - moved[:, 0])[said].max() > 0.1
+
+
+def test_a_family_of_surfaces_is_named_as_one() -> None:
+    text = """
+apg 1
+use tubs { TubShell }
+vocabulary affordance { contain }
+category Pail {
+  root part pail : TubShell(size = [30cm, 40cm, 20cm], radius = 4cm, wall = 4mm)
+  label affordance.contain on pail.lining_side, pail.lining_corner
+}
+"""
+    cloud = sample_points(Session.of_text(text).sampler.batch(np.arange(2), seed=1), 400)
+    x, y, z = np.abs(cloud.position - [0, 0, 0.1]).transpose(2, 0, 1)
+    off = np.hypot(np.maximum(x - 0.11, 0), np.maximum(y - 0.16, 0))  # from where the corners are turned
+    lining = (off < 0.038) & (z < 0.1 - 1e-6)
+    assert 100 < lining[0].sum() < 250 and np.array_equal(cloud.labels["affordance.contain"], lining)
