@@ -116,10 +116,10 @@ def _found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Iter
     wanted = [
         np.full(len(table), table.number in asked) & (moving[first[table.owner] + table.link] >= 0) for table in tables
     ]
-    possible = _possible(batch, labels)
+    possible = find_possible(batch, labels)
     held = {pair: np.zeros(len(may), dtype=bool) for pair, may in possible.items()}
     for count in _LOOKS:
-        points = _looks(batch, wanted, count)
+        points = look_at(batch, wanted, count)
         for label, target, at in select_holding(batch, tables, points, labels):
             held[label, target][points.row.ravel()[at]] = True
         missed = [np.zeros(len(table), dtype=bool) for table in tables]
@@ -134,7 +134,7 @@ def _found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Iter
             yield label, target, np.flatnonzero(found)
 
 
-def _possible(batch: Batch, labels: Sequence[Label]) -> dict[tuple[Label, Target], np.ndarray]:
+def find_possible(batch: Batch, labels: Sequence[Label]) -> dict[tuple[Label, Target], np.ndarray]:
     """For each label and target on which rows of the target's site the label may hold, as far as no point is needed to tell:
     not where its condition is false of the whole row, nor where a deeper label of its vocabulary holds all over."""
     tables = batch.sites()
@@ -157,7 +157,7 @@ def _possible(batch: Batch, labels: Sequence[Label]) -> dict[tuple[Label, Target
     return found
 
 
-def _looks(batch: Batch, wanted: Sequence[np.ndarray], count: int) -> PointSet:
+def look_at(batch: Batch, wanted: Sequence[np.ndarray], count: int) -> PointSet:
     """``count`` points on each ``wanted`` row of the sites that shows any surface: (P, count), a primitive each."""
     tables = batch.sites()
     pools = [

@@ -10,7 +10,7 @@ from ..export.strict import Strict
 from ..runtime.batch import Batch
 from ..sampling.sample import Sampler
 from .coverage import Coverage, measure_coverage
-from .dead import Dead, find_dead_alternatives, find_dead_parameters
+from .dead import Dead, find_dead_alternatives, find_dead_labels, find_dead_parameters
 from .distance import measure_distance
 from .duplicates import CLOSE, find_near_duplicates
 from .graphs import find_graphs
@@ -75,6 +75,7 @@ class Card:
     real: Real | None
     dead_parameters: tuple[Dead, ...]
     dead_alternatives: tuple[Dead, ...]
+    dead_labels: tuple[Dead, ...]
     lines: int | None
     meshes: Strict | None = None  # of the first objects, where that was asked for
     ratios: tuple[Extent, ...] = ()
@@ -105,6 +106,7 @@ class Card:
             found.append(Goal("variants", "all", not self.lacking))
         found.append(Goal("dead parameters", "none", not self.dead_parameters))
         found.append(Goal("dead alternatives", "none", not self.dead_alternatives))
+        found.append(Goal("dead labels", "none", not self.dead_labels))
         if self.meshes is not None:
             found.append(Goal("meshes", f">= {100 * VALID:.0f}%", self.meshes.all >= VALID * self.meshes.objects))
         if self.lines is not None:
@@ -150,6 +152,7 @@ class Card:
             "dead": {
                 "parameters": [asdict(d) for d in self.dead_parameters],
                 "alternatives": [asdict(d) for d in self.dead_alternatives],
+                "labels": [asdict(d) for d in self.dead_labels],
             },
             "meshes": None
             if self.meshes is None
@@ -160,7 +163,17 @@ class Card:
         }
 
 
-STEPS = ("sampling", "graphs", "near-duplicates", "pairs", "sizes", "variants", "dead parameters", "dead alternatives")
+STEPS = (
+    "sampling",
+    "graphs",
+    "near-duplicates",
+    "pairs",
+    "sizes",
+    "variants",
+    "dead parameters",
+    "dead alternatives",
+    "dead labels",
+)
 
 
 def make_card(
@@ -217,6 +230,8 @@ def make_card(
     models = find_variants(sampler, batch, variants or {}, {} if real is None else real.variants, checked)
     parameters = tuple(find_dead_parameters(batch, step(6)))
     alternatives = tuple(find_dead_alternatives(sampler, batch, step(7)))
+    step(8)
+    labels = tuple(find_dead_labels(batch))
     return Card(
         batch.program.name,
         batch.program.hash,
@@ -231,6 +246,7 @@ def make_card(
         real,
         parameters,
         alternatives,
+        labels,
         lines,
         meshes,
         tuple(compare_ratios(size, real)),

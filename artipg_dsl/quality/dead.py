@@ -1,7 +1,8 @@
-"""What a program draws to no effect: parameters whose value shows nowhere, alternatives nobody takes or nobody could tell.
+"""What a program states to no effect: parameters whose value shows nowhere, alternatives nobody takes or nobody could tell, labels
+that hold nowhere.
 
 Found by trial: a value is moved within its range, all else kept, and the objects are looked at again; an alternative is
-taken on purpose, and compared with the others.
+taken on purpose, and compared with the others; a label is looked for at points of what it is on.
 """
 
 from __future__ import annotations
@@ -11,7 +12,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..graph.program import Draw
+from ..annotate.interactions import find_possible, look_at
+from ..annotate.points import field_name, select_holding
+from ..graph.expr import TRUE
+from ..graph.program import Draw, Label
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..sampling.known import evaluate_again, find_differing, keep_draw, make_batch
@@ -20,12 +24,14 @@ from .fingerprint import fingerprint_objects
 
 _FEW = 48  # objects tried at first
 _MANY = 400  # objects tried before a parameter is called dead
+_LOOKS = ((_FEW, 64), (_MANY, 512))  # objects, and points on each primitive that a label names
+_ROWS = 8  # of primitives on which a label may hold, at least, for it to be called dead
 _ROUND = (0.37, -0.23, 0.61)  # of its range, how far a value is moved, round and round
 
 
 @dataclass(frozen=True, slots=True)
 class Dead:
-    """A draw by name and line; ``option`` of a choice; ``why`` in words."""
+    """A draw or a label by name and line; ``option`` of a choice; ``why`` in words."""
 
     name: str
     where: str
@@ -116,6 +122,28 @@ def find_dead_alternatives(
                     break
             seen[option] = look, valid
     return found
+
+
+def find_dead_labels(batch: Batch) -> list[Dead]:
+    """Labels of words that hold at no visible point of any object, or only where a deeper one of their vocabulary does. Not those that name a
+    whole part, which is called so whatever deeper words its points have."""
+    labels = [label for label in batch.program.labels if label.vocabulary != "field"]
+    left = {_statement(label) for label in labels if label.vocabulary != "semantic" or label.value is not TRUE}
+    for objects, count in _LOOKS:
+        some = evaluate_again(batch, np.arange(min(objects, len(batch))))
+        tables = some.sites()
+        asked = {target.site for label in labels if _statement(label) in left for target in label.targets}
+        points = look_at(some, [np.full(len(table), table.number in asked) for table in tables], count)
+        left -= {_statement(label) for label, _, _ in select_holding(some, tables, points, labels)}
+    rows = dict.fromkeys(left, 0)
+    for (label, _), may in find_possible(some, [label for label in labels if _statement(label) in left]).items():
+        rows[_statement(label)] += int(may.sum())
+    return [Dead(name, where, "holds nowhere") for name, where in sorted(left) if rows[name, where] >= _ROWS]
+
+
+def _statement(label: Label) -> tuple[str, str]:
+    """What is written once: in each alternative and at each use it is a label of its own."""
+    return field_name(label), str(label.where or "")
 
 
 def _taken(

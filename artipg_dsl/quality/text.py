@@ -53,7 +53,11 @@ def list_figures(card: Card) -> Iterator[tuple[str, str, list[str]]]:
         told = [f"not seen: {v.name} ({v.settings})" for v in card.variants if not v.objects and not v.refused]
         told += [f"--set does not reach {v.name} ({v.settings}): it {v.refused}" for v in card.variants if v.refused]
         yield "variants", f"{there} of {len(card.variants)} seen", _few(told)
-    for name, dead in (("dead parameters", card.dead_parameters), ("dead alternatives", card.dead_alternatives)):
+    for name, dead in (
+        ("dead parameters", card.dead_parameters),
+        ("dead alternatives", card.dead_alternatives),
+        ("dead labels", card.dead_labels),
+    ):
         told = [f"{d.where}: {d.name}{f' = {d.option}' if d.option else ''} {d.why}" for d in dead]
         yield name, str(len(dead)) if dead else "none", _few(told)
     if card.meshes is not None:
@@ -158,6 +162,6 @@ def _cells(card: Card) -> list[str]:
         f"{', '.join(within)}%" if within else "-",
         f"{', '.join(f'{100 * (e.within or 0.0):.0f}' for e in card.ratios)}%" if card.ratios else "-",
         f"{len(card.variants) - len(card.lacking)} of {len(card.variants)}" if card.variants else "-",
-        str(len(card.dead_parameters) + len(card.dead_alternatives)),
+        str(len(card.dead_parameters) + len(card.dead_alternatives) + len(card.dead_labels)),
         "-" if card.lines is None else str(card.lines),
     ]

@@ -28,6 +28,7 @@ def test_the_card_in_words(apgc: Apgc) -> None:
         "sizes",
         "dead parameters",
         "dead alternatives",
+        "dead labels",
         "lines",
     ]
     assert out.startswith("Chest: 30 objects, seed 3\n")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from artipg_dsl.quality.coverage import find_together, list_factors, measure_coverage
-from artipg_dsl.quality.dead import find_dead_alternatives, find_dead_parameters
+from artipg_dsl.quality.dead import find_dead_alternatives, find_dead_labels, find_dead_parameters
 from artipg_dsl.quality.fingerprint import fingerprint_objects
 
 from .programs import CHEST, sampled
@@ -164,6 +164,50 @@ category Box {
     sampler, batch = sampled(text)
     found = find_dead_alternatives(sampler, batch)
     assert [(d.name, d.option, d.why) for d in found] == [("top", "Other", "cannot be told from Plain")]
+
+
+def test_labels_that_hold_nowhere_are_found() -> None:
+    text = """
+vocabulary act { pull, grasp, turn, push, support }
+category Drawer {
+  root part body : Cuboid(size = [30cm, 40cm, 2cm])
+  part slab : Cuboid(size = [30cm, 40cm, 10cm])
+  part knob : Cylinder(radius = 1cm, height = 3cm) along x
+  connect knob.bottom to frame(at = slab.front.center, out = x, up = z) sink 1mm
+  joint slide : prismatic body.top -> slab.bottom gap 1mm along x range 0cm .. 10cm
+  label semantic.drawer on slab, knob
+  label semantic.handle on knob
+  label act.pull on knob where n.z < 0.5
+  label act.grasp on knob where n.z > 0.9
+  label act.turn on knob where p.z > size.z
+  label act.push on slab where n.z < -0.5 and p.z > 0
+  label act.support on slab.front, slab.top where n.z > 0.5
+}"""
+    _, batch = sampled(text)
+    found = [(dead.name, dead.why) for dead in find_dead_labels(batch)]
+    assert found == [("act.push", "holds nowhere"), ("act.turn", "holds nowhere")]
+
+
+def test_a_label_below_deeper_ones_holds_nowhere() -> None:
+    text = """
+vocabulary act { pull, grasp }
+template Handle {
+  param size : length[3]
+  part bar : Cuboid(size = size)
+  label act.grasp on bar
+}
+category Door {
+  root part leaf : Cuboid(size = [2cm, 40cm, 60cm])
+  part handle : Handle(size = [3cm, 2cm, 12cm])
+  connect handle.back to leaf.front
+  label act.pull on handle
+}"""
+    _, batch = sampled(text)
+    assert [dead.name for dead in find_dead_labels(batch)] == ["act.pull"]
+    _, batch = sampled(
+        text.replace("act.pull on handle", "act.pull on handle.bar").replace("label act.grasp on bar", "")
+    )
+    assert not find_dead_labels(batch)
 
 
 def test_a_fingerprint_belongs_to_the_object() -> None:
