@@ -85,6 +85,18 @@ def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
         ck.unfit(expr, kind, f"{what} must be a part or one of its ports and faces")
 
 
+def _target(ck: Checker, expr: ast.Expr, kind: Type, word: str) -> None:
+    """Where something is attached: `base` has no faces, so that a joint alone can name it."""
+    _end(ck, expr, kind, f"what follows `{word}`")
+    if kind == BASE:
+        ck.error(
+            "wrong-type",
+            expr.span,
+            "`base` is what the template is attached to: only the parent of a joint can be it",
+            hint="what stays with it is the first part of the template, or attached to that",
+        )
+
+
 def _mounted(ck: Checker, *ends: tuple[ast.Expr, Type]) -> None:
     """The ends of a mount: one is laid on the other, so both have directions."""
     for expr, kind in ends:
@@ -113,9 +125,9 @@ def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> No
     """The clauses that place. ``framed``: on a face or port or in a box, whose middle `at center` means."""
     ends = ctx.but(ends=True)
     for clause in ast.present(node.to, node.on):
-        _end(ck, clause.value, ck.infer(ends, clause.value), f"what follows `{clause.word}`")
+        _target(ck, clause.value, ck.infer(ends, clause.value), clause.word)
     for value in ast.value_of(node.between) or ():
-        _end(ck, value, ck.infer(ends, value), "what follows `between`")
+        _target(ck, value, ck.infer(ends, value), "between")
     if node.in_ is not None:
         kind = ck.infer(ends, node.in_.value)
         if not isinstance(kind, Boxed) and kind not in (BOX, UNKNOWN):
