@@ -81,9 +81,9 @@ def _meeting(tree: Tree, check: _Check, hulls: list[_Mine], side: list[int]) -> 
     each = np.repeat(link, np.diff(ends, prepend=0))
     turned = turn_points(tree.turn[each], np.concatenate(corners)[:, None])[:, 0]
     placed = np.split(turned + tree.shift[each], ends[:-1])
-    alike: dict[int, list[int]] = {}
+    alike: dict[tuple[int, bytes], list[int]] = {}
     for k, (_, hull) in enumerate(hulls):
-        alike.setdefault(id(hull.faces), []).append(k)
+        alike.setdefault((len(corners[k]), hull.faces.tobytes()), []).append(k)
     groups = [
         Alike(np.stack([placed[k] for k in numbers]), hulls[numbers[0]][1].faces, owner[numbers], link[numbers])
         for numbers in alike.values()

@@ -52,12 +52,12 @@ Cluster = tuple[Convex, ...]
 
 def gap(pieces: Sequence[Convex]) -> float:
     """How far the hull of pieces reaches from them, at the points looked at; metres."""
-    return 0.0 if len(pieces) == 1 else _asked([tuple(pieces)])[0][0]
+    return 0.0 if len(pieces) == 1 else _asked(tuple(pieces))[0]
 
 
 def _hollow(pieces: Sequence[Convex]) -> tuple[np.ndarray, float]:
     """The plane (normal (3,), offset) of the face beyond which the hull of several pieces reaches farthest from them."""
-    ((_, face),) = _asked([tuple(pieces)])
+    _, face = _asked(tuple(pieces))
     for piece in pieces:
         if face < len(piece.offsets):
             return piece.normals[face], float(piece.offsets[face])
@@ -65,20 +65,16 @@ def _hollow(pieces: Sequence[Convex]) -> tuple[np.ndarray, float]:
     raise ValueError("no pieces")
 
 
-def _asked(found: Sequence[Cluster]) -> list[tuple[float, int]]:
-    """``_deepest`` of each of some clusters of one body: by compiled code, where there is a stock, which keeps what several tolerances
-    ask for."""
-    machine, stock = backend.machine(), found[0][0].stock if found else None
+def _asked(pieces: Cluster) -> tuple[float, int]:
+    """``_deepest``, by compiled code where there is some; a stock keeps what several tolerances ask for."""
+    stock, machine = pieces[0].stock, backend.machine()
     if stock is None:
-        return [_deepest(cluster) for cluster in found]
-    numbers = [tuple([piece.number for piece in cluster]) for cluster in found]
-    new = [k for k, known in enumerate(numbers) if known not in stock.known]
-    if machine is None:
-        stock.known.update((numbers[k], _deepest(found[k])) for k in new)
-    elif new:
-        told = gaps.deepest(machine, stock, [numbers[k] for k in new], _TURNED)
-        stock.known.update(zip((numbers[k] for k in new), told, strict=True))
-    return [stock.known[known] for known in numbers]
+        return _deepest(pieces)
+    numbers = tuple([piece.number for piece in pieces])
+    if numbers not in stock.known:
+        found = _deepest(pieces) if machine is None else gaps.deepest(machine, stock, numbers, _TURNED)
+        stock.known[numbers] = found
+    return stock.known[numbers]
 
 
 def _deepest(pieces: Cluster) -> tuple[float, int]:
@@ -173,8 +169,8 @@ def _grid(run: list[list[Convex]], tolerance: float) -> list[Cluster]:
 
     def fits(count: int) -> bool:
         looked_at = range(count) if len(run) == 1 else (0, count // 4)  # steps around an axis are alike
-        parts = [part for steps in run for k in looked_at if len(part := _sector(steps, count, k)) > 1]
-        return all(depth <= tolerance for some in (parts[:1], parts[1:]) for depth, _ in _asked(some))
+        sectors = (_sector(steps, count, k) for steps in run for k in looked_at)
+        return all(gap(part) <= tolerance for part in sectors if part)
 
     count = [*counts, most][bisect_left(counts, True, key=fits)]  # with more sectors gaps are less
     sectors = [_sectors(steps, count) for steps in run]

@@ -33,18 +33,17 @@ class Machine:
     def __init__(self, library: ctypes.CDLL):
         self.library = library
         try:
+            for name in ("closest", "separate", "meet_in_states", "examine", "sweep", "row_sums", "add_moments"):
+                getattr(library, name).restype = None
             for name in (
-                "closest",
-                "separate",
-                "meet_in_states",
-                "examine",
-                "sweep",
-                "row_sums",
-                "add_moments",
+                "near_in_states",
+                "way_size",
+                "examine_cells",
+                "reach_of_cells",
+                "print_rows",
+                "print_told",
                 "deepest",
             ):
-                getattr(library, name).restype = None
-            for name in ("near_in_states", "way_size", "examine_cells", "reach_of_cells", "print_rows", "print_told"):
                 getattr(library, name).restype = ctypes.c_int64
             self._run, look = library.run, library.look
             self.print_rows = library.print_rows

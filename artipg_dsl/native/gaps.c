@@ -55,9 +55,11 @@ static int64_t extreme(const stock *of, int64_t count, const int64_t *pieces, in
 
 /* How far the hull of ``pieces`` (count,) reaches from the nearest where it does most, ``depth``, among the middles of pairs of extreme
    points; returns the face of the nearest piece that the first of such places is farthest beyond, counted over all pieces. */
-static int64_t deepest_of(const stock *of, int64_t count, const int64_t *pieces, int64_t ways, const double *way, double *depth) {
+OUT int64_t deepest(int64_t count, const int64_t *pieces, const double *points, const int64_t *point_start, const double *normals,
+                    const double *offsets, const int64_t *face_start, int64_t ways, const double *way, double *depth) {
+    const stock of = {points, normals, offsets, point_start, face_start};
     const double *corner[MOST];
-    const int64_t many = extreme(of, count, pieces, ways, way, corner);
+    const int64_t many = extreme(&of, count, pieces, ways, way, corner);
     int64_t face = 0, hint = 0;
     double most = -INFINITY;
     for (int64_t i = 0; i < many; i++)
@@ -65,31 +67,22 @@ static int64_t deepest_of(const stock *of, int64_t count, const int64_t *pieces,
             double p[3], least;
             int64_t k, near = hint, base = 0;
             for (int n = 0; n < 3; n++) p[n] = (corner[i][n] + corner[j][n]) / 2;
-            least = beyond(of, pieces[hint], p, INFINITY); /* a neighbour's nearest piece is likely this one's */
+            least = beyond(&of, pieces[hint], p, INFINITY); /* a neighbour's nearest piece is likely this one's */
             for (k = 0; k < count && least > most; k++) {
-                const double away = beyond(of, pieces[k], p, least);
+                const double away = beyond(&of, pieces[k], p, least);
                 if (away < least) least = away, near = k;
             }
             hint = near;
             if (least <= most) continue;
             most = least;
-            for (k = 0; k < count && beyond(of, pieces[k], p, INFINITY) > least; k++) /* of equals the first */
-                base += of->face_start[pieces[k] + 1] - of->face_start[pieces[k]];
-            for (int64_t f = of->face_start[pieces[k]]; f < of->face_start[pieces[k] + 1]; f++)
-                if (dot(of->normals + 3 * f, p) - of->offsets[f] == least) {
-                    face = base + f - of->face_start[pieces[k]];
+            for (k = 0; k < count && beyond(&of, pieces[k], p, INFINITY) > least; k++) /* of equals the first */
+                base += face_start[pieces[k] + 1] - face_start[pieces[k]];
+            for (int64_t f = face_start[pieces[k]]; f < face_start[pieces[k] + 1]; f++)
+                if (dot(normals + 3 * f, p) - offsets[f] == least) {
+                    face = base + f - face_start[pieces[k]];
                     break;
                 }
         }
     *depth = most;
     return face;
-}
-
-/* The same of many clusters: ``pieces`` from ``start[k]`` to ``start[k + 1]`` are those of cluster k. */
-OUT void deepest(int64_t many, const int64_t *start, const int64_t *pieces, const double *points, const int64_t *point_start,
-                 const double *normals, const double *offsets, const int64_t *face_start, int64_t ways, const double *way,
-                 double *depth, int64_t *face) {
-    const stock of = {points, normals, offsets, point_start, face_start};
-    for (int64_t k = 0; k < many; k++)
-        face[k] = deepest_of(&of, start[k + 1] - start[k], pieces + start[k], ways, way, depth + k);
 }

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import ctypes
+from array import array
 from collections.abc import Sequence
-from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,17 +22,14 @@ class Stock:
         arrays = [np.ascontiguousarray(np.concatenate(a), dtype=np.float64) for a in (points, normals, offsets)]
         starts = [np.cumsum([0, *map(len, some)], dtype=np.int64) for some in (points, offsets)]
         self._kept = (arrays[0], starts[0], arrays[1], arrays[2], starts[1])
-        self.known: dict[tuple[int, ...], tuple[float, int]] = {}  # what was asked about them
+        self.known: dict[tuple[int, ...], tuple[float, int]] = {}  # what was asked about some of them
         self.places = [ctypes.c_void_p(a.ctypes.data) for a in self._kept]
 
 
-def deepest(
-    machine: Machine, stock: Stock, clusters: Sequence[Sequence[int]], ways: np.ndarray
-) -> list[tuple[float, int]]:
-    """How far the hulls of clusters of pieces, told by their numbers, reach where they do most, and the nearest face there, counted
-    over the pieces of a cluster. ``ways`` (w, 3), up to 64: what extreme points are extreme along."""
-    start = np.cumsum([0, *map(len, clusters)], dtype=np.int64)
-    pieces = np.fromiter(chain.from_iterable(clusters), np.int64, int(start[-1]))
-    depth, face = np.empty(len(clusters)), np.empty(len(clusters), dtype=np.int64)
-    call(machine.library.deepest, len(clusters), start, pieces, *stock.places, len(ways), ways, depth, face)
-    return list(zip(depth.tolist(), face.tolist(), strict=True))
+def deepest(machine: Machine, stock: Stock, pieces: Sequence[int], ways: np.ndarray) -> tuple[float, int]:
+    """How far the hull of pieces, told by their numbers, reaches where it does most, and the nearest face there, counted
+    over them. ``ways`` (w, 3), up to 64: what extreme points are extreme along."""
+    numbers, depth = array("q", pieces), ctypes.c_double()
+    place = ctypes.c_void_p(numbers.buffer_info()[0])
+    face = call(machine.library.deepest, len(pieces), place, *stock.places, len(ways), ways, ctypes.byref(depth))
+    return depth.value, face

@@ -29,10 +29,9 @@ def test_gaps_of_clusters(machine):
     for near in (0.5, 1.0, 1.5, 3.0):
         for plain in (False, True):
             every = pieces(70, near, plain)
-            clusters = [tuple(some) for some in (every[:2], every[3:9], every[::7], every)]
-            numbers = [[piece.number for piece in some] for some in clusters]
-            found = gaps.deepest(machine, every[0].stock, numbers, merge._TURNED)
-            assert found == [merge._deepest(some) for some in clusters]
+            for some in map(tuple, (every[:2], every[3:9], every[::7], every)):
+                numbers = [piece.number for piece in some]
+                assert gaps.deepest(machine, some[0].stock, numbers, merge._TURNED) == merge._deepest(some)
 
 
 def test_what_was_asked_is_kept(using):
