@@ -88,13 +88,13 @@ def test_formulas_of_labels_are_split_once(monkeypatch) -> None:
 
 def test_affordances_are_looked_for_where_they_may_be(monkeypatch) -> None:
     looked: dict[int, int] = {}
-    plain = interactions._looks
+    plain = interactions.look_at
 
     def looks(batch, wanted, count):
         looked[count] = sum(int(rows.sum()) for rows in wanted)
         return plain(batch, wanted, count)
 
-    monkeypatch.setattr(interactions, "_looks", looks)
+    monkeypatch.setattr(interactions, "look_at", looks)
     found = interactions.find_interactions(Session.of("Window").sampler.batch(np.arange(16), 7))
     few, many = looked.values()
     assert len(found.owner) and few > 0
