@@ -102,7 +102,6 @@ def find_dead_alternatives(
 ) -> list[Dead]:
     """Alternatives that no object takes or that look exactly like another; ``progress(done, total)`` counts draws."""
     found = []
-    numbers = batch.numbers[:_FEW]
     for number, draw in enumerate(batch.program.draws):
         if progress is not None:
             progress(number, len(batch.program.draws))
@@ -111,6 +110,7 @@ def find_dead_alternatives(
         count = np.bincount(batch.state.values[number].astype(np.int64), minlength=len(draw.options))
         for option in np.flatnonzero(count == 0).tolist():
             found.append(Dead(draw.column.name, str(draw.where or ""), "is never taken", draw.options[option]))
+        numbers = batch.numbers[np.unique(batch.owner(draw.column.scope))[:_FEW]]  # of those in which it is drawn
         seen: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         for option in np.flatnonzero(count).tolist():
             look, valid = _taken(sampler, batch, number, option, numbers)
