@@ -149,7 +149,6 @@ class Files:
         from ..diagnostics.suggest import did_you_mean
         from ..layouts.entry import read_shares
         from ..layouts.registry import LAYOUTS
-        from ..run.frame import read_frame
         from ..run.laying import write_layout
 
         if layout not in LAYOUTS:
@@ -157,9 +156,7 @@ class Files:
                 f"there is no layout {layout!r}",
                 did_you_mean(layout, LAYOUTS) or f"the layouts are {', '.join(LAYOUTS)}",
             )
-        faced = frame is not None
-        job = self.job.facing(read_frame(frame).of(self.job.program.name)) if frame is not None else self.job
-        write_layout(job, folder, LAYOUTS[layout], shares=read_shares(split), own=map, force=force, faced=faced)
+        write_layout(self.job, folder, LAYOUTS[layout], shares=read_shares(split), own=map, force=force, frame=frame)
         return Path(folder)
 
     def to_urdf(self, folder: str | Path, *, force: bool = False) -> list[Path]:

@@ -152,7 +152,7 @@ def _lay_out(options: argparse.Namespace, layout: Layout, begun: float) -> int:
             force=options.force,
             progress=progress,
             workers=options.workers,
-            faced=options.frame is not None,
+            frame=options.frame,
         )
     counts = ", ".join(f"{len(at)} {split}" for split, at in entry.splits().items())
     done = plural(len(entry.numbers), "object")

@@ -13,13 +13,12 @@ import numpy as np
 
 from ..runtime.motion import follow, link_motion
 from .forecast import BLOCKED, Scene, foretell, weights
-from .hand import Outcome, Trial
+from .hand import PLAIN, Outcome, Trial
 
 if TYPE_CHECKING:
     from ..export.robot import Robot
     from ..runtime.batch import Batch
 
-_KINDS = ("revolute", "continuous", "prismatic")
 _FALLS = 64  # steps over the range of a joint that its load moves
 _STEPS = 4 * _FALLS  # after which what still moves has not come to rest
 _ENDLESS = 2 * np.pi
@@ -33,7 +32,7 @@ class Foretold:
         joints = batch.joints()
         self.batch, self.robot, self.unit, self.groups = batch, robot, unit, groups
         self.names = list(joints.name)
-        self.order = [n for n, k in zip(joints.name, joints.kind, strict=True) if k in _KINDS]
+        self.order = [n for n, k in zip(joints.name, joints.kind, strict=True) if k in PLAIN]
         self._scene = Scene.of(batch, robot, batch.rest())
 
     def settle(self, values: Mapping[str, float]) -> dict[str, float] | None:

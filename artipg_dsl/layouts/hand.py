@@ -24,6 +24,7 @@ from ..export.substitute import simple_joints
 from ..export.urdf import urdf_files
 
 PRIMITIVES = ("pushing", "pushing-up", "pushing-left", "pulling", "pulling-up", "pulling-left")
+PLAIN = ("revolute", "continuous", "prismatic")  # joints along which a hand is led
 MISSED, BEGUN, FINGER = "met nothing", "starts in contact", "where2act finger"
 MOVED, SHARE, ALONG = 0.01, 0.5, 0.5  # rad or unit; of the range; cosine
 FAR = 0.05  # units that a hand is led

@@ -25,7 +25,7 @@ from ..export.robot import RobotJoint, Robots
 from ..view.png import png_bytes
 from .entry import SPLITS, Entry
 from .foretold import Foretold
-from .hand import LENGTH, MISSED, PRIMITIVES, RADIUS, Arena, Outcome, Trial
+from .hand import LENGTH, MISSED, PLAIN, PRIMITIVES, RADIUS, Arena, Outcome, Trial
 from .pictures import Picture, pictures
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ def led_links(batch: Batch, order: Sequence[str]) -> np.ndarray:
         while at in above:
             row = above[at]
             kind = joints.kind[row]
-            plain = kind in ("revolute", "continuous", "prismatic") and joints.name[row] in order and not follows[row]
+            plain = kind in PLAIN and joints.name[row] in order and not follows[row]
             found[link] &= kind == "fixed" or plain
             at = int(joints.parent[row])
     return found

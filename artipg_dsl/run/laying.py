@@ -44,16 +44,16 @@ def write_layout(
     force: bool = False,
     progress: Progress | None = None,
     workers: int = 1,
-    faced: bool = False,
+    frame: str | Path | None = None,
 ) -> Entry:
     """Write the objects of a job into the folder ``out``, beside other categories in the same layout.
 
     ``shares``: how many of every few objects go into train, val and test; ``own``: words of the user's. What the folder has of
-    the category is refused, or replaced by ``force``. Objects are turned to lie as in the layout's data set unless they are
-    ``faced`` as they should be. Raises ExportError, UserError.
+    the category is refused, or replaced by ``force``. Objects are turned to lie as ``frame`` says,
+    by default as in the layout's data set. Raises ExportError, UserError.
     """
-    if layout.frame and not faced:
-        job = job.facing(read_frame(layout.frame).of(job.program.name))
+    if frame or layout.frame:
+        job = job.facing(read_frame(frame or layout.frame).of(job.program.name))
     out = Path(out)
     there = out.exists()
     require(layout)
