@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .products import at_a_time
 from .words import OTHER, factors
 
 _TURN = 0.06  # what two normals of opposite direction add to a distance, half of it, in diagonals
-_PAIRS = 128_000  # at a time
 _FAR = 1e4
 REACH = 1.5  # how far a point stands for the surface around it, in distances between points: another is nearer than that nearly always
 
@@ -41,7 +41,7 @@ def nearest(
 
 def _least(rows: np.ndarray, columns: np.ndarray, out: np.ndarray) -> None:
     """For each of the ``rows`` (n, d) with which of the ``columns`` (m, d) its product is least, into ``out`` (n,)."""
-    step = max(1, _PAIRS // len(columns))
+    step = at_a_time(columns.size)
     for start in range(0, len(rows), step):
         part = slice(start, start + step)
         (rows[part] @ columns.T).argmin(axis=1, out=out[part])

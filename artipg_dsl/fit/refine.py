@@ -19,6 +19,7 @@ from .compare import Candidates, Compared, Targets, chosen, compare, starts
 from .focus import Rows
 from .match import Gaps
 from .model import Changes, Freedoms, Model, Placed
+from .products import crossed
 from .states import tables
 
 _STEP = 2e-3  # of a difference, in ranges
@@ -112,7 +113,7 @@ def _step(
             columns = np.concatenate([along, way, outwards[k : k + 1]]) / diagonal[k]
             leaned = columns * weight[k]
             own = np.append(np.arange(many[k]), most + np.arange(_SHIFTS + 1))
-            matrix[k, own[:, None], own] += leaned @ columns.T
+            matrix[k, own[:, None], own] += crossed(leaned, columns)
             slope[k, own] += (leaned * gap.value[k]).sum(axis=1)
     return _solved(model, batch, placed, free, matrix, slope, damping, diagonal, fixed)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import artipg_dsl as apg
-from artipg_dsl.fit import match
+from artipg_dsl.fit import products
 from artipg_dsl.fit.compare import clouds, compare, words_of
 from artipg_dsl.fit.fitting import fit, usual_size
 from artipg_dsl.fit.match import nearest
@@ -59,7 +59,7 @@ def test_the_nearest_is_so_with_what_another_word_adds(silent: float):
 
 
 def test_the_nearest_is_found_both_ways_a_few_rows_at_a_time(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(match, "_PAIRS", 1000)
+    monkeypatch.setattr(products, "_MOST", 8000)
     chance = np.random.default_rng(5)
     points, asked = chance.random((2, 170, 6)), chance.random((2, 130, 6))
     silent = np.zeros((2, 170), dtype=np.int64), np.zeros((2, 130), dtype=np.int64)
