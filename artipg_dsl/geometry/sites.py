@@ -23,7 +23,7 @@ class SiteTable:
     number: int  # of the site in the program
     path: str
     primitive: Primitive
-    params: dict[str, np.ndarray]  # (k,) float64 each
+    params: dict[str, np.ndarray]  # (k,) float64 each; where a primitive has none, a column "" of zeros
     owner: np.ndarray  # (k,) int64 object index within the batch, ascending
     rotation: np.ndarray  # (k, 3, 3) proper
     translation: np.ndarray  # (k, 3) metres
@@ -108,8 +108,6 @@ def scatter(tables: list[SiteTable]) -> None:
 
 def _distinct(params: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """One row of each set of alike rows, as the keys of a keyboard are, and for each row (k,) which of these it is like."""
-    if not params:
-        return np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64)
     columns = np.stack([np.asarray(column, dtype=np.float64) for column in params.values()], axis=1)
     rows = columns.view(f"V{columns.itemsize * columns.shape[1]}").ravel()
     _, chosen, same = np.unique(rows, return_index=True, return_inverse=True)

@@ -192,6 +192,7 @@ class Batch:
             rotation, translation, mirror = self._poses(site.pose, site.scope)
             values = self.read(site.parameters, site.scope)
             params = {n: np.asarray(v, dtype=np.float64) for n, v in zip(primitive.parameters, values, strict=True)}
+            params = params or {"": np.zeros(len(owner))}
             instance, word = self._meant(site.part, site.scope)
             first = np.searchsorted(owner, np.arange(len(self)))
             rank = np.arange(len(owner)) - first[owner]

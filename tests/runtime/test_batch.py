@@ -1,9 +1,27 @@
 """Tables of a batch: numbering, trees, domains, requirements."""
 
 import numpy as np
+import pytest
 
 from artipg_dsl.runtime.kernels import State
 from artipg_dsl.sampling.statistics import Statistics
+from artipg_dsl.session import Session
+
+PLAIN = """
+use primitives { Cuboid }
+primitive Collar {
+  curve skin (v in 0 .. 1) = [5cm, v * 4cm]
+  curve lining (v in 0 .. 1) = [4cm, v * 4cm]
+  solid = lathe(skin, lining) about z
+}
+category Rail {
+  root part bar : Cuboid(size = [40cm, 10cm, 2cm])
+  repeat spot[i] in 0 ..< 3 spread bar along x margin 6cm {
+    part collar : Collar
+    connect collar.bottom on bar.top at x = spot.center.x, y = 0
+  }
+}
+"""
 
 
 def test_first_attempts_are_valid(microwave):
@@ -98,3 +116,15 @@ def test_a_value_that_leaves_no_room_fails_and_is_counted(microwave):
     microwave.plan.function(state)
     assert state.failed.all()
     assert sum(state.missed.values()) + sum(state.broken.values()) >= 50
+
+
+def test_primitives_without_parameters_are_there_as_often_as_others():
+    batch = Session.of_text(PLAIN).sampler.batch(np.arange(4), seed=0)
+    collars = batch.sites()[1]
+    assert collars.primitive.parameters == () and len(collars) == 12
+    low, high = collars.boxes()
+    assert low[:3] == pytest.approx(np.array([[-0.19, -0.05, 0.02], [-0.05, -0.05, 0.02], [0.09, -0.05, 0.02]]))
+    assert (high - low) == pytest.approx(np.tile([0.1, 0.1, 0.04], (12, 1)))
+    assert collars.weights[0] == pytest.approx(np.pi * (0.05**2 - 0.04**2) * 0.04)
+    pieces = np.bincount(np.concatenate([cloud.rows for cloud in collars.clouds]))
+    assert len(pieces) == 12 and pieces[0] > 1 and (pieces == pieces[0]).all()
