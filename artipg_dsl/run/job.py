@@ -211,7 +211,8 @@ def _prepared(sampler: Sampler, request: Request, values: str) -> Job:
             names = dict.fromkeys(d.column.name for d in program.draws)
             raise UsageError(
                 f"{program.name} draws no `{name}`",
-                did_you_mean(name, names) or f"it draws {', '.join(list(names)[:8])}, ...",
+                did_you_mean(name, names)
+                or (f"it draws {', '.join(list(names)[:8])}, ..." if names else "it draws nothing"),
             )
     known = replace(request, settings=settings, values=None if held is None else held.plain)
     return Job(sampler, known, given, held)

@@ -138,7 +138,7 @@ def unknown_name(program: Program, name: str) -> SettingError:
     if inside:
         shown = ", ".join(inside[:6]) + (", ..." if len(inside) > 6 else "")
         return SettingError(f"`{name}` is not one value", f"set one of {shown}")
-    hint = did_you_mean(name, names) or f"these can be set: {', '.join(names)}"
+    hint = did_you_mean(name, names) or (f"these can be set: {', '.join(names)}" if names else "it draws nothing")
     return SettingError(f"{program.name} draws no `{name}`", hint)
 
 

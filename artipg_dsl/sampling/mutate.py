@@ -212,7 +212,7 @@ class Names:
         drawn = {d.column.name for d in program.draws}
         plain = {p: Names(re.sub(r"\[\d+\]", "", p)) for p in pieces}
         return [
-            p for p, names in plain.items() if not any(names.everything or names.pattern.fullmatch(n) for n in drawn)
+            p for p, names in plain.items() if not names.everything and not any(map(names.pattern.fullmatch, drawn))
         ]
 
     def of(self, batch: Batch, draw: Draw) -> np.ndarray:

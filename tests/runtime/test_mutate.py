@@ -242,3 +242,11 @@ def test_slots_carry_over_to_another_template(microwave, batch):
     assert (table.site != table.before_site)[grips].all()
     loose = table.how == NONE
     assert loose.any() and (table.before_site[loose] == -1).all() and np.isnan(table.before_position[loose]).all()
+
+
+def test_everything_is_no_unknown_name_where_nothing_is_drawn():
+    text = "use primitives { Cuboid }\ncategory Slab { root part slab : Cuboid(size = [1cm, 1cm, 1cm]) }"
+    sampler = Session.of_text(text).sampler
+    assert Names.unknown("*, lid", sampler.program) == ["lid"]
+    batch = sampler.batch(np.arange(2), seed=0)
+    assert mutate(sampler, batch).drawn(1) == batch.drawn(1) == {}
