@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, cast
 
 from ..diagnostics.suggest import did_you_mean, given
 from ..language import DIRECTIONS, DISTRIBUTIONS, FACES, FUNCTIONS, OWN, TYPES, WORDS
@@ -13,12 +14,28 @@ from .fold import components, constant
 from .guards import consistent
 from .meanings import Declared, Word
 from .scope import BodyScope, Entry
-from .types import COUNT, RATIO, SIZE, UNKNOWN, ChoiceType, ScalarType, Type, VecType, fits
+from .types import (
+    BOOL,
+    COUNT,
+    CURVE,
+    MATERIAL,
+    RATIO,
+    SIZE,
+    STRING,
+    UNKNOWN,
+    ArrayType,
+    ChoiceType,
+    ScalarType,
+    Type,
+    VecType,
+    fits,
+)
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
 
 TOLERANCE = 1e-9  # a default written in mm may stand at the end of a range written in cm
+_TAIL = 6.0  # deviations beyond which a normal law has nothing left
 
 
 def check_names(ck: Checker, scope: BodyScope) -> None:
@@ -40,6 +57,7 @@ def check_names(ck: Checker, scope: BodyScope) -> None:
                         notes=((around.name_span, "the repeat"),),
                     )
                     ck.set_aside(entry)
+                _renamed(ck, scope, entry)
         for position, entry in enumerate(entries):
             for earlier in entries[:position]:
                 if earlier.node is entry.node or _shared(earlier.node, entry.node):
@@ -53,6 +71,21 @@ def check_names(ck: Checker, scope: BodyScope) -> None:
                         notes=((earlier.span, "first declared here"),),
                     )
                     break
+
+
+def _renamed(ck: Checker, scope: BodyScope, entry: Entry) -> None:
+    """What a declaration `was` is gone, and nothing else was it: two of one address would be drawn alike."""
+    was = getattr(entry.node, "was", None)
+    if was is None:
+        return
+    earlier = (e for es in scope.table.values() for e in es if e.span.start < entry.span.start)
+    others = [*scope.table.get(was, ()), *(e for e in earlier if getattr(e.node, "was", None) == was)]
+    other = next((o for o in others if consistent(ck.entry_condition(o), ck.entry_condition(entry))), None)
+    if other is not None:
+        why = "is still declared" if other.name == was else f"is what `{other.name}` was"
+        said = f"`{was}` {why}: `was` gives the old name of a renamed declaration"
+        notes = ((other.span, "declared here"),)
+        ck.error("duplicate-name", entry.span, said, hint="leave out the `was`", notes=notes)
 
 
 def _is_own(scope: BodyScope, node: ast.Stmt) -> bool:
@@ -114,17 +147,70 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
             span = node.domain.span if node.domain is not None else node.span
             ck.error("wrong-type", span, f"{what} is {kind}: only numbers can have a range")
             return
+    if not _taken(ck, ctx, node, kind, what):
+        return
+    _idle(ck, ctx, node, kind, what)
     if node.domain is not None:
         check_range(ck, ctx, node.domain, kind, f"an end of the range of {what}")
     if node.test is not None:
         check_range(ck, ctx, node.test, kind, f"an end of the test range of {what}")
-    _drawn(ck, ctx, node, kind, kind, what)
+    _drawn(ck, ctx, node, kind, what)
     if node.vary is not None:
         step = ck.infer(ctx, node.vary)
         base = ScalarType(kind.dimension) if isinstance(kind, VecType) and kind.dimension is not None else kind
         if not fits(step, RATIO) and not fits(step, base):
             ck.mismatch(node.vary, step, base, f"the step of {what} is a ratio or")
     _follows(ck, ctx, node)
+
+
+def _taken(ck: Checker, ctx: Context, node: ast.ParamDecl, kind: Type, what: str) -> bool:
+    """Whether there can be a parameter of this type here, with this default."""
+    owner = ctx.scope.owner.kind if ctx.scope is not None else ""
+    number = isinstance(kind, ScalarType | VecType) or kind == UNKNOWN
+    if isinstance(kind, ArrayType) or kind == STRING:
+        ck.unfit(node.type, kind, f"{what} must be one value that parts can be made from")
+    elif owner == "primitive" and not number and kind not in (BOOL, CURVE):
+        hint = "choose between primitives in a template, or take a `bool`"
+        ck.unfit(node.type, kind, "a primitive takes numbers, switches and curves", hint=hint)
+    elif number or isinstance(kind, ChoiceType):
+        return True
+    elif kind not in (BOOL, MATERIAL):
+        if owner == "category":
+            ck.unfit(node.type, kind, "a parameter of a category is a number, an option, a switch or a material")
+        elif node.default is not None:
+            said = f"{what} is {kind}, which has no default"
+            ck.error("wrong-type", node.default.span, said, hint=f"pass it as an argument: `({node.names[0]} = ...)`")
+        else:
+            return True
+    elif owner == "category" and node.default is None:  # nobody hands anything to a category
+        drawn = "`choice yes | no`" if kind == BOOL else "`style name : material = oak | steel`"
+        hint = f"write `= {'false' if kind == BOOL else 'oak'}`; for one that is drawn, {drawn}"
+        ck.error("missing-value", node.span, f"{what} has no value", hint=hint)
+    else:
+        return True
+    return False
+
+
+def _idle(ck: Checker, ctx: Context, node: ast.ParamDecl, kind: Type, what: str) -> None:
+    """Clauses about how a value is drawn, of one that is never drawn or not like this."""
+    choice, out = isinstance(kind, ChoiceType), node.keyword == "out"
+    drawn = (node.domain is not None or choice) and not out
+    primitive = ctx.scope is not None and ctx.scope.owner.kind == "primitive"
+    in_range = "for example `in 1cm .. 2cm`"
+    if kind == BOOL:
+        in_range = "a choice is drawn: `choice yes | no`"
+    idle = (
+        ("in", out and node.domain is not None, "an output is what the template makes it", "state a `require`"),
+        ("~", node.distribution is not None and not drawn, "nothing is drawn without a range", in_range),
+        ("vary", node.vary is not None and choice, "a choice has no steps", None),
+        ("vary", node.vary is not None and not choice and not drawn, "nothing is drawn without a range", in_range),
+        ("was", node.was is not None and not drawn, "nothing is drawn without a range", in_range),
+        ("derived", node.derived and (choice or out or kind == BOOL), "equations determine numbers only", None),
+        ("test", node.test is not None and not primitive, "primitives alone are tested over ranges", None),
+    )
+    for word, here, why, hint in idle:
+        if here and kind != UNKNOWN:
+            ck.error("unknown-clause", node.span, f"`{word}` has no effect on {what}: {why}", hint=hint)
 
 
 def _follows(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
@@ -154,17 +240,18 @@ def _follows(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
 def check_count(ck: Checker, ctx: Context, node: ast.CountDecl) -> None:
     what = f"`{node.name}`"
     check_range(ck, ctx, node.domain, COUNT, f"an end of the range of {what}")
-    _drawn(ck, ctx, node, COUNT, RATIO, what)
+    _drawn(ck, ctx, node, COUNT, what)
 
 
-def _drawn(
-    ck: Checker, ctx: Context, node: ast.ParamDecl | ast.CountDecl, kind: Type, argument: Type, what: str
-) -> None:
-    """The default and the distribution, whose arguments are of the type ``argument``."""
+def _drawn(ck: Checker, ctx: Context, node: ast.ParamDecl | ast.CountDecl, kind: Type, what: str) -> None:
+    """The default and the distribution."""
     if node.default is not None and check_default(ck, ctx, node.default, kind, what):
-        _inside(ck, ctx, node.default, node.domain, what)
+        _inside(ck, ctx, node.default, node.domain, f"the default of {what}")
+        values = components(node.default, ctx.module)
+        if isinstance(node, ast.ParamDecl) and node.positive and any(v is not None and v <= 0 for v in values):
+            ck.error("default-outside-range", node.default.span, f"the default of {what} is not above 0")
     if node.distribution is not None:
-        _distribution(ck, ctx, node.distribution, argument, node.domain)
+        _distribution(ck, ctx, node.distribution, kind, node.domain)
 
 
 def check_default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what: str) -> bool:
@@ -226,7 +313,7 @@ def _inside(ck: Checker, ctx: Context, default: ast.Expr, domain: ast.RangeExpr 
             ck.error(
                 "default-outside-range",
                 default.span,
-                f"the default of {what} lies outside its range {text}",
+                f"{what} lies outside its range {text}",
                 notes=((domain.span, "the range"),),
             )
             return
@@ -251,14 +338,41 @@ def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type,
     if len(node.arguments) not in law.arguments:
         ck.error("wrong-arguments", node.span, f"`{node.name}` takes {law.example}, {given(len(node.arguments))}")
         return
+    fitting = True
     for position, argument in enumerate(node.arguments):
-        wanted = RATIO if node.name == "lognormal" and position == 1 else kind
-        ck.expect(ctx, argument.value, wanted, f"an argument of `{node.name}`")
+        relative = node.name == "lognormal" and position == 1
+        wanted = RATIO if relative or kind == COUNT and node.name != "values" else kind
+        fitting &= fits(ck.expect(ctx, argument.value, wanted, f"an argument of `{node.name}`"), wanted)
         value = constant(argument.value, ctx.module)
         if position == 1 and position in law.positive and value is not None and value <= 0:
             ck.error("wrong-arguments", argument.span, "a deviation must be greater than 0")
         if node.name == "values":
             _inside(ck, ctx, argument.value, domain, "a value of the distribution")
+    if fitting:
+        _reaches(ck, ctx, node, domain)
+
+
+def _reaches(ck: Checker, ctx: Context, node: ast.Distribution, domain: ast.RangeExpr | None) -> None:
+    """A law and a range that are written out have something in common."""
+    arguments = [constant(a.value, ctx.module) for a in node.arguments]
+    if domain is None or node.name == "values" or len(arguments) != 2 or None in arguments:
+        return
+    first, second = cast("list[float]", arguments)
+    least, most = first, second
+    if node.name != "uniform" and second <= 0:
+        return
+    if node.name == "normal":
+        least, most = first - _TAIL * second, first + _TAIL * second
+    elif node.name == "lognormal":
+        least, most = first * math.exp(-_TAIL * second), first * math.exp(_TAIL * second)
+    elif first > second:
+        said = "the low end of the distribution lies above its high end"
+        ck.error("empty-range", node.span, said, hint="swap the ends")
+        return
+    low, high = constant(domain.low, ctx.module), constant(domain.high, ctx.module)
+    if low is not None and high is not None and (least > high or most < low):
+        said = f"nothing of `{node.span.text}` lies in the range {domain.span.text}"
+        ck.error("empty-range", node.span, said, notes=((domain.span, "the range"),))
 
 
 def _options(ck: Checker, ctx: Context, node: ast.Distribution, kind: ChoiceType) -> None:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import any_of, did_you_mean
 from ..language import OPERATORS, Kind
 from ..syntax import ast
-from ..syntax.walk import in_branches
 from .calls import range_type
 from .conditions import truth
 from .declarations import check_range
@@ -124,16 +123,28 @@ def _whole(ck: Checker, stmt: ast.SolidDecl, operator: Kind) -> None:
 
 def check_whole(ck: Checker, symbol: Symbol) -> None:
     """A primitive is surfaces with an inside function and a box, or one solid."""
-    body = list(in_branches(symbol.body))
+    body = symbol.body
+    for word, kind in (("solid", ast.SolidDecl), ("inside", ast.InsideDecl), ("box", ast.BoxDecl)):
+        spans = [s.span for s in body if isinstance(s, kind)]
+        for span in spans[1:]:
+            ck.error("duplicate-name", span, f"a primitive has one `{word}`", notes=((spans[0], "the first one"),))
+    for require in (s for s in body if isinstance(s, ast.RequireStmt)):
+        if require.stable is not None or require.repair is not None:
+            word = "stable" if require.repair is None else "repair"
+            said = f"`{word}` is not allowed in a primitive: `require` limits its parameters"
+            hint = "write the requirement in the category or template that uses it"
+            ck.error("misplaced-statement", require.span, said, hint=hint)
     solids = [s for s in body if isinstance(s, ast.SolidDecl)]
-    if len(solids) > 1:
-        ck.error(
-            "duplicate-name",
-            solids[1].span,
-            "a primitive is made by one operator",
-            notes=((solids[0].span, "the first one"),),
-        )
     if solids:
+        for own in (s for s in body if isinstance(s, ast.SurfaceDecl | ast.InsideDecl)):
+            what = "inside (p)" if isinstance(own, ast.InsideDecl) else f"surface {own.name}"
+            ck.error(
+                "misplaced-statement",
+                own.span,
+                f"`{what}` has no effect: the operator makes the surfaces and `inside`",
+                hint="leave it out, or give all surfaces, `inside` and `box` instead of a `solid`",
+                notes=((solids[0].span, "this operator"),),
+            )
         return
     lacking = [
         word

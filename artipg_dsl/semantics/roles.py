@@ -70,7 +70,7 @@ def check_template(ck: Checker, symbol: Symbol) -> None:
             "role-not-fulfilled",
             symbol.decl.name_span,
             f"the template `{symbol.name}` does not fulfil its role {role.name}: it lacks {names}",
-            hint=_how(*missing[0][:2]),
+            hint=how_to_bind(*missing[0][:2]),
             notes=tuple((s.span, f"{kind} `{n}` is required here") for kind, n, s in missing),
         )
 
@@ -103,7 +103,8 @@ def check_nesting(ck: Checker, symbols: list[Symbol]) -> None:
         visit(symbol, [])
 
 
-def _how(kind: str, name: str) -> str:
+def how_to_bind(kind: str, name: str) -> str:
+    """What a template writes to provide a slot, a port, a joint or an output."""
     return {
         "slot": f"call a part `{name}`, or bind the slot: `slot {name} = part`",
         "port": f"write `port {name} = ...`",

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import any_of, did_you_mean
 from ..language import JOINTS, REPEATS
 from ..syntax import ast
-from . import alternatives, conditions, declarations, labels, placing, primitives
+from . import alternatives, conditions, declarations, labels, placing, primitives, roles
 from .entries import of_reference, port_context
 from .scope import BodyScope, Guards
+from .symbols import NAMED, names_of
 from .types import (
     ANGLE,
     BASE,
@@ -42,9 +43,15 @@ from .types import (
 if TYPE_CHECKING:
     from .checker import Checker, Context
 
-_DECLARATIONS = (ast.ParamDecl, ast.LetDecl, ast.PortDecl, ast.RequireStmt, ast.WhenStmt)
+_DECLARATIONS = (ast.ParamDecl, ast.LetDecl, ast.PortDecl, ast.RequireStmt)
 _SHAPE = (ast.SurfaceDecl, ast.CurveDecl, ast.InsideDecl, ast.BoxDecl, ast.PieceDecl, ast.SolidDecl)
-_ROLE = (ast.ParamDecl, ast.SlotDecl, ast.PortDecl, ast.JointDecl, ast.CountDecl, ast.RequireStmt)
+_ROLE = (ast.ParamDecl, ast.SlotDecl, ast.PortDecl, ast.JointDecl)
+_INSTEAD: dict[tuple[str, type[ast.Stmt]], str] = {
+    ("role", ast.CountDecl): "write `param {0} : count in ...`",
+    ("role", ast.RequireStmt): "write it in the templates that play the role, or where the part is declared",
+    ("primitive", ast.CountDecl): "write `param {0} : count in ...`",
+    ("primitive", ast.WhenStmt): "put the condition behind what it guards: `surface ... when`, `piece ... when`",
+}
 
 
 def check_body(ck: Checker, scope: BodyScope, body: tuple[ast.Stmt, ...], guards: Guards) -> None:
@@ -55,8 +62,7 @@ def check_body(ck: Checker, scope: BodyScope, body: tuple[ast.Stmt, ...], guards
             continue
         if isinstance(stmt, ast.WhenStmt):
             conditions.truth(ck, ctx, stmt.guard)
-            if scope.owner.kind != "primitive":
-                conditions.check_discrete(ck, ctx, stmt.guard)
+            conditions.check_discrete(ck, ctx, stmt.guard)
             check_body(ck, scope, stmt.body, scope.branches[id(stmt), True])
             check_body(ck, scope, stmt.otherwise, scope.branches[id(stmt), False])
         elif isinstance(stmt, ast.RepeatStmt):
@@ -81,7 +87,8 @@ def _misplaced(ck: Checker, scope: BodyScope, stmt: ast.Stmt) -> bool:
         ck.error("misplaced-statement", stmt.span, f"`inherit` is only allowed in a role, not in a {kind}", hint=hint)
         return True
     if wrong:
-        ck.error("misplaced-statement", stmt.span, f"this is not allowed in a {kind}")
+        instead = _INSTEAD.get((kind, type(stmt)), "").format(*names_of(stmt))
+        ck.error("misplaced-statement", stmt.span, f"this is not allowed in a {kind}", hint=instead or None)
     return wrong
 
 
@@ -89,13 +96,8 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
     match stmt:
         case ast.ParamDecl() | ast.CountDecl() | ast.LetDecl() | ast.PartDecl() | ast.StyleDecl():
             _declaration(ck, ctx, stmt)
-        case ast.SlotDecl(targets=targets):
-            for target in targets:
-                labels.target(ck, ctx, target, "a slot binds")
-        case ast.PortDecl():
-            _port(ck, ctx, stmt)
-        case ast.JointDecl():
-            placing.check_joint(ck, ctx, stmt)
+        case ast.SlotDecl() | ast.PortDecl() | ast.JointDecl():
+            _member(ck, ctx, stmt)
         case ast.ConnectStmt():
             placing.check_connect(ck, ctx, stmt)
         case ast.AlignStmt():
@@ -194,6 +196,32 @@ def _output(ck: Checker, ctx: Context, stmt: ast.ParamDecl | ast.LetDecl, name: 
             ck.error("wrong-type", stmt.type.span, f"the output `{name}` is {wanted} in the role, but {own} here")
 
 
+def _member(ck: Checker, ctx: Context, stmt: ast.SlotDecl | ast.PortDecl | ast.JointDecl) -> None:
+    """A slot, a port or a joint: a role names it, any other body says what it is."""
+    assert ctx.scope is not None
+    word, role = NAMED[type(stmt)], ctx.scope.owner.kind == "role"
+    match stmt:
+        case ast.SlotDecl(targets=targets):
+            bound = bool(targets)
+            for target in targets:
+                labels.target(ck, ctx, target, "a slot binds")
+        case ast.PortDecl():
+            bound = stmt.value is not None
+            _port(ck, ctx, stmt)
+        case ast.JointDecl():
+            bound = stmt.kind is not None
+            placing.check_joint(ck, ctx, stmt)
+    if role and bound:
+        said = f"a role only names its {word}s: each template says what they are"
+        ck.error("misplaced-statement", stmt.span, said, hint=f"write `{word} {stmt.name}`")
+    elif not role and not bound:
+        said = f"the {word} `{stmt.name}` has no value"
+        ck.error("missing-value", stmt.span, said, hint=roles.how_to_bind(word, stmt.name))
+    elif not role and stmt.optional:
+        said = f"`?` is only allowed in a role, not in a {ctx.scope.owner.kind}"
+        ck.error("misplaced-statement", stmt.span, said, hint="leave it out, or declare this under `when`")
+
+
 def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:
     assert ctx.scope is not None
     scope = ctx.scope
@@ -204,13 +232,6 @@ def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:
     if stmt.index is not None:
         ck.expect(ctx, stmt.index, COUNT, "the index of a port")
     if stmt.value is None:
-        if scope.owner.kind != "role":
-            ck.error(
-                "missing-value",
-                stmt.span,
-                f"the port `{stmt.name}` has no value",
-                hint=f"write `port {stmt.name} = ...`",
-            )
         return
     wanted = kind.item if isinstance(kind, ArrayType) else kind
     given = ck.infer(ctx, stmt.value)

@@ -164,7 +164,8 @@ class ExpressionBuilder(BuilderBase):
         if words[0].type == "CHOICE":
             return ast.TypeRef(span=span, name="choice", values=self.words([t for t in words[1:] if t.type == "NAME"]))
         if len(words) == 1:
-            return ast.TypeRef(span=span, name=words[0].value)
+            name = words[0].value
+            return ast.TypeRef(span=span, name=name, size=3 if name == "vec" else None)
         size = words[2].value
         if not size.isdigit() or not int(size):
             self.problem(words[2], "the number of components must be a whole number", "for example `length[3]`")

@@ -44,3 +44,18 @@ def test_an_option_may_depend_on_a_condition() -> None:
     assert set(drawn) == set(heights)
     for owner, path, low, high in zip(parts.owner, parts.path, parts.low, parts.high, strict=True):
         assert "." not in path or high[2] - low[2] == pytest.approx(heights[drawn[owner]])
+
+
+def test_a_vec_is_drawn_or_has_a_default_like_other_vectors() -> None:
+    made = artipg_dsl.load(
+        f"{HEAD}template Post {{\n  param lean : vec = [0, 0, 3]\n  part rod : Cuboid(size = [1cm, 1cm, lean.z * 1cm])\n}}\n"
+        "category T {\n  param way : vec in [0, 0, 1] .. [0, 0, 2]\n  root part a : Cuboid(size = [4cm, 4cm, way.z * 1cm])\n"
+        "  part b : Post\n  connect b.rod.bottom on a.top\n}\n",
+        n=20,
+    )
+    parts = made.parts()
+    heights = {p: (parts.high - parts.low)[[q == p for q in parts.path], 2] for p in ("a", "b.rod")}
+    assert heights["b.rod"] == pytest.approx(0.03)
+    assert (
+        heights["a"] == pytest.approx(made["way.z"] * 0.01) and 0.01 <= heights["a"].min() < heights["a"].max() <= 0.02
+    )

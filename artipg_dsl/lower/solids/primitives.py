@@ -155,11 +155,7 @@ def make(context: Draft, symbol: Symbol, title: str, paths: dict[str, Handed]) -
         low, high = (low, high) if low is not None else (made.low, made.high)
         ports = made.ports
     if inside is None or low is None or high is None or not patches:
-        raise context.error(
-            "incomplete-primitive",
-            symbol.decl.name_span,
-            f"the primitive `{symbol.name}` needs surfaces, `inside (p) = ...` and `box = ...`, or a `solid`",
-        )
+        raise context.internal(symbol.decl.name_span, f"the primitive `{symbol.name}` is incomplete")
     primitive = Primitive(
         title,
         tuple(tests),
