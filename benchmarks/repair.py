@@ -24,14 +24,13 @@ from artipg_dsl.session import Session, categories
 SHARE = 0.1  # of the width of a domain
 
 
-def disturbed(batch, sampler, share: float = SHARE) -> list[np.ndarray]:  # noqa: ANN001
+def disturbed(batch, share: float = SHARE) -> list[np.ndarray]:  # noqa: ANN001
     """The drawn numbers of a batch, each moved evenly within ``share`` of the width of its domain either way."""
-    lean = evaluate_again(batch, np.arange(len(batch)), plan=sampler.lean)
     asked = []
     for number, draw in enumerate(batch.program.draws):
         value = batch.state.values[number]
         if draw.kind == "real":
-            low, high = domain_ends(lean, number)
+            low, high = domain_ends(batch, number)
             rows = batch.rowmap.rows(draw.column.scope)
             unit = uniform(key(batch.seed, draw.address, "disturbed"), rows.address)
             value = value + share * (high - low) * (2.0 * unit - 1.0)
@@ -39,7 +38,7 @@ def disturbed(batch, sampler, share: float = SHARE) -> list[np.ndarray]:  # noqa
     return asked
 
 
-def kept(batch, sampler, asked: list[np.ndarray]):  # noqa: ANN001, ANN201
+def kept(batch, asked: list[np.ndarray]):  # noqa: ANN001, ANN201
     """The objects of a batch evaluated with values asked, clipped into what is left of their ranges."""
     values = []
     for number, held in enumerate(asked):
@@ -76,9 +75,9 @@ def main() -> None:
     for name in options.names or sorted(categories()):
         sampler = Session.of(name).sampler
         batch = sampler.batch(np.arange(options.n), 0, checked=True)
-        asked = disturbed(batch, sampler)
+        asked = disturbed(batch)
         start = time.process_time()
-        trial = kept(batch, sampler, asked)
+        trial = kept(batch, asked)
         found = repair(sampler, trial, stated(batch, asked, trial))
         spent = 1e3 * (time.process_time() - start) / options.n
         log = found.repairs
@@ -86,7 +85,7 @@ def main() -> None:
         wrong = np.union1d(log.objects(), found.failed)
         good = 1.0 - len(found.failed) / options.n
         shares.append(good)
-        width = np.array([domain_width(sampler, batch, k) for k in range(len(sampler.program.draws))])
+        width = np.array([domain_width(batch, k) for k in range(len(sampler.program.draws))])
         change = np.abs(log.after - log.before) / np.maximum(width[log.draw], 1e-12)
         numbers = sum(len(v) for v, d in zip(asked, sampler.program.draws, strict=True) if d.kind == "real") / options.n
         print(
@@ -97,10 +96,9 @@ def main() -> None:
     print(f"\nrepaired in all: {100 * np.mean(shares):.2f} %")
 
 
-def domain_width(sampler, batch, number: int) -> float:  # noqa: ANN001
+def domain_width(batch, number: int) -> float:  # noqa: ANN001
     """The mean width of the domain of a draw."""
-    lean = evaluate_again(batch, np.arange(len(batch)), plan=sampler.lean)
-    low, high = domain_ends(lean, number)
+    low, high = domain_ends(batch, number)
     return float(np.mean(high - low)) if len(low) else 1.0
 
 

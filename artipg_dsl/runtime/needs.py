@@ -19,7 +19,8 @@ def pose_cells(pose: Pose) -> list[Expr]:
 
 
 def find_wanted(program: Program) -> Iterator[Wanted]:
-    """Everything that tables, loops, labels, grasps and keypoints read."""
+    """Everything that tables, loops, labels, grasps, keypoints and repairs read."""
+    yield from narrowing_of(program)
     for site in program.sites:
         yield from _each(site.scope, site.parameters, pose_cells(site.pose), (p for _, p in site.materials))
     for part in program.parts:

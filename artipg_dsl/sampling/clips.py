@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,11 +12,8 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import full
 from ..runtime.laws import TOLERANCE
 from ..runtime.repairs import HOW, Cause, Repairs, find_yielding
-from .known import evaluate_again, match_keys, rows_of_draw
+from .known import match_keys, rows_of_draw
 from .search import domain_ends
-
-if TYPE_CHECKING:
-    from .sample import Sampler
 
 CLIPPED, HINT, SEARCH, REDRAWN = range(len(HOW))
 
@@ -50,8 +46,8 @@ class Clips:
     why: list[Cause | None]
 
 
-def read_clipped(lean: Batch, asked: Asked) -> Clips:
-    """What an evaluation has made of the values asked; ``lean`` is one of the sampler's lean plan."""
+def read_clipped(batch: Batch, asked: Asked) -> Clips:
+    """What an evaluation has made of the values asked."""
     owner, draw, row, why = (
         [np.zeros(0, dtype=np.int64)],
         [np.zeros(0, dtype=np.int64)],
@@ -59,35 +55,35 @@ def read_clipped(lean: Batch, asked: Asked) -> Clips:
         [],
     )
     for number, values in enumerate(asked.values):
-        rows = np.flatnonzero(~(values == lean.state.values[number]) & asked.stated[number])
+        rows = np.flatnonzero(~(values == batch.state.values[number]) & asked.stated[number])
         if len(rows):
-            owner.append(lean.owner(lean.program.draws[number].column.scope)[rows])
+            owner.append(batch.owner(batch.program.draws[number].column.scope)[rows])
             draw.append(np.full(len(rows), number))
             row.append(rows)
-            why.extend(_binding(lean, number, rows, values[rows])[1])
+            why.extend(_binding(batch, number, rows, values[rows])[1])
     return Clips(np.concatenate(owner), np.concatenate(draw), np.concatenate(row), why)
 
 
-def _binding(lean: Batch, number: int, rows: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, list[Cause | None]]:
+def _binding(batch: Batch, number: int, rows: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, list[Cause | None]]:
     """Of rows of a draw: whether their value is the legal one nearest to what was asked, and what keeps it there."""
-    draw, scope = lean.program.draws[number], lean.program.draws[number].column.scope
-    table = lean.rowmap.rows(scope)
-    value = lean.state.values[number][rows]
+    draw, scope = batch.program.draws[number], batch.program.draws[number].column.scope
+    table = batch.rowmap.rows(scope)
+    value = batch.state.values[number][rows]
     why: list[Cause | None] = [None] * len(rows)
     if draw.kind == "choice":
         for limit in draw.limits:
-            allowed = full(table, lean.read([limit.allowed], scope)[0]).astype(bool)[rows]
+            allowed = full(table, batch.read([limit.allowed], scope)[0]).astype(bool)[rows]
             for k in np.flatnonzero(~allowed & (asked == limit.option)).tolist():
                 why[k] = why[k] or ("requirement", limit.requirement)
         for k in np.flatnonzero(np.isnan(asked)).tolist():
             why[k] = ("domain", number)
         return np.array([w is not None for w in why], dtype=bool), why
-    low, high = (end[rows] for end in domain_ends(lean, number))
+    low, high = (end[rows] for end in domain_ends(batch, number))
     whole = draw.kind == "count"
     ends = {"low": np.ceil(low - TOLERANCE) if whole else low, "high": np.floor(high + TOLERANCE) if whole else high}
     reason = {side: np.full(len(rows), -1) for side in ends}  # the requirement of the tightest bound
     for bound in draw.bounds:
-        end, guard = (full(table, e)[rows] for e in lean.read([bound.value, bound.guard], scope))
+        end, guard = (full(table, e)[rows] for e in batch.read([bound.value, bound.guard], scope))
         end = np.where(guard.astype(bool), end, -np.inf if bound.side == "low" else np.inf).astype(np.float64)
         if whole:
             end = np.ceil(end - TOLERANCE) if bound.side == "low" else np.floor(end + TOLERANCE)
@@ -111,32 +107,29 @@ class Blame:
     failing: Mapping[Cause, np.ndarray]
 
 
-def log_moved(
-    sampler: Sampler, before: Batch, asked: Asked, after: Batch, blame: Blame, redrawn: np.ndarray | None = None
-) -> Repairs:
+def log_moved(before: Batch, asked: Asked, after: Batch, blame: Blame, redrawn: np.ndarray | None = None) -> Repairs:
     """The values that objects were to have (``asked``, per row of ``before``) and have not in ``after``, with the reasons.
 
     ``redrawn`` (objects,): those that were drawn again in part.
     """
     program, everything = after.program, np.arange(len(after))
-    lean = evaluate_again(after, everything, plan=sampler.lean)
     wrong: dict[int, list[Cause]] = {}
     for cause, objects in blame.failing.items():
         for owner in objects.tolist():
             wrong.setdefault(owner, []).append(cause)
     parts = []
     for number, draw in enumerate(program.draws):
-        old, new = rows_of_draw(before, number, everything), rows_of_draw(lean, number, everything)
+        old, new = rows_of_draw(before, number, everything), rows_of_draw(after, number, everything)
         here, there = match_keys(old.key, new.key)
         wanted, rows = asked.values[number][old.row[here]], new.row[there]
-        apart = np.flatnonzero(~(wanted == lean.state.values[number][rows]) & asked.stated[number][old.row[here]])
+        apart = np.flatnonzero(~(wanted == after.state.values[number][rows]) & asked.stated[number][old.row[here]])
         if not len(apart):
             continue
         apart = apart[np.argsort(rows[apart], kind="stable")]
         wanted, rows = wanted[apart], rows[apart]
-        owner = lean.owner(draw.column.scope)[rows]
-        legal, why = _binding(lean, number, rows, wanted)
-        names = lean.rowmap.names(draw.column.scope, draw.column.name)
+        owner = after.owner(draw.column.scope)[rows]
+        legal, why = _binding(after, number, rows, wanted)
+        names = after.rowmap.names(draw.column.scope, draw.column.name)
         how = np.where(legal, CLIPPED, SEARCH)
         how[np.isnan(wanted) | (legal & (draw.kind == "choice"))] = REDRAWN
         causes: list[Cause] = []
@@ -153,7 +146,7 @@ def log_moved(
                 np.full(len(rows), number),
                 [names[k] for k in rows],
                 wanted,
-                lean.state.values[number][rows],
+                after.state.values[number][rows],
                 how,
                 causes,
             )

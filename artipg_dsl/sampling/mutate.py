@@ -176,7 +176,7 @@ def mutate(
         )
         after, tries = step.one(statistics, checked) if one else step.run(statistics, checked)
         rejected += tries
-        logs = [_find_moved(sampler, now, after, step.purpose()), *step.logs()]
+        logs = [_find_moved(now, after, step.purpose()), *step.logs()]
         tally(statistics, logs[0], {}, np.zeros(len(batch), dtype=bool))
         repairs += logs
         history.append(Stage(operation, now, after, step.purpose()))
@@ -189,10 +189,10 @@ def mutate(
     return found
 
 
-def _find_moved(sampler: Sampler, before: Batch, after: Batch, meant: Sequence[np.ndarray]) -> Repairs:
+def _find_moved(before: Batch, after: Batch, meant: Sequence[np.ndarray]) -> Repairs:
     """What an operation has moved without meaning to: kept values that no longer fitted, each with what forbids it."""
     asked = Asked(Asked.all(before).values, [~rows for rows in meant])
-    return log_moved(sampler, before, asked, after, Blame(lambda _: [], {})).only(CLIPPED)
+    return log_moved(before, asked, after, Blame(lambda _: [], {})).only(CLIPPED)
 
 
 class Names:

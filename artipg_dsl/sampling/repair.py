@@ -71,16 +71,15 @@ def repair(
     bad = np.zeros(len(batch), dtype=bool)
     for objects in failing.values():
         bad[objects] = True
-    lean = evaluate_again(batch, np.arange(len(batch)), plan=sampler.lean)
-    moved = read_clipped(lean, asked)
+    moved = read_clipped(batch, asked)
     counts.add(batch.state, True, bad | np.isin(np.arange(len(batch)), moved.owner))
-    target = [_target(lean, k, values) for k, values in enumerate(asked.values)]
+    target = [_target(batch, k, values) for k, values in enumerate(asked.values)]
     handler = Handler(sampler, frozenset(fixed) | set(batch.state.given), checked)
     asides = handler.asides(moved, bad)
     solved: list[Solved] = []
     if bad.any() or asides:
         search = Search(
-            sampler, lean, target, asked.stated, handler.sound if checked or find_fallible(sampler.program) else None
+            sampler, batch, target, asked.stated, handler.sound if checked or find_fallible(sampler.program) else None
         )
         wanted = np.flatnonzero(bad)
         for start in range(0, len(wanted), _GROUP):
@@ -94,7 +93,7 @@ def repair(
     for _, places in solved:
         still[places] = False
     blamed = {**failing, **{c: np.union1d(o, failing.get(c, o)) for c, o in asides.items()}}
-    log = log_moved(sampler, batch, asked, found, Blame(handler.behind, blamed))
+    log = log_moved(batch, asked, found, Blame(handler.behind, blamed))
     found.repairs = log = log.without(still)
     tally(statistics, log, failing, still)
     return RepairOutcome(found, np.flatnonzero(still), log, failing)
@@ -174,14 +173,14 @@ def _solids(batch: Batch) -> dict[Cause, np.ndarray]:
     }
 
 
-def _target(lean: Batch, number: int, asked: np.ndarray) -> np.ndarray:
+def _target(batch: Batch, number: int, asked: np.ndarray) -> np.ndarray:
     """What was asked, within the declared domain; what the evaluation drew where nothing was."""
-    low, high = domain_ends(lean, number)
-    drawn = lean.state.values[number]
-    if lean.program.draws[number].kind == "choice":
+    low, high = domain_ends(batch, number)
+    drawn = batch.state.values[number]
+    if batch.program.draws[number].kind == "choice":
         return drawn
     within = np.minimum(np.maximum(asked, low), high)
-    if lean.program.draws[number].kind == "count":
+    if batch.program.draws[number].kind == "count":
         within = np.minimum(np.maximum(np.round(within), np.ceil(low)), np.floor(high))
     return np.where(np.isnan(asked), drawn, within)
 
@@ -294,12 +293,12 @@ class Handler:
             won, partly = search.best(moves, judged, only=False)
             if len(won):
                 right = search.shrunk(moves.part(won), None)
-                found.append((search.evaluated(right, self.sampler.lean)[0], right.place))
+                found.append((search.evaluated(right)[0], right.place))
                 left = np.setdiff1d(left, right.place)
             if spots is all_of and not several:
                 before = self.count(search.batch)
                 some = partly[judged.faults[partly] < before[moves.place[partly]]]
-                better = search.evaluated(moves.part(some), self.sampler.lean)[0], moves.place[some]
+                better = search.evaluated(moves.part(some))[0], moves.place[some]
         if better is None or depth >= AGAIN or not len(left):
             return found
         keep = np.isin(better[1], left)
@@ -309,7 +308,7 @@ class Handler:
         """Search again from objects of which less is wrong than before."""
         if not len(some):
             return []
-        nearer = evaluate_again(batch, some, plan=self.sampler.lean)
+        nearer = evaluate_again(batch, some)
         target, stated = [], []
         for number in range(len(self.program.draws)):
             old, new = rows_of_draw(search.batch, number, places), rows_of_draw(nearer, number, np.arange(len(nearer)))
@@ -361,7 +360,7 @@ class Handler:
         if not len(won):
             return []
         right = search.shrunk(moves.part(won), allowed)
-        return [(search.evaluated(right, self.sampler.lean)[0], right.place)]
+        return [(search.evaluated(right)[0], right.place)]
 
 
 def join_solved(batch: Batch, solved: Sequence[Solved]) -> Batch:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from ..graph.feasible import find_conflicts
 from ..graph.program import Program
 from ..runtime.batch import Batch, full_plan
 from ..runtime.kernels import State, preferred
-from ..runtime.needs import find_wanted, narrowing_of
+from ..runtime.needs import find_wanted
 from ..runtime.plan import Plan, make_plan
 from ..validity.contact import contact_in_words, describe_contact
 from ..validity.faults import find_faults
@@ -43,11 +43,6 @@ class Sampler:
     def __reduce__(self) -> tuple[Callable[[Program], Sampler], tuple[Program]]:
         """To another process goes the program, which is planned anew there."""
         return _planned, (self.program,)
-
-    @cached_property
-    def lean(self) -> Plan:
-        """Draws and requirements alone, with what narrows each draw: for trying values out."""
-        return make_plan(self.program, narrowing_of(self.program))
 
     def batch(
         self,

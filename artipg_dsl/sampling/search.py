@@ -17,12 +17,11 @@ import numpy as np
 from ..random import key, mix, uniform
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
-from ..runtime.plan import Plan
 from .known import make_batch
 
 _STEPS = 2.0 ** -np.arange(6, -1, -1)  # of the width of a domain, for a value that moves alone
 _TOGETHER = 48  # candidates in which several values move
-_HALVINGS = 8  # of the way back towards the old values
+_SECTIONS, _ROUNDS = 4, 4  # of the way back towards the old values, and of what is left of it
 _WAVES = (
     (0.05, 0.2),
     (0.2, 0.7),
@@ -79,6 +78,12 @@ class Moves:
         keep = where[self.candidate] >= 0
         return Moves(self.place[chosen], where[self.candidate[keep]], self.draw[keep], self.row[keep], self.value[keep])
 
+    def times(self, count: int) -> Moves:
+        """Each candidate so many times, one after the other."""
+        candidate = self.candidate[:, None] * count + np.arange(count)
+        draw, row, value = (np.repeat(column, count) for column in (self.draw, self.row, self.value))
+        return Moves(np.repeat(self.place, count), candidate.ravel(), draw, row, value)
+
     def over(self, chosen: np.ndarray, others: Moves) -> Moves:
         """With other values for some candidates, which ``others`` has in the order of ``chosen``."""
         value = self.value.copy()
@@ -97,10 +102,10 @@ class Judged:
 
 
 class Search:
-    """Candidates around objects: ``batch`` (of the lean plan) has their rows, ``target`` per draw the values they should have,
+    """Candidates around objects: ``batch`` has their rows, ``target`` per draw the values they should have,
     ``stated`` which of these someone asked for.
 
-    ``sound(batch)`` tells of each object of a batch of the full plan whether its solids are in order.
+    ``sound(batch)`` tells of each object of a batch whether its solids are in order.
     """
 
     def __init__(
@@ -186,7 +191,7 @@ class Search:
 
     # ------------------------------------------------------------ evaluation
 
-    def evaluated(self, moves: Moves, plan: Plan) -> tuple[Batch, list[np.ndarray]]:
+    def evaluated(self, moves: Moves) -> tuple[Batch, list[np.ndarray]]:
         """The candidates as a batch, and for each draw the row here of each value kept."""
         old, place = self.batch.state, moves.place
         state = State(
@@ -209,7 +214,7 @@ class Search:
             still = np.zeros(len(row))
             state.kept[number] = Kept(address[order], value[order], still, still.astype(bool))
             sources.append(row[order])
-        return make_batch(self.batch.program, plan, state, self.batch.numbers[place]), sources
+        return make_batch(self.batch.program, self.sampler.plan, state, self.batch.numbers[place]), sources
 
     def judged(self, moves: Moves, spots: Spots | None = None) -> Judged:
         """The candidates by the requirements; with ``spots``, whether nothing else moved."""
@@ -219,7 +224,7 @@ class Search:
         return Judged(*(np.concatenate([np.zeros(0), *(getattr(b, n) for b in blocks)]) for n in names))
 
     def _judged(self, moves: Moves, spots: Spots | None) -> Judged:
-        batch, sources = self.evaluated(moves, self.sampler.lean)
+        batch, sources = self.evaluated(moves)
         size = len(moves.place)
         faults = np.zeros(size)
         for _, owners in find_broken(batch):
@@ -277,38 +282,41 @@ class Search:
     def examined(self, moves: Moves) -> np.ndarray:
         """Which candidates have their solids in order."""
         assert self.sound is not None
-        return self.sound(self.evaluated(moves, self.sampler.plan)[0])
+        return self.sound(self.evaluated(moves)[0])
 
     def shrunk(self, moves: Moves, spots: Spots | None) -> Moves:
-        """Valid candidates brought back towards the target by halving, as far as they stay valid."""
-        near = self._halved(moves, spots, False)
+        """Valid candidates brought back towards the target as far as they stay valid."""
+        near = self._nearest(moves, spots, False)
         if self.sound is None:
             return near
         lost = np.flatnonzero(~self.examined(near))  # the text alone allows more than the solids do
-        return near if not len(lost) else near.over(lost, self._halved(moves.part(lost), spots, True))
+        return near if not len(lost) else near.over(lost, self._nearest(moves.part(lost), spots, True))
 
-    def _halved(self, moves: Moves, spots: Spots | None, solids: bool) -> Moves:
-        kinds = np.array([d.kind == "real" for d in self.batch.program.draws])
-        old = np.array(
-            [self.target[d][r] for d, r in zip(moves.draw.tolist(), moves.row.tolist(), strict=True)], dtype=np.float64
-        )
-        low, high = np.zeros(len(moves.place)), np.ones(len(moves.place))
-
-        def at(share: np.ndarray) -> Moves:
-            way = share[moves.candidate]
-            value = np.where(kinds[moves.draw] & (way < 1.0), old + way * (moves.value - old), moves.value)
-            return Moves(moves.place, moves.candidate, moves.draw, moves.row, value)
-
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + high)
-            there = at(middle)
+    def _nearest(self, moves: Moves, spots: Spots | None, solids: bool) -> Moves:
+        """The same by the text, and the ``solids``. Each round cuts what is left of the way back into sections and looks at their ends,
+        since evaluating few candidates takes as long as evaluating one."""
+        real = np.array([d.kind == "real" for d in self.batch.program.draws])
+        several = moves.times(_SECTIONS - 1)
+        before, step = np.zeros(len(moves.place)), 1.0
+        for _ in range(_ROUNDS):
+            step /= _SECTIONS
+            ends = before[:, None] + step * np.arange(1, _SECTIONS)
+            there = self._back(several, ends.ravel(), real)
             judged = self.judged(there, spots)
             good = (judged.faults == 0) & judged.alone.astype(bool)
             some = np.flatnonzero(good)
             if solids and len(some):
                 good[some] = self.examined(there.part(some))
-            low, high = np.where(good, low, middle), np.where(good, middle, high)
-        return at(high)
+            good = good.reshape(ends.shape)
+            before += step * np.where(good.any(axis=1), good.argmax(axis=1), _SECTIONS - 1)
+        return self._back(moves, before + step, real)
+
+    def _back(self, moves: Moves, share: np.ndarray, real: np.ndarray) -> Moves:
+        """Candidates with so much (C,) of their way from the target; what is not ``real`` (draws,) goes all of it."""
+        target = [self.target[d][r] for d, r in zip(moves.draw.tolist(), moves.row.tolist(), strict=True)]
+        old, way = np.array(target, dtype=np.float64), share[moves.candidate]
+        value = np.where(real[moves.draw] & (way < 1.0), old + way * (moves.value - old), moves.value)
+        return Moves(moves.place, moves.candidate, moves.draw, moves.row, value)
 
 
 def domain_ends(batch: Batch, number: int) -> tuple[np.ndarray, np.ndarray]:

@@ -77,7 +77,7 @@ class Values:
         whole = join_solved(found.batch, solved)
         drawn = np.zeros(len(whole), dtype=bool)
         drawn[found.failed] = True
-        more = log_moved(sampler, trial, asked, whole, Blame(handler.behind, found.failing), drawn).without(~drawn)
+        more = log_moved(trial, asked, whole, Blame(handler.behind, found.failing), drawn).without(~drawn)
         whole.repairs = Repairs.joined([found.repairs, more])
         return whole
 

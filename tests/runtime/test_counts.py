@@ -16,6 +16,7 @@ from artipg_dsl.annotate import interactions
 from artipg_dsl.geometry.overlap import Touching
 from artipg_dsl.native import backend
 from artipg_dsl.runtime import fields
+from artipg_dsl.sampling import search
 from artipg_dsl.session import Session
 from artipg_dsl.validity import stance
 from artipg_dsl.validity.bodies import gather
@@ -99,3 +100,15 @@ def test_affordances_are_looked_for_where_they_may_be(monkeypatch) -> None:
     few, many = looked.values()
     assert len(found.owner) and few > 0
     assert many <= few // 20, "conditions of whole parts and deeper labels need no points"
+
+
+def test_a_repair_evaluates_many_candidates_at_a_time(monkeypatch) -> None:
+    sizes = []
+    evaluated = search.Search.evaluated
+    monkeypatch.setattr(
+        search.Search, "evaluated", lambda own, moves: sizes.append(len(moves.place)) or evaluated(own, moves)
+    )
+    sampler = Session.of("Scissors").sampler
+    assert len(sampler.batch(np.array([181]), 1, checked=True, mend=True).repairs)
+    assert sum(sizes) > 30
+    assert len(sizes) <= 16, "evaluating one takes as long as evaluating many"

@@ -266,7 +266,7 @@ def _made_of(
     """
     patches, pieces = [], []
     inside: Expr | None = None
-    steepest = E.maximum(*(lean(probe, bay) for bay in bays))
+    steepest = E.maximum(*(_lean(probe, bay) for bay in bays))
     for number, bay in enumerate(bays):
         chains = bay.section(BLEND)
         seen = probe if bay.even else probe.spread(str(BLEND.value), _BLENDS)
@@ -333,7 +333,7 @@ def clearance(probe: Probe, bay: Bay) -> Expr:
     return E.sub(bay.rail.radius, _reaching(probe, bay))
 
 
-def lean(probe: Probe, bay: Bay) -> Expr:
+def _lean(probe: Probe, bay: Bay) -> Expr:
     """The greatest slope that a distance in the section has in space, for the section changes along the path."""
     if bay.even:
         return ONE
