@@ -53,7 +53,7 @@ class Kind:
     @property
     def advances(self) -> bool:
         """Whether a joint slides as it turns."""
-        return "pitch" in self.takes
+        return "pitch" in self.clauses
 
     @property
     def endless(self) -> bool:
@@ -91,9 +91,9 @@ JOINTS = _by_name(
     Kind(
         "screw",
         "`screw` | `about` | `range`, angles; `pitch` length per turn",
-        "add `range 0deg .. 90deg`, or make it continuous",
-        needs=("range",),
-        takes=("about", "pitch", *_PHYSICS),
+        "for example `range 0turn .. 3turn pitch 2mm`",
+        needs=("range", "pitch"),
+        takes=("about", *_PHYSICS),
         moves="turns",
     ),
     Kind(

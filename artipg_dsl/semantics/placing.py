@@ -172,6 +172,9 @@ def _idle(ck: Checker, node: ast.Attaching, mounted: bool | None) -> None:
     if node.turned is not None:
         hint = "turn a part where it is declared: `part handle : BarHandle turned 20deg about x`"
         ck.error("unknown-clause", node.turned.span, "a part cannot be turned where it is connected", hint=hint)
+    if isinstance(node, ast.JointDecl) and node.to is not None and mounted is False:
+        hint = f"name a port or a face of the part: `joint {node.name} : {node.kind} base -> leaf.hinge to frame.side`"
+        ck.error("unknown-clause", node.to.span, "`to` has no effect here: a whole part is not placed by it", hint=hint)
     way = ways[0].word if ways and (ways[0] is not node.to or mounted) else "to" if mounted else ""
     aims = isinstance(node, ast.JointDecl) and _aims(node.kind)
     for clause in (node.at, node.fit, node.gap, node.sink, node.facing):
@@ -245,8 +248,9 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
     _motion(ck, ctx, node, node.kind)
     if (kind := JOINTS.get(node.kind)) is not None:
         _axis(ck, node, parent, child)
-        if "range" in kind.needs and node.range is None:
-            message = f"the {node.kind} joint `{node.name}` has no range"
+        given = {clause.word for clause in ast.clauses(node)}
+        for word in (word for word in ("range", "pitch") if word in kind.needs and word not in given):
+            message = f"the {node.kind} joint `{node.name}` has no {word}"
             ck.error("missing-clause", node.span, message, hint=kind.example)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ...graph import expr as E
+from ...graph.expr import Expr
 from ...graph.primitive import Triple, triple
 from ...graph.program import Closure
 from ...graph.reference import Reference
@@ -27,6 +28,7 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
     """Narrow the range of the joint (of each alternative that brings one); its rest value moves into the range."""
     program = links.context.program
     ev = Evaluator(env)
+    beyond: list[tuple[bool, bool]] = []
     for number in joints(links, env, statement.joint):
         joint = program.joints[number]
         if joint.low is None or joint.high is None:
@@ -40,6 +42,14 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
                 hint="put `clearance` in the joint's own range, or declare a joint in each branch",
             )
         low, high = (lifted(end, joint.scope) for end in ends(ev, statement.range, joint.kind, number))
+        if _above(joint.low, high) or _above(low, joint.high):
+            raise links.context.error(
+                "empty-range",
+                statement.range.span,
+                f"the joint `{joint.path}` has no value within this limit",
+                hint="`limit` narrows the range that the joint has",
+            )
+        beyond.append((_above(joint.low, low), _above(high, joint.high)))
         low, high = E.maximum(joint.low, low), E.minimum(joint.high, high)
         rest = E.minimum(E.maximum(joint.rest, low), high)
         low, high, rest = (
@@ -47,6 +57,17 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
             for new, old in zip((low, high, rest), (joint.low, joint.high, joint.rest), strict=True)
         )
         program.joints[number] = replace(joint, low=low, high=high, rest=rest)
+
+    for end, idle in zip((statement.range.low, statement.range.high), zip(*beyond, strict=True), strict=False):
+        if all(idle) and not clears(ev, end):
+            said = "this end of the limit has no effect: the joint goes no further"
+            hint = "`limit` only narrows: widen the range of the joint"
+            links.context.report.warning("always-true", end.span, said, hint=hint)
+
+
+def _above(one: Expr, other: Expr) -> bool:
+    """Whether a value is known to lie above another."""
+    return one.constant is not None and other.constant is not None and one.constant > other.constant + 1e-9
 
 
 def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
