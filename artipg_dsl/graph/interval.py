@@ -48,10 +48,12 @@ class Intervals:
             ends = [self.of(a) for a in node.args[:-1]]
             return min(e[0] for e in ends), max(e[1] for e in ends)
         if op == "reduce":
-            kind, _ = node.value
+            kind, child = node.value
             low, high = self.of(node.args[0])
             if kind in ("min", "max"):
-                return low, high
+                if child.count is None or self.of(child.count)[0] >= 1.0:
+                    return low, high
+                return (low, math.inf) if kind == "min" else (-math.inf, high)  # over no rows
             return (0.0 if low >= 0 else -math.inf), (0.0 if high <= 0 else math.inf)
         if op in ("element", "previous"):
             low, high = self.of(node.args[0])

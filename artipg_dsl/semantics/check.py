@@ -96,6 +96,12 @@ def _declaration(ck: Checker, symbol: Symbol) -> None:
         case ast.MaterialDecl() as decl:
             _material(ck, symbol, decl)
         case ast.VocabularyDecl() as decl:
+            if decl.name == "field":
+                ck.error(
+                    "reserved-name",
+                    decl.name_span,
+                    "a vocabulary cannot be called `field`: fields have their arrays there",
+                )
             seen: set[str] = set()
             for word, span in zip(decl.words, decl.word_spans, strict=True):
                 if word == UNLABELLED:

@@ -12,7 +12,9 @@ from ..units import UNITS
 from . import paths
 from .alternatives import unknown_material
 from .calls import range_type
+from .declarations import check_range
 from .entries import of_reference
+from .fold import constant
 from .meanings import Declared, Global, Inner, Previous
 from .offers import missing
 from .symbols import Symbol
@@ -71,6 +73,8 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             target(ck, ctx, at, "a symmetry belongs to")
             if turn is not None:
                 ck.expect(ctx, turn, COUNT, "the turns of a symmetry")
+                if (turns := constant(turn, ctx.module)) is not None and turns < 2:
+                    ck.error("illegal-value", turn.span, "a symmetry has at least two turns")
             ck.expect(ctx, direction, DIRECTION, "the axis of a symmetry")
         case ast.MaterialStmt():
             _material(ck, ctx, stmt)
@@ -188,6 +192,13 @@ def _label(ck: Checker, ctx: Context, stmt: ast.LabelStmt) -> None:
     _condition(ck, place, stmt.where)
     if stmt.value is not None:
         ck.expect(place, stmt.value, RATIO, "the degree of a label")
+        if stmt.vocabulary == "semantic":
+            ck.error(
+                "wrong-type",
+                stmt.value.span,
+                "a `semantic` label says what a part is, so it has no degree",
+                hint="say where it holds with `where`, or write a `field`",
+            )
         _relative(ck, stmt.value)
 
 
@@ -259,6 +270,7 @@ def _grasp(ck: Checker, ctx: Context, stmt: ast.GraspStmt) -> None:
     place = formula(ctx)
     if stmt.range is not None and stmt.parameter is not None:
         kind = range_type(ck, place, stmt.range)
+        check_range(ck, place, stmt.range, kind, f"an end of the range of `{stmt.parameter}`")
         place = place.but(extra={**place.extra, stmt.parameter: kind})
     wanted: tuple[tuple[ast.Clause[ast.Expr] | None, Type], ...] = (
         (stmt.at, POINT),

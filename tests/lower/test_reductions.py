@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import artipg_dsl
 from artipg_dsl.session import Session
 
 CATEGORY = """apg 1
@@ -48,3 +49,23 @@ def test_reduced(text: str) -> None:
     batch = session.sampler.batch(np.arange(1), seed=1)
     found = next(site for site in batch.sites() if site.path == "found")
     assert found.params["size.x"] == pytest.approx(REDUCED[text])
+
+
+@pytest.mark.parametrize("form", ["min", "max"])
+def test_an_object_that_needs_the_least_or_greatest_of_nothing_is_drawn_again(form: str) -> None:
+    text = f"""
+use primitives {{ Cuboid }}
+category T {{
+  count n in 0 .. 2
+  root part body : Cuboid(size = [9cm, 9cm, 9cm])
+  repeat r[i] in 0 ..< n split body along y {{ param w : length in 1cm .. 2cm }}
+  part a : Cuboid(size = [1cm, 1cm, {form}(r.w)])
+  connect a.bottom on body.top
+}}"""
+    some = artipg_dsl.load(text, n=20)
+    assert set(some["n"].tolist()) == {1.0, 2.0}
+    guarded = artipg_dsl.load(text.replace(f"{form}(r.w)", f"{form}(r.w) if n > 0 else 3cm"), n=20)
+    parts = guarded.parts()
+    heights = (parts.high - parts.low)[[p == "a" for p in parts.path], 2]
+    assert heights[guarded["n"] == 0] == pytest.approx(0.03) and (heights[guarded["n"] > 0] <= 0.02).all()
+    assert set(guarded["n"].tolist()) == {0.0, 1.0, 2.0}

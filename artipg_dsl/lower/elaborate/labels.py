@@ -20,7 +20,7 @@ from ..expressions.evaluate import Evaluator
 from ..values.carry import moved
 from ..values.faces import extent
 from ..values.kinds import Box, Frame, Line, Look, Ref, Surface, Value, Vec, carriers_of
-from ..values.vectors import compose, inverse, place, unit
+from ..values.vectors import compose, inverse, place, sole_axis, unit
 from .drives import Drive
 from .guards import has_row, shown
 from .links import Links
@@ -213,6 +213,16 @@ def motion(env: Env, statement: ast.LabelStmt) -> str:
 
 
 def _field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
+    first = links.context.fields.setdefault(statement.name, statement)
+    if (first.type.name, first.type.size) != (statement.type.name, statement.type.size):
+        kinds = (statement.type.span.text, first.type.span.text)
+        raise links.context.error(
+            "wrong-type",
+            statement.type.span,
+            f"the field `{statement.name}` holds `{kinds[0]}` here, but `{kinds[1]}` elsewhere: all of them share one array",
+            hint="give one of them another name",
+            notes=((first.type.span, "here"),),
+        )
     for node in statement.targets:
         for aim in _aims(links, env, node):
             ev = formula(links, env, aim)
@@ -341,7 +351,11 @@ def _is_part_path(env: Env, node: ast.Expr) -> bool:
 
 def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
     direction = Evaluator(env).direction(statement.direction)
-    axis = E.const(float(next((k for k in range(3) if direction[k].constant in (1.0, -1.0)), 2)))
+    found = sole_axis(direction)
+    if found is None:
+        span = statement.direction.span
+        raise env.context.error("bad-axis", span, "a symmetry must be about x, y or z, axes of the part itself")
+    axis = E.const(float(found))
     turns = E.ZERO if statement.turn is None else E.maximum(Evaluator(env).scalar(statement.turn), E.ONE)
     program = env.context.program
     for aim in _aims(links, env, statement.target):

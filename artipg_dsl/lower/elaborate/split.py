@@ -84,6 +84,10 @@ def axis_of(ev: Evaluator, statement: ast.RepeatStmt) -> int:
     axis = signed_axis(ev.direction(found.value))
     if axis is None:
         raise ev.env.context.error("bad-axis", found.span, "a repeat must run along x, y or z")
+    if axis[1] < 0:
+        said = "elements are counted in the positive direction of an axis"
+        hint = f"write `along {'xyz'[axis[0]]}`: the element at the other end is `{statement.name}[last]`"
+        raise ev.env.context.error("bad-axis", found.span, said, hint=hint)
     return axis[0]
 
 

@@ -144,6 +144,7 @@ class Draft:
     known: Expr = E.TRUE  # what holds where the expression that is being lowered counts
     solids: dict[Hashable, Lowered] = field(default_factory=dict)  # by their symbols and the shapes of their paths
     labels: list[tuple[int, Label]] = field(default_factory=list)  # with the depths of their targets
+    fields: dict[str, ast.FieldStmt] = field(default_factory=dict)  # the first of each name
     # of sites, with the depths of the targets
     materials: dict[int, list[tuple[int, tuple[tuple[str, Expr], ...]]]] = field(default_factory=dict)
     near: dict[Span, bool] = field(default_factory=dict)  # statements with `near` -> whether a search began there
