@@ -9,7 +9,7 @@ from .diagnostics import Report
 from .geometry import facts
 from .geometry.errors import PrimitiveError
 from .geometry.patches import evaluate_rows
-from .geometry.selftest import measure_missed
+from .geometry.selftest import find_box_fault, measure_missed
 from .geometry.topology import orientation, seams
 from .geometry.trial import draw_any, variants
 from .graph.primitive import Primitive
@@ -27,7 +27,10 @@ _HINT = "two edges match where both surfaces give the same curve from end to end
 
 _BROAD = "bend it less, or use a thinner section"
 _TRIED = 256  # test values at which a bend is looked at
-LOOSE, ABSENT = 0.05, 0.1  # of its size that a solid reaches beyond its pieces: worth a warning, and an error
+LOOSE, ABSENT = (
+    0.05,
+    0.1,
+)  # of its size that a solid reaches beyond its pieces, or its box beyond it: worth a warning, and an error
 _NARROW = "does the path cross or touch itself, or bend more tightly than its section allows? Narrow the ranges in its formula"
 
 
@@ -42,15 +45,44 @@ def check_closed(solids: Mapping[Any, Lowered], report: Report) -> None:
         try:
             examine_primitive(lowered.primitive)
             _cover(symbol, lowered, report)
+            _enclose(symbol[0] if isinstance(symbol, tuple) else symbol, lowered, report)
         except PrimitiveError as error:
             # one that is made of a curve is known by the symbol and the curve
             _tell(symbol[0] if isinstance(symbol, tuple) else symbol, lowered, error, report)
 
 
+def _stated(symbol: Symbol, kind: type[ast.Stmt]) -> list[ast.Stmt]:
+    """The statements of one kind in a primitive that is not of the library: those are tested."""
+    body = getattr(symbol, "body", ())
+    return [s for s in body if isinstance(s, kind) and not symbol.module.source.name.startswith("library/")]
+
+
+def _enclose(symbol: Symbol, lowered: Lowered, report: Report) -> None:
+    """Warn of a box that an author states and that is not the box of the surfaces: parts are placed by it."""
+    stated = _stated(symbol, ast.BoxDecl)
+    fault = (
+        facts.recall_fact(
+            lowered.primitive, "box", lambda: find_box_fault(lowered.primitive, LOOSE), lambda f: f, _words
+        )
+        if stated
+        else None
+    )
+    if fault is not None:
+        said = f"the box of the primitive `{symbol.name}` is not that of its surfaces: {fault}"
+        hint = "`box = low .. high` names the least and the greatest corner; `box = [a, b, c]` is centred on the origin"
+        report.warning("leaky-primitive", stated[0].span, said, hint=hint)
+
+
+def _words(data: Any) -> str | None:
+    if data is not None and not isinstance(data, str):
+        raise TypeError("what is wrong with a box is words")
+    return data
+
+
 def _cover(symbol: Symbol, lowered: Lowered, report: Report) -> None:
     """Report convex pieces that an author states and that leave out much of the solid: nothing would touch it there."""
-    stated = [s for s in getattr(symbol, "body", ()) if isinstance(s, ast.PieceDecl)]
-    if not stated or symbol.module.source.name.startswith("library/"):  # those of the library are tested
+    stated = _stated(symbol, ast.PieceDecl)
+    if not stated:
         return
     found = facts.recall_fact(
         lowered.primitive, "missed", lambda: measure_missed(lowered.primitive), lambda far: far, _distance

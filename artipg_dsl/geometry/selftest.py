@@ -173,8 +173,8 @@ def _slope(seen: _Inspection) -> _Report:
         )
 
 
-def _box(seen: _Inspection) -> _Report:
-    """The stated box is that of the mesh."""
+def _box(seen: _Inspection, most: float = _ON_SURFACE, wide: float = _LOOSE) -> _Report:
+    """The stated box is that of the mesh, which reaches out of it by ``most`` of its size, and it is ``wide`` beyond it at most."""
     size = (seen.mesh_high - seen.mesh_low).max(axis=1)
     for axis, name in enumerate("xyz"):
         flipped = seen.low[:, axis] >= seen.high[:, axis]
@@ -188,7 +188,7 @@ def _box(seen: _Inspection) -> _Report:
         for end, beyond, find in ends:
             out = beyond / size
             worst = int(np.argmax(np.abs(out)))
-            if out.max() > _ON_SURFACE:
+            if out.max() > most:
                 worst = int(np.argmax(out))
                 patch = _reaching(seen, worst, axis, find)
                 yield (
@@ -196,7 +196,7 @@ def _box(seen: _Inspection) -> _Report:
                     patch,
                     f"it reaches {1000 * beyond[worst]:.4g} mm out of the box at {end} {name} ({seen.at(worst)})",
                 )
-            elif np.abs(out).max() > _LOOSE:
+            elif np.abs(out).max() > wide:
                 yield (
                     "box",
                     None,
@@ -318,6 +318,11 @@ def _covered(seen: _Inspection, groups: list[pieces.PieceGroup]) -> tuple[np.nda
             behind &= (normal[mine, face] * points[asked]).sum(axis=1) <= reach[mine, face] + 1e-15
         covered[asked[behind]] = True
     return row, points, covered
+
+
+def find_box_fault(primitive: Primitive, wide: float) -> str | None:
+    """Where, at a few test values, surfaces leave the stated box or it is ``wide`` of their size beyond them; None if nowhere."""
+    return next((words for _, _, words in _box(_Inspection(primitive, draw_trial(primitive, 2)), _LOOSE, wide)), None)
 
 
 def measure_missed(primitive: Primitive) -> tuple[float, str] | None:

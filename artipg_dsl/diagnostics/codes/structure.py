@@ -362,7 +362,7 @@ STRUCTURE = (
         The surfaces of a primitive meet along whole edges and enclose its inside, all normals outwards, for every one
         of its test values. The place shown is a surface with an edge that meets no other. Otherwise the mesh, which is
         made from these formulas alone, would not be watertight. Compare the formulas of the two surfaces at that edge,
-        and the signs and ranges of u and v.
+        and the signs and ranges of u and v. A stated box is that of the surfaces, too: parts are placed by it.
         """,
         """
         apg 1

@@ -37,6 +37,7 @@ from ..values.vectors import (
     normalized,
     plus,
     product,
+    signed_axis,
     times,
     transpose,
     turn,
@@ -204,8 +205,8 @@ def _mount_pose(part: Component, mount: Mount) -> Pose:
     assert mount.target is not None
     inner = part.rotation()
     own = _own_value(part, mount.subject, mount.env, inner)
-    if inner != IDENTITY and not isinstance(own, Face):
-        _turned_in_vain(part, mount)
+    if inner != IDENTITY and not (isinstance(own, Face) and all(signed_axis(row) is not None for row in inner)):
+        _turned_in_vain(part, mount)  # a face turns with its part unless it lies along the axes
     own, value = _mounted(ev, own, mount.subject, ONE), _mounted(ev, ev.value(mount.target), mount.target, MINUS)
     origin = _locate_mount(value, mount, ev)
     out, up = value.out, value.up
