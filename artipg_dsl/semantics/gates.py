@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ..language import JOINTS
 from ..syntax import ast
 from ..syntax.walk import walk
+from .mimic import sole_kind
 from .types import ANGLE, LENGTH, UNKNOWN, JointType, ScalarType
 
 if TYPE_CHECKING:
@@ -39,6 +40,8 @@ def _compared(ck: Checker, ctx: Context, left: ast.Expr, right: ast.Expr) -> Non
     if any(isinstance(node, ast.IndexExpr) and not isinstance(node.obj, ast.NameExpr) for node in walk(left)):
         message = "a joint must wait for a joint of one element of a repeat of this body"
         ck.error("many-elements", left.span, message, hint="as in `when row[0].open > 80deg`")
+        return
+    if not sole_kind(ck, left, given):
         return
     kind = None if given.kind is None else JOINTS.get(given.kind)
     if given.kind in ("ball", "fixed"):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ..language import JOINTS
 from ..syntax import ast
 from ..syntax.walk import walk
-from .types import ANGLE, LENGTH, UNKNOWN, JointType, ScalarType, Type, fits
+from .types import ANGLE, LENGTH, SEVERAL, UNKNOWN, JointType, ScalarType, Type, fits
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -67,14 +67,25 @@ def paths(value: ast.Node) -> Iterator[ast.Expr]:
 
 
 def _value_of(ck: Checker, path: ast.Expr, joint: JointType) -> Type:
-    """The dimension of a joint's value; unknown of a role's joint, which may be of any kind."""
+    """The dimension of a joint's value; unknown of what cannot be followed."""
     if any(isinstance(node, ast.IndexExpr) and not isinstance(node.obj, ast.NameExpr) for node in walk(path)):
         message = "`mimic` must follow a joint of one element of a repeat of this body"
         ck.error("many-elements", path.span, message, hint="as in `mimic row[0].open` or `mimic previous.open`")
         return UNKNOWN
-    if joint.kind not in JOINTS:
+    if joint.kind == "fixed":
+        ck.error("bad-mimic", path.span, "a fixed joint does not move, so nothing can follow it")
+    if not sole_kind(ck, path, joint) or joint.kind not in JOINTS or not JOINTS[joint.kind].moves:
         return UNKNOWN
     return LENGTH if JOINTS[joint.kind].slides else ANGLE
+
+
+def sole_kind(ck: Checker, path: ast.Expr, joint: JointType) -> bool:
+    """Whether a path names joints of one kind; an error where alternatives bring several, with values in units of their own."""
+    if joint == SEVERAL:
+        said = f"`{path.span.words}` is a joint of several kinds, whose values have units of their own"
+        hint = "put this under a guard that leaves one, such as `when door is SideDoor { }`"
+        ck.error("wrong-type", path.span, said, hint=hint)
+    return joint != SEVERAL
 
 
 def _factor(leader: ast.Expr, given: Type, wanted: Type) -> str | None:

@@ -20,6 +20,7 @@ from .types import (
     CURVE,
     FRAME,
     PLANE,
+    SEVERAL,
     SURFACE,
     UNKNOWN,
     ArrayType,
@@ -98,7 +99,7 @@ def part_member(ck: Checker, ctx: Context, part: PartType, word: str, span: Span
         return replace(first, key=f"{part.key}.{word}", many=True)
     if len(set(kinds)) == 1:
         return first
-    return _common(kinds, word)
+    return _common(ck, found, word, span, path)
 
 
 def _of_instance(part: PartType, symbol: Symbol, kind: Type) -> Type:
@@ -139,13 +140,25 @@ def _demand_guards(
         ck.demand(known, all_wanted, span, message, hint, ((first.span, "declared here"),), value=not followed)
 
 
-def _common(kinds: list[Type], word: str) -> Type:
+def _common(ck: Checker, found: list[tuple[Variant, Type]], word: str, span: Span, path: str) -> Type:
     """One type for what the variants call by the same name."""
+    kinds = [kind for _, kind in found]
     if any(isinstance(k, SlotType | PartType | ElementType) for k in kinds):
         return SlotType(word)
     if all(k in (PLANE, FRAME) for k in kinds):
         return FRAME
-    return kinds[0] if all(isinstance(k, ScalarType) for k in kinds) else UNKNOWN
+    if all(isinstance(k, JointType) for k in kinds):
+        return SEVERAL
+    if (
+        all(isinstance(k, ScalarType) for k in kinds)
+        and len({k.dimension for k in kinds if isinstance(k, ScalarType)}) == 1
+    ):
+        return kinds[0]
+    (first, one), (other, two) = found[0], next(pair for pair in found if pair[1] != found[0][1])
+    said = f"`{path}.{word}` is {one} of {first.name}, but {two} of {other.name}"
+    return ck.error(
+        "wrong-type", span, said, hint=f"name it under a guard that leaves one: `when {path} is {first.name} {{ }}`"
+    )
 
 
 def _lacking(

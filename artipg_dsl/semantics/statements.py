@@ -9,6 +9,7 @@ from ..language import JOINTS, REPEATS
 from ..syntax import ast
 from . import alternatives, conditions, declarations, labels, placing, primitives, roles
 from .entries import of_reference, port_context
+from .mimic import sole_kind
 from .scope import BodyScope, Guards
 from .symbols import NAMED, names_of
 from .types import (
@@ -116,7 +117,12 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             if not isinstance(kind, JointType) and kind != UNKNOWN:
                 ck.unfit(joint, kind, "`limit` must name a joint")
             wanted: Type = UNKNOWN
-            if isinstance(kind, JointType) and (row := JOINTS.get(kind.kind or "")) is not None and row.moves:
+            if (
+                isinstance(kind, JointType)
+                and sole_kind(ck, joint, kind)
+                and (row := JOINTS.get(kind.kind or "")) is not None
+                and row.moves
+            ):
                 wanted = LENGTH if row.slides else ANGLE
             placing.motion_range(ck, inside, interval, wanted)
         case ast.CloseStmt(subject=subject, other=other):

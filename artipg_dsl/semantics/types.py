@@ -217,11 +217,14 @@ Boxed = PartType | SlotType | ElementType
 
 @dataclass(frozen=True, slots=True)
 class JointType(Type):
-    kind: str | None
+    kind: str | None  # None of a joint that only a role names
 
     def __str__(self) -> str:
         return "a joint"
 
+
+SEVERAL = JointType("several")
+"""A joint that alternatives bring in different kinds."""
 
 UNKNOWN = _UnknownType()
 RATIO = ScalarType(NONE)
