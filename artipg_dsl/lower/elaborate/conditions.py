@@ -57,11 +57,11 @@ def giving(env: Env, value: Value) -> tuple[int, ...]:
 def prefer(links: Links, env: Env, statement: ast.PreferStmt) -> None:
     ev = Evaluator(env)
     weight = E.ONE if statement.weight is None else ev.scalar(statement.weight)
-    if statement.weight is not None and weight.constant is not None and not 0.0 <= float(weight.constant) < math.inf:
+    if statement.weight is not None and weight.constant is not None and not 0.0 < float(weight.constant) < math.inf:
         raise env.context.error(
             "wrong-arguments",
             statement.weight.span,
-            "the weight of a preference cannot be negative",
+            "the weight of a preference must be above 0",
             hint="to prefer the opposite, write the opposite condition",
         )
     condition, _ = comparison(ev, statement.condition)
