@@ -359,8 +359,8 @@ def _reaches(ck: Checker, ctx: Context, node: ast.Distribution, domain: ast.Rang
         return
     first, second = cast("list[float]", arguments)
     least, most = first, second
-    if node.name != "uniform" and second <= 0:
-        return
+    if node.name != "uniform" and second <= 0 or node.name == "lognormal" and first <= 0:
+        return  # no law at all
     if node.name == "normal":
         least, most = first - _TAIL * second, first + _TAIL * second
     elif node.name == "lognormal":
