@@ -234,7 +234,12 @@ def _symbol(ck: Checker, ctx: Context, symbol: Symbol, span: Span) -> Type:
             assert isinstance(decl, ast.FunctionDecl)
             if decl.parameters:
                 return ck.error("wrong-type", span, f"`{symbol.name}` is a function: it needs arguments in parentheses")
-            return ck.infer(type(ctx)(symbol.module), decl.value)
+            if id(decl) in ck.calling:
+                return ck.error("circular-definition", span, f"`{symbol.name}` is defined by itself")
+            ck.calling.append(id(decl))
+            kind = ck.infer(type(ctx)(symbol.module), decl.value)
+            ck.calling.pop()
+            return kind
         case "material":
             return MATERIAL
         case "template" | "role":
