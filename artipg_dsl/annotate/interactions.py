@@ -46,6 +46,7 @@ def find_interactions(batch: Batch) -> Interactions:
     acting = [label for label in batch.program.labels if label.vocabulary not in ("semantic", "field")]
     names = list(dict.fromkeys(field_name(label) for label in acting))
     rows: list[np.ndarray] = [np.zeros((0, 7))]
+    above = _Above(batch)
     for label, target, row in _found_on(batch, acting, moving):
         table = batch.sites()[target.site]
         scope = batch.program.sites[target.site].scope
@@ -54,7 +55,7 @@ def find_interactions(batch: Batch) -> Interactions:
         point = (rotate(rotation, reflect(center, mirror)) + translation)[row]
         link = (first[table.owner] + table.link)[row]
         word = np.full(len(link), names.index(field_name(label)))
-        joint = _moved_by(batch, label, link)
+        joint = above.meant(label, link)
         rows.append(np.column_stack([table.owner[row], word, link, joint, np.round(point, 9) + 0.0]))
     # the primitives of one target share its middle: one row for all of them
     unique = np.unique(np.concatenate(rows), axis=0)
@@ -62,31 +63,38 @@ def find_interactions(batch: Batch) -> Interactions:
     return Interactions(owner, [names[k] for k in word], link, joint, unique[:, 4:])
 
 
-def _moved_by(batch: Batch, label: Label, link: np.ndarray) -> np.ndarray:
-    """The joint (a row of the table) that a label on the link rows ``link`` (k,) is for, -1 where nothing moves.
+class _Above:
+    """The joints above the links of a batch, and how they move."""
 
-    Of the joints above the link the nearest that the label names; else the nearest of the kind that its word moves by;
-    else the nearest of all. Fixed ones do not count.
-    """
-    joints, links = batch.joints(), batch.links()
-    first = np.searchsorted(links.owner, joints.owner)
-    above = np.full(len(links.owner) + 1, -1, dtype=np.int64)  # the last one is above all
-    above[first + joints.child] = np.arange(len(joints.owner))
-    parent = np.append(first + joints.parent, len(links.owner))
-    moves = np.append(joints.that(), False)
-    named = np.append(np.isin(joints.definition, label.joints), False)
-    ways = {"along": joints.advance != 0.0, "about": joints.that("turns", "tilts")}
-    kind = np.append(ways.get(label.motion, np.zeros_like(moves[:-1])), False)
-    rank, found, at = np.zeros(len(link), dtype=np.int64), np.full(len(link), -1), link
-    for _ in range(len(batch.program.joints)):
-        joint = above[at]
-        if (joint < 0).all():
-            break
-        worth = np.where(named[joint], 3, np.where(kind[joint], 2, 1)) * moves[joint]
-        better = worth > rank
-        rank, found = np.where(better, worth, rank), np.where(better, joint, found)
-        at = parent[joint]
-    return found
+    def __init__(self, batch: Batch):
+        joints, links = batch.joints(), batch.links()
+        first = np.searchsorted(links.owner, joints.owner)
+        self.most = len(batch.program.joints)
+        self.joint = np.full(len(links.owner) + 1, -1, dtype=np.int64)  # the last one is above all
+        self.joint[first + joints.child] = np.arange(len(joints.owner))
+        self.parent = np.append(first + joints.parent, len(links.owner))
+        self.moves = np.append(joints.that(), False)
+        self.definition = np.append(joints.definition, -1)
+        ways = {"along": joints.advance != 0.0, "about": joints.that("turns", "tilts")}
+        self.ways = {motion: np.append(way, False) for motion, way in ways.items()}
+
+    def meant(self, label: Label, link: np.ndarray) -> np.ndarray:
+        """The joint (a row of the table) that a label on the link rows ``link`` (k,) is for, -1 where nothing moves.
+
+        Of the joints above the link the nearest that the label names; else the nearest of the kind that its word moves by;
+        else the nearest of all. Fixed ones do not count.
+        """
+        named = np.isin(self.definition, label.joints)
+        worth = np.where(named, 3, np.where(self.ways.get(label.motion, False), 2, 1)) * self.moves
+        rank, found, at = np.zeros(len(link), dtype=np.int64), np.full(len(link), -1), link
+        for _ in range(self.most):
+            joint = self.joint[at]
+            if (joint < 0).all():
+                break
+            better = worth[joint] > rank
+            rank, found = np.where(better, worth[joint], rank), np.where(better, joint, found)
+            at = self.parent[joint]
+        return found
 
 
 def acting_joints(batch: Batch, points: PointSet) -> dict[str, np.ndarray]:
@@ -98,9 +106,10 @@ def acting_joints(batch: Batch, points: PointSet) -> dict[str, np.ndarray]:
     number = np.append(np.asarray(batch.joints().number, dtype=np.int64), -1)
     rows = points.row.ravel()
     found = {field_name(label): np.full(points.site.size, -1, dtype=np.int64) for label in acting}
+    above = _Above(batch)
     for label, target, at in select_holding(batch, tables, points, acting):
         table, row = tables[target.site], rows[at]
-        found[field_name(label)][at] = number[_moved_by(batch, label, first[table.owner[row]] + table.link[row])]
+        found[field_name(label)][at] = number[above.meant(label, first[table.owner[row]] + table.link[row])]
     return {name: values.reshape(points.site.shape) for name, values in sorted(found.items())}
 
 
