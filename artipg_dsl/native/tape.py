@@ -84,7 +84,7 @@ class Tape:
             except NotPlanned:
                 plan = None
             self.plans[key] = plan
-        if plan is None or plan.wary and inner == 1:
+        if plan is None or plan.wary and inner == 1 and not _alike(arrays):
             return None
         some = outer > 0 and inner > 0
         if not some and any(o.along != EVERY for o in plan.made):
@@ -100,6 +100,11 @@ class Tape:
             made[place] if kind == "made" else arrays[place] if kind == "given" else place
             for kind, place in plan.results
         )
+
+
+def _alike(arrays: Sequence[np.ndarray]) -> bool:
+    """Whether arrays of one number lie as those of many would: NumPy takes exponents that are broadcast another way."""
+    return len({a.ndim for a in arrays if a.ndim}) <= 1 and not any([0 in a.strides for a in arrays])
 
 
 Layout = tuple[tuple[int, ...], int, int, tuple[int, ...], int]

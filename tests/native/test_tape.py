@@ -59,6 +59,8 @@ SHAPES = [
     ((1500,),) * 4,
     ((129,), (), (129,), (1,)),
     ((1,),) * 4,
+    ((1,), (), (1,), (1,)),
+    ((1, 1), (1,), (), (1, 1)),
     ((7, 1), (300,), (7, 300), ()),
     ((40, 1), (1, 40), (), (40, 1)),
     ((3, 1, 1), (16, 16), (3, 16, 16), ()),
@@ -118,6 +120,15 @@ def test_a_power_with_exponents_that_are_broadcast_is_left_to_numpy(machine):
     for base in (column(3, 1).reshape(3, 1), column(50, 2), column(150, 3).reshape(3, 50)):
         found = formula._tape.run(machine, (base, exponents))
         assert found is not None and bits(found[0]) == bits(formula.numpy(base, exponents)[0])
+
+
+def test_a_power_of_one_number_has_the_bits_that_it_has_among_many(machine):
+    formula = compile_formula([raw("pow", (var("a"), var("b")))], ("a", "b"))
+    base, exponents = np.abs(column(400, 4)), np.resize([2.0, 0.5, -1.0], 400)
+    many = formula.numpy(base, exponents)[0]
+    alone = [formula._tape.run(machine, (base[k : k + 1], exponents[k : k + 1])) for k in range(400)]
+    assert bits(np.concatenate([one[0] for one in alone])) == bits(many)
+    assert formula._tape.run(machine, (base[:1], np.broadcast_to(2.0, (1,)))) is None
 
 
 def test_a_short_formula_is_left_to_numpy(using, monkeypatch):
