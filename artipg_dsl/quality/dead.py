@@ -130,6 +130,8 @@ def find_dead_labels(batch: Batch) -> list[Dead]:
     labels = [label for label in batch.program.labels if label.vocabulary != "field"]
     left = {_statement(label) for label in labels if label.vocabulary != "semantic" or label.value is not TRUE}
     for objects, count in _LOOKS:
+        if not left:
+            return []
         some = evaluate_again(batch, np.arange(min(objects, len(batch))))
         tables = some.sites()
         asked = {target.site for label in labels if _statement(label) in left for target in label.targets}
