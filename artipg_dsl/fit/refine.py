@@ -28,7 +28,7 @@ _LONGEST = 0.35  # a number moves so far at a time, in ranges
 _WEAK = 1e-6  # what holds numbers that nothing depends on where they are
 _DAMPING = 1e-2
 _OPPOSED = 0.1  # what a pair counts whose normals disagree
-_SHIFTS = 3
+_PLACE = 4  # how a candidate is placed: a shift along three axes and a scale, before its numbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,8 +92,8 @@ def _step(
     """Each candidate after one damped step towards smaller gaps; ``ways`` are the derivatives of its points. Its place stays if it is
     ``fixed``."""
     diagonal, every = targets.diagonal[target], np.arange(len(target))[:, None]
-    most, many = free.most, np.bincount(free.owner, minlength=len(target))
-    matrix = np.zeros((len(target), most + _SHIFTS + 1, most + _SHIFTS + 1))
+    many = np.bincount(free.owner, minlength=len(target))
+    matrix = np.zeros((len(target), _PLACE + free.most, _PLACE + free.most))
     slope = np.zeros(matrix.shape[:2])
     local = now.position - placed.shift[:, None, :]  # what a scale carries outwards
     grown = np.where(targets.known[target], 0.0, 1.0)
@@ -110,11 +110,11 @@ def _step(
             moved = moved if at is None else np.take(moved, at[k], axis=2)
             x, y, z = way = np.ascontiguousarray(gap.way[k].T)
             along = placed.scale[k] * (moved[:, 0] * x + moved[:, 1] * y + moved[:, 2] * z)
-            columns = np.concatenate([along, way, outwards[k : k + 1]]) / diagonal[k]
+            columns = np.concatenate([way, outwards[k : k + 1], along]) / diagonal[k]
             leaned = columns * weight[k]
-            own = np.append(np.arange(many[k]), most + np.arange(_SHIFTS + 1))
-            matrix[k, own[:, None], own] += crossed(leaned, columns)
-            slope[k, own] += (leaned * gap.value[k]).sum(axis=1)
+            size = len(columns)
+            matrix[k, :size, :size] += crossed(leaned, columns)
+            slope[k, :size] += (leaned * gap.value[k]).sum(axis=1)
     return _solved(model, batch, placed, free, matrix, slope, damping, diagonal, fixed)
 
 
@@ -139,26 +139,33 @@ def _solved(
     fixed: bool,
 ) -> tuple[Batch, Placed]:
     """The damped equations solved; numbers that would leave their range stay where they are, and the place if it is ``fixed``."""
-    most = free.most
     room = _LEAST_ROOM * free.width
+    number = free.owner, _PLACE + free.place
     pressed = np.zeros(slope.shape, dtype=bool)
-    downhill = -slope[free.owner, free.place]
-    pressed[free.owner, free.place] = np.where(
-        downhill > 0, free.high - free.value < room, free.value - free.low < room
-    )
-    pressed[:, most:] = fixed
+    pressed[number] = np.where(slope[number] < 0, free.high - free.value < room, free.value - free.low < room)
+    pressed[:, :_PLACE] = fixed
     matrix = np.where(pressed[:, :, None] | pressed[:, None, :], 0.0, matrix)
     slope = np.where(pressed, 0.0, slope)
     own = np.einsum("kii->ki", matrix)
     total = matrix + np.eye(matrix.shape[1]) * (own * damping[:, None] + _WEAK)[:, :, None]
-    way = -np.linalg.solve(total, slope[:, :, None])[:, :, 0]
-    numbers = np.clip(way[free.owner, free.place], -_LONGEST, _LONGEST)
+    way = -_roots(total, slope, _PLACE + np.bincount(free.owner, minlength=len(batch)))
+    numbers = np.clip(way[number], -_LONGEST, _LONGEST)
     value = np.clip(free.value + numbers * free.width, free.low, free.high)
     copies = np.arange(len(batch))
     moved = model.altered(batch, copies, Changes(free.owner, free.draw, free.row, value))
-    shift = np.clip(way[:, most : most + _SHIFTS], -_LONGEST * diagonal[:, None], _LONGEST * diagonal[:, None])
-    grown = np.clip(way[:, most + _SHIFTS], -_LONGEST, _LONGEST)
+    shift = np.clip(way[:, : _PLACE - 1], -_LONGEST * diagonal[:, None], _LONGEST * diagonal[:, None])
+    grown = np.clip(way[:, _PLACE - 1], -_LONGEST, _LONGEST)
     return moved, Placed(placed.scale * np.exp(grown), placed.shift + shift)
+
+
+def _roots(matrix: np.ndarray, slope: np.ndarray, many: np.ndarray) -> np.ndarray:
+    """(K, P) the roots of equations (K, P, P), the first ``many`` (K,) of each, 0 beyond. Those of one size are solved together: filled up
+    to the largest they would be rounded otherwise, and a fit would depend on what is fitted beside it."""
+    found = np.zeros(slope.shape)
+    for size in np.unique(many):
+        at = np.flatnonzero(many == size)
+        found[at, :size] = np.linalg.solve(matrix[at, :size, :size], slope[at, :size, None])[:, :, 0]
+    return found
 
 
 # ---------------------------------------------------------------- derivatives

@@ -47,13 +47,16 @@ def off(found: list[Fitted], samples: Samples, name: str, width: float) -> np.nd
 
 def test_samples_are_found_again(model: Model) -> None:
     samples = apg.load(LARGE_KNOBS, n=3, seed=5)
-    found = fit(model, clouds(samples, model))
+    several = clouds(samples, model)
+    found = fit(model, several)
     assert [one.values["knobs"] for one in found] == samples["knobs"].astype(int).tolist()
     assert max(off(found, samples, "width", 0.3)) < 0.01
     assert max(off(found, samples, "depth", 0.2)) < 0.01
     assert max(off(found, samples, "share", 0.2)) < 0.02
     assert all(one.told["verdict"] == "fits" and one.told["valid"] for one in found)
     assert max(one.told["distance"]["both"] for one in found) < 0.5
+    alone = fit(model, several[1:2])[0]
+    assert alone.values == found[1].values and alone.told == found[1].told
 
 
 @pytest.mark.slow

@@ -42,3 +42,18 @@ def test_rows_that_stand_still_are_left_out(model: Model, samples: apg.Samples) 
     assert 0 < sum(map(len, given)) < 0.8 * sum(map(len, every))
     assert np.unique(bound[2]).max() < max(map(len, given))
     assert all(np.abs(one).max() > 0.01 for one in whole)
+
+
+def test_roots_are_the_same_whatever_is_solved_beside_them() -> None:
+    chance = np.random.default_rng(3)
+    many = np.array([44, 90, 61, 44])
+    matrix, slope = np.zeros((4, 90, 90)), np.zeros((4, 90))
+    for k, size in enumerate(many):
+        some = chance.normal(size=(size, 200))
+        matrix[k, :size, :size], slope[k, :size] = some @ some.T, chance.normal(size=size)
+    found = steps._roots(matrix, slope, many)
+    for k, size in enumerate(many):
+        own = slice(k, k + 1)
+        alone = steps._roots(matrix[own, :size, :size], slope[own, :size], many[own])
+        assert found[k, :size].tobytes() == alone[0].tobytes() and not found[k, size:].any()
+        assert np.allclose(matrix[k, :size, :size] @ alone[0], slope[k, :size])
