@@ -16,6 +16,7 @@ from ..runtime.motion import perpendicular_to
 from . import decimals
 from .adjacent import find_adjacent
 from .mesh_obj import link_meshes
+from .naming import Names
 from .pose import link_poses, rest_values
 from .robot import Collider, Robot, RobotJoint, RobotLink
 from .write import ExportError
@@ -75,12 +76,14 @@ class _Model:
                     f"MuJoCo has {', '.join(_TYPES)}; leave mjcf out of --format",
                 )
             below.setdefault(joint.parent, []).append(joint)
+        self.advances = {screw: slide for slide, screw in advances(robot).items()}
         looks = {visual.look.name: visual.look for link in robot.links for visual in link.visuals}
         root = self._body(0, None, below)
         self.order = self._joint_order(root)
         self.context: dict[str, Any] = {
             "name": robot.name,
             "root": root,
+            "base": Names(self.order)(f"{robot.links[0].name}_free"),  # the joint of a base that is free to move
             "looks": [
                 {
                     "name": name,
@@ -155,8 +158,9 @@ class _Model:
         }
         made = [entry]
         if joint.traits.advances:
-            made.append({"name": joint.name + _ADVANCE, "type": "slide", "axis": numbers(joint.axis)})
-            self._couple(joint.name + _ADVANCE, joint.name, 0.0, joint.pitch / (2 * np.pi))
+            slide = self.advances[joint.name]
+            made.append({"name": slide, "type": "slide", "axis": numbers(joint.axis)})
+            self._couple(slide, joint.name, 0.0, joint.pitch / (2 * np.pi))
         if joint.mimic is not None:
             leader, multiplier, offset = joint.mimic
             coefficients = [offset, multiplier]
@@ -204,14 +208,20 @@ def _waiting(name: str, low: float, high: float) -> str:
     return " and ".join(f"{name} {end}" for end in ends)
 
 
+def advances(robot: Robot) -> dict[str, str]:
+    """The slides of screws by name, each with its screw's: a joint of the object may have the first name that comes to mind."""
+    names = Names(joint.name for joint in robot.joints)
+    return {names(joint.name + _ADVANCE): joint.name for joint in robot.joints if joint.traits.advances}
+
+
 def qpos(robot: Robot, values: dict[str, float], order: list[str]) -> list[float]:
     """What MuJoCo calls a state: the numbers of the joints ``order`` at the joint ``values``."""
-    joints = {joint.name: joint for joint in robot.joints}
+    joints, slides = {joint.name: joint for joint in robot.joints}, advances(robot)
     numbers: list[float] = []
     for name in order:
         joint = joints.get(name)
         if joint is None:  # a screw's slide
-            screw = joints[name.removesuffix(_ADVANCE)]
+            screw = joints[slides[name]]
             numbers.append(values[screw.name] * screw.pitch / (2 * np.pi))
         elif joint.traits.tilts:
             half = values[name] / 2

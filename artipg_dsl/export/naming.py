@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 _KEPT = frozenset({"con", "prn", "aux", "nul", *(f"{port}{k}" for port in ("com", "lpt") for k in range(1, 10))})
 
 
 class Names:
-    """Gives every name once: also where the case of letters does not count, and none that some systems keep for themselves."""
+    """Gives every name once: also where the case of letters does not count, and none that some systems keep for themselves.
+    ``taken``: names that are given already."""
 
-    def __init__(self) -> None:
-        self.taken: set[str] = set()
+    def __init__(self, taken: Iterable[str] = ()) -> None:
+        self.taken = {name.casefold() for name in taken}
 
     def __call__(self, name: str) -> str:
         found, count = name, 1

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..geometry.vectors import cross
 from ..runtime.motion import perpendicular_to
+from .naming import Names
 from .robot import SMALLEST_MASS, Robot, RobotJoint, RobotLink
 
 ADVANCE, SWING, TWIST, MARK = "_advance", "_swing", "_twist", "_mark"
@@ -23,6 +24,8 @@ _SHARE = 1e-3  # of the moved link's mass and inertia, for a link that is there 
 def simple_joints(robot: Robot) -> Robot:
     """The same robot with hinges, slides and fixed joints alone; a joint that needs more keeps its name and value."""
     links, joints = list(robot.links), []
+    link_names = Names(link.name for link in robot.links)
+    names = Names(joint.name for joint in robot.joints)
     for joint in (replace(joint, curve=None) for joint in robot.joints):
         kind = "revolute" if joint.limited else "continuous"
         if joint.traits.advances:
@@ -31,7 +34,7 @@ def simple_joints(robot: Robot) -> Robot:
             low, high = (min(ends), max(ends)) if len(ends) == 2 else (None, None)
             slide = replace(
                 joint,
-                name=joint.name + ADVANCE,
+                name=names(joint.name + ADVANCE),
                 kind="prismatic",
                 low=low,
                 high=high,
@@ -43,7 +46,7 @@ def simple_joints(robot: Robot) -> Robot:
                 mimic=advance,
                 pitch=0.0,
             )
-            joints += _chain([slide, replace(joint, kind=kind, pitch=0.0)], links)
+            joints += _chain([slide, replace(joint, kind=kind, pitch=0.0)], links, link_names)
         elif joint.traits.tilts:
             tilt = perpendicular_to(joint.axis[None])[0]
             tilted = replace(joint, kind=kind, axis=tilt)
@@ -51,9 +54,9 @@ def simple_joints(robot: Robot) -> Robot:
                 reach = max(abs(joint.low), abs(joint.high))
                 tilted = replace(tilted, low=-reach, high=reach)
             other = replace(tilted, rest=0.0, mimic=None)
-            swing = replace(other, name=joint.name + SWING, axis=cross(joint.axis, tilt))
-            twist = replace(other, name=joint.name + TWIST, axis=joint.axis)
-            joints += _chain([tilted, swing, twist], links)
+            swing = replace(other, name=names(joint.name + SWING), axis=cross(joint.axis, tilt))
+            twist = replace(other, name=names(joint.name + TWIST), axis=joint.axis)
+            joints += _chain([tilted, swing, twist], links, link_names)
         else:
             joints.append(joint)
     if not joints:
@@ -74,7 +77,7 @@ def _fixed_joint(name: str) -> RobotJoint:
     return RobotJoint(name, "fixed", 0, 1, np.zeros(3), axis, None, None, 0.0, 0.0, 0.0, 0.0, 0.0, None)
 
 
-def _chain(steps: list[RobotJoint], links: list[RobotLink]) -> list[RobotJoint]:
+def _chain(steps: list[RobotJoint], links: list[RobotLink], names: Names) -> list[RobotJoint]:
     """The joints one behind the other at one place; the links between are added to ``links``."""
     moved = links[steps[0].child]
     chained, parent = [], steps[0].parent
@@ -84,7 +87,7 @@ def _chain(steps: list[RobotJoint], links: list[RobotLink]) -> list[RobotJoint]:
             child = len(links)
             trace = float(moved.inertia[0, 0] + moved.inertia[1, 1] + moved.inertia[2, 2])
             inertia = _SHARE * max(trace, 1e-9) * np.eye(3)
-            name = f"{moved.name}_carrier_{i + 1}" if i else f"{moved.name}_carrier"
+            name = names(f"{moved.name}_carrier_{i + 1}" if i else f"{moved.name}_carrier")
             links.append(RobotLink(name, moved.origin, _SHARE * moved.mass, np.zeros(3), inertia, (), ()))
         chained.append(replace(step, parent=parent, child=child, origin=step.origin if i == 0 else np.zeros(3)))
         parent = child

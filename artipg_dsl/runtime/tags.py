@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
 
+_RESERVED = re.compile("world|__.*__")  # what simulators call the ground, and what SDFormat keeps for itself
+
 
 @lru_cache(maxsize=1 << 16)  # a batch has few names, each in many objects
 def _tag(name: str) -> str:
-    """A name that every format takes: ``pad.row[1].key[0].cap`` becomes ``pad.row_1.key_0.cap``."""
-    return name.replace("[", "_").replace("]", "")
+    """A name that every format takes: ``pad.row[1].key[0].cap`` becomes ``pad.row_1.key_0.cap``, ``world`` ``world_1``."""
+    tag = name.replace("[", "_").replace("]", "")
+    return f"{tag}_1" if _RESERVED.fullmatch(tag) else tag
 
 
 def make_distinct(names: Sequence[str], owner: np.ndarray) -> list[str]:

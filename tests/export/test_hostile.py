@@ -253,3 +253,47 @@ def test_tags_that_meet_stay_apart() -> None:
         "row_1.turn_2",
     ]
     assert make_distinct(["a[1]", "a_1", "a_1_2"], np.zeros(3, dtype=int)) == ["a_1", "a_1_3", "a_1_2"]
+
+
+CLASHES = """apg 1
+use primitives { Cuboid }
+template Cube {
+  part block : Cuboid(size = [3cm, 3cm, 3cm])
+}
+category Clashes {
+  root part world : Cuboid(size = [40cm, 40cm, 5cm])
+  part a : Cube
+  align a.block.center = [10cm, 10cm, 42mm]
+  joint drive : screw world -> a about line(at = a.block.center, along = z) range 0turn .. 1turn pitch 1cm
+  part a_carrier : Cube
+  align a_carrier.block.center = [10cm, 0, 42mm]
+  joint drive_advance : prismatic world -> a_carrier along z range 0cm .. 1cm
+  part b : Cube
+  align b.block.center = [-10cm, 10cm, 42mm]
+  joint look : ball world -> b at b.top range 0deg .. 5deg
+  part b_carrier_1 : Cube
+  align b_carrier_1.block.center = [-10cm, 0, 42mm]
+  joint look_swing : prismatic world -> b_carrier_1 along z range 0cm .. 1cm
+  part __c__ : Cube
+  align __c__.block.center = [0, 0, 42mm]
+  joint world_1_free : prismatic world -> __c__ along z range 0cm .. 1cm
+}
+"""
+
+
+def test_what_formats_add_has_names_of_its_own(tmp_path: Path) -> None:
+    """Slides of screws, hinges of balls and a free base beside joints and links that are called the same; and the root is not
+    called as the ground of all simulators is."""
+    (tmp_path / "clashes.apg").write_text(CLASHES)
+    out = tmp_path / "out"
+    assert main(["sample", str(tmp_path / "clashes.apg"), "-n", "1", "--format", "urdf,mjcf,sdf", "-o", str(out)]) == 0
+    folder = out / "objects" / "000000"
+    for file in ("object.urdf", "model.sdf"):
+        root = ElementTree.fromstring((folder / file).read_bytes())
+        for tag in ("link", "joint"):
+            names = [element.get("name") for element in root.findall(f".//{tag}") if element.get("name")]
+            assert len(set(names)) == len(names) >= 5
+            assert not any(re.fullmatch("world|__.*__", name) for name in names)
+    for file, free in (("object", 0), ("object_free", 1)):
+        model = mujoco.MjModel.from_xml_path(str(folder / f"{file}.xml"))
+        assert (model.nbody, model.njnt) == (7, 6 + free)
