@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..graph.program import MEASURES
+from ..language import JOINTS
 from ..runtime.curves import tabulate
 from .frames import rotate
 from .grasps import GraspTable, KeypointTable, sample_grasps, sample_keypoints
@@ -150,6 +151,8 @@ def _joints(batch: Batch) -> list[list[dict[str, Any]]]:
     }
     for row, (lead, own) in tabulate(joints).items():  # of the straight line the ends alone are right
         columns["mimic"][row]["curve"] = {"lead": _tidy(lead), "value": _tidy(own)}
+    if any(JOINTS[joint.kind].advances for joint in batch.program.joints):
+        columns["pitch"] = _tidy(joints.pitch)  # metres by a turn
     if any(joint.positions is not None for joint in batch.program.joints):
         columns["positions"] = [None if np.isnan(count) else int(count) for count in joints.positions]
     if batch.gates is not None:
