@@ -38,7 +38,7 @@ _ADVANCE = "_advance"  # a screw's slide is named after the screw
 def mjcf_files(robot: Robot) -> dict[str, bytes]:
     """``object.xml`` (fixed base), ``object_free.xml`` and a scene with a floor for each, with meshes in ``meshes/``.
 
-    Raises ExportError for a kind of joint that MuJoCo does not have.
+    Raises ExportError for a kind of joint that MuJoCo does not have, and for a ball that follows or is followed.
     """
     model = _Model(robot)
     files = dict(model.files)
@@ -76,6 +76,7 @@ class _Model:
                     f"MuJoCo has {', '.join(_TYPES)}; leave mjcf out of --format",
                 )
             below.setdefault(joint.parent, []).append(joint)
+        robot.refuse_coupled_balls("MuJoCo", "mjcf")
         self.advances = {screw: slide for slide, screw in advances(robot).items()}
         looks = {visual.look.name: visual.look for link in robot.links for visual in link.visuals}
         root = self._body(0, None, below)

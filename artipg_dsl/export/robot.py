@@ -29,6 +29,7 @@ from .hulls import Hull
 from .mechanisms import find_mechanisms
 from .mesh_obj import Shape
 from .naming import Names
+from .write import ExportError
 
 if TYPE_CHECKING:
     from ..details.dressing import Dressing
@@ -184,6 +185,20 @@ class Robot:
     joints: tuple[RobotJoint, ...]
     closures: tuple[RobotClosure, ...] = ()
     note: str = ""  # what its files say of the surfaces
+
+    def leader(self, joint: RobotJoint) -> RobotJoint | None:
+        """The joint that one follows."""
+        return next((other for other in self.joints if joint.mimic and other.name == joint.mimic[0]), None)
+
+    def refuse_coupled_balls(self, reader: str, name: str) -> None:
+        """Raise ExportError for the format ``name`` where a ball follows a joint or a joint a ball, which ``reader`` cannot have."""
+        for joint in self.joints:
+            led = self.leader(joint)
+            if led is not None and (joint.traits.tilts or led.traits.tilts):
+                raise ExportError(
+                    f"{self.name}: joint {joint.name} follows {led.name}, and {reader} couples no ball joints",
+                    f"leave {name} out of --format",
+                )
 
 
 class Robots:

@@ -24,13 +24,14 @@ _APART = 1e-6  # metres: points of a loop that are farther apart do not meet
 def sdf_files(robot: Robot) -> dict[str, bytes]:
     """``model.sdf``, ``model.config`` (which Gazebo finds models by) and the meshes of both in ``meshes/``.
 
-    Raises ExportError for a joint that SDFormat does not have, and for loops that are not closed with all joints at 0,
-    where SDFormat has its joints begin.
+    Raises ExportError for a joint that SDFormat does not have, for a ball that follows or is followed, and for loops that are
+    not closed with all joints at 0, where SDFormat has its joints begin.
     """
     files: dict[str, bytes] = {}
     pieces: dict[bytes, str] = {}
     links = [_link(link, files, pieces) for link in robot.links]
     joints = [*(_joint(joint, robot) for joint in robot.joints), *_closures(robot)]
+    robot.refuse_coupled_balls("SDFormat", "sdf")
     text = _template("model.sdf.j2").render(name=robot.name, links=links, joints=joints)
     files["model.sdf"] = (text + "\n").encode("utf-8")
     files["model.config"] = (_template("model.config.j2").render(name=robot.name) + "\n").encode("utf-8")

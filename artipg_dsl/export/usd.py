@@ -60,7 +60,10 @@ def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
     words = robots.batch.program.vocabularies.get("semantic", ())
     name, bodies = Names()(robot.name), Names("Looks", "joints")
     link_names = [bodies(link.name) for link in robot.links]
-    links = [_link(robot, k, pose, words) | {"name": link_names[k]} for k, pose in enumerate(rest_poses(robot))]
+    named = robots.links.semantic[int(robots.link_start[i]) :].tolist()
+    links = [
+        _link(robot, k, pose, words, named[k]) | {"name": link_names[k]} for k, pose in enumerate(rest_poses(robot))
+    ]
     moments, axes = find_principal(np.stack([link.inertia for link in robot.links]))
     for k, link in enumerate(links):
         # a button's moments are tiny: significant digits, not decimals
@@ -99,11 +102,14 @@ def _looks(robot: Robot) -> list[dict[str, str]]:
     return found
 
 
-def _link(robot: Robot, k: int, pose: tuple[np.ndarray, np.ndarray], words: tuple[str, ...]) -> dict[str, Any]:
+def _link(
+    robot: Robot, k: int, pose: tuple[np.ndarray, np.ndarray], words: tuple[str, ...], named: int
+) -> dict[str, Any]:
+    """A body. Its class is the word of the part that it is, else that of the first mesh that has one."""
     link, names = robot.links[k], Names("colliders")
     pieces = Names()
     meshes = [_mesh(visual, link.origin, words) | {"name": names(visual.name)} for visual in link.visuals]
-    labels = [mesh["label"] for mesh in meshes if mesh["label"]]
+    labels = [*([words[named]] if named else []), *(mesh["label"] for mesh in meshes if mesh["label"])]
     return {
         "title": link.name,
         "label": labels[0] if labels else "",
@@ -200,9 +206,8 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
             lines.append(f"custom double artipg:screw:pitch = {joint.pitch:.17g}")
         if joint.positions:
             lines.append(f"custom int artipg:positions = {joint.positions}")
-        if joint.mimic is not None:
-            lines += _mimic(robot, joint, name, letter, paths, schemas)
-        lines += _gates(joint, name, paths)
+    lines += _mimic(robot, joint, name, letter, paths, schemas)
+    lines += _gates(joint, name, paths)
     quoted = ", ".join(f'"{schema}"' for schema in schemas)
     return {
         "type": _TYPES[joint.kind],
@@ -226,26 +231,33 @@ def _closure(closure: RobotClosure, name: str, links: list[str]) -> dict[str, An
 def _mimic(
     robot: Robot, joint: RobotJoint, name: str, letter: str, paths: dict[str, str], schemas: list[str]
 ) -> list[str]:
-    """What a joint follows: in our own words, and as PhysX has it (q + gearing * q of the leader + offset = 0)."""
-    assert joint.mimic is not None
-    leader, multiplier, offset = joint.mimic
-    led = next(other for other in robot.joints if other.name == leader)
-    own, other = (1.0 if j.traits.slides else _DEGREES for j in (joint, led))
-    sort, led_sort = ("trans" if j.traits.slides else "rot" for j in (joint, led))
-    schemas.append(f"PhysxMimicJointAPI:{sort}{letter}")
-    physx = f"physxMimicJoint:{sort}{letter}"
+    """What a joint follows: in our own words, and, of what has an axis, as PhysX has it (q + gearing * q of the leader + offset = 0)."""
+    led = robot.leader(joint)
+    if joint.mimic is None or led is None:
+        return []
+    _, multiplier, offset = joint.mimic
+    leader = f"</{name}/joints/{paths[led.name]}>"
     curve = () if joint.curve is None else zip(("leader", "value"), joint.curve, strict=True)
-    return [
+    told = [
         *(
             f"custom double[] artipg:mimic:{word} = [{', '.join(f'{v:.17g}' for v in values)}]"
             for word, values in curve
         ),
-        f"custom rel artipg:mimic:joint = </{name}/joints/{paths[leader]}>",
+        f"custom rel artipg:mimic:joint = {leader}",
         f"custom double artipg:mimic:multiplier = {multiplier:.17g}",
         f"custom double artipg:mimic:offset = {offset:.17g}",
+    ]
+    if joint.traits.tilts or led.traits.tilts:
+        return told
+    own, other = (1.0 if j.traits.slides else _DEGREES for j in (joint, led))
+    sort, led_sort = ("trans" if j.traits.slides else "rot" for j in (joint, led))
+    schemas.append(f"PhysxMimicJointAPI:{sort}{letter}")
+    physx = f"physxMimicJoint:{sort}{letter}"
+    return [
+        *told,
         f"float {physx}:gearing = {-multiplier * own / other:.9g}",
         f"float {physx}:offset = {-offset * own:.9g}",
-        f"rel {physx}:referenceJoint = </{name}/joints/{paths[leader]}>",
+        f"rel {physx}:referenceJoint = {leader}",
         f'uniform token {physx}:referenceJointAxis = "{led_sort}{frame_of(led.axis)[0]}"',
     ]
 

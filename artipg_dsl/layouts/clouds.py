@@ -67,22 +67,17 @@ def classify(batch: Batch, points: Points, term: Term, number: Callable[[Any], i
     words = batch.program.vocabularies.get("semantic", ("",))
     links = batch.links()
     row = np.searchsorted(links.owner, points.object)[:, None] + points.link
-    key = np.asarray(links.definition)[row] * len(words) + points.semantic
+    key = links.semantic[row] * len(words) + points.semantic
     formulas = term.formulas()
     held = [points.labels[name] >= 0.5 if name in points.labels else np.zeros(key.shape, bool) for name in formulas]
     by_formula = np.select(held, range(1, len(held) + 1)) if held else np.zeros(key.shape, dtype=np.int64)
     rest = by_formula == 0
     found, place = np.unique(key[rest], return_inverse=True)
-    parts = [term.part(words[k % len(words)], link_word(batch, k // len(words))) for k in found.tolist()]
+    above = ("", *words[1:])  # the word of a link, "" for none
+    parts = [term.part(words[k % len(words)], above[k // len(words)]) for k in found.tolist()]
     classes = np.array([0, *map(number, formulas.values())], dtype=np.int64)[by_formula]
     classes[rest] = np.array([number(part) for part in parts], dtype=np.int64)[place]
     return classes
-
-
-def link_word(batch: Batch, definition: int) -> str:
-    """The word of the part that a link of the program is, "" where it has none."""
-    link = batch.program.links[definition]
-    return batch.program.parts[link.part].word if link.part >= 0 else ""
 
 
 def similarity_error(source: np.ndarray, target: np.ndarray) -> float:

@@ -11,7 +11,6 @@ import numpy as np
 from ..export.partnet_mobility import FolderLink, Leaf
 from ..export.partnet_tree import CategoryWords, build_tree, words_of
 from ..export.partnet_words import spell_category, to_snake_case
-from .clouds import link_word
 from .words import REST, vocabulary
 
 if TYPE_CHECKING:
@@ -89,9 +88,8 @@ def object_parts(batch: Batch, points: Points, levels: Levels) -> Iterator[Parts
         held: list[tuple[int, str]] = []
         leaf = np.zeros(len(rows), dtype=np.int64)
         for k, (link, instance, element, word, site) in enumerate(rows.tolist()):
-            on = (
-                to_snake_case(link_word(batch, int(links.definition[link_start[i] + link]))) if link in above[i] else ""
-            )
+            named = int(links.semantic[link_start[i] + link])
+            on = to_snake_case(semantic[named]) if link in above[i] and named else ""
             text = parts.name[part_start[i] + instance]
             coarse = words.path(to_snake_case(semantic[word] if word else text.split(".")[-1]), on, text)
             path = levels.refine(coarse, last[site])

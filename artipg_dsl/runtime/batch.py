@@ -13,7 +13,7 @@ import numpy as np
 
 from ..geometry.sites import SiteTable
 from ..graph.expr import Expr, Scope
-from ..graph.program import Draw, Program
+from ..graph.program import Draw, Link, Program
 from ..graph.reference import Reference
 from . import motion
 from .curves import add_curves
@@ -220,7 +220,7 @@ class Batch:
 
     @cached_property
     def _links(self) -> LinkTable:
-        rotations, translations, names = [], [], []
+        rotations, translations, names, words = [], [], [], []
         made = self._link_instances
         for link in self.program.links:
             part = self.program.parts[link.part] if link.part >= 0 else None
@@ -231,6 +231,7 @@ class Batch:
                 rotation, translation = np.tile(np.eye(3), (size, 1, 1)), np.zeros((size, 3))
             rotations.append(rotation)
             translations.append(translation)
+            words.append(self._link_words(link))
             names.append(self.rowmap.names(link.scope, link.path))
         return LinkTable(
             made.owner,
@@ -239,7 +240,20 @@ class Batch:
             made.definition,
             made.sort(rotations, (3, 3)),
             made.sort(translations, (3,)),
+            made.sort(words, dtype=np.int64),
         )
+
+    def _link_words(self, link: Link) -> np.ndarray:
+        """For each row of a link's scope the place of the word of the part that it is, whichever of its alternatives that is."""
+        parts, found = self.program.parts, np.zeros(self.rowmap.rows(link.scope).size, dtype=np.int64)
+        path = parts[link.part].path if link.part >= 0 else None
+        for words, part in zip(self._words, parts, strict=True):
+            if part.path == path and part.scope.within(link.scope):
+                found[self.rowmap.across(part.scope, link.scope)] = words
+            elif part.path == path and link.scope.within(part.scope):
+                found = words[self.rowmap.across(link.scope, part.scope)]
+        usual = parts[link.part].word if link.part >= 0 else ""
+        return np.where(found == 0, self.program.vocabularies["semantic"].index(usual) if usual else 0, found)
 
     def joints(self) -> JointTable:
         """The joints, each the one above its child link."""

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinkTable:
-    """L links sorted by owner, then number; ``rotation`` (L, 3, 3), ``translation`` (L, 3) place the link's part."""
+    """L links sorted by owner, then number; ``rotation`` (L, 3, 3), ``translation`` (L, 3) place the link's part, ``semantic`` (L,)
+    is the place of its word in that vocabulary, 0 for none."""
 
     owner: np.ndarray
     number: np.ndarray
@@ -26,6 +27,7 @@ class LinkTable:
     definition: np.ndarray
     rotation: np.ndarray
     translation: np.ndarray
+    semantic: np.ndarray
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -243,7 +243,10 @@ class FakeBatch:
         table = self._table([name for name, _ in LINKS])
         translation = self._boxes()[0][[0, 5, 7]].transpose(1, 0, 2).reshape(-1, 3)
         return SimpleNamespace(
-            **table, rotation=np.broadcast_to(np.eye(3), (3 * self.n, 3, 3)), translation=translation
+            **table,
+            rotation=np.broadcast_to(np.eye(3), (3 * self.n, 3, 3)),
+            translation=translation,
+            semantic=np.tile([SEMANTIC.index(word) for word in ("body", "door", "button")], self.n),
         )
 
     def joints(self) -> JointTable:

@@ -224,3 +224,10 @@ def test_equal_pieces_share_a_mesh_and_names_are_unique(robot: Robot, files: dic
         names = [e.get("name") for e in part.iter(tag) if e.get("name")]
         assert len(names) == len(set(names)), tag
     assert {mesh.get("file") for mesh in tree.iter("mesh") if mesh.get("file")} <= set(files)
+
+
+def test_a_ball_that_follows_is_refused_in_words() -> None:
+    robot = fake(kind="ball", low=None, high=None)
+    led = replace(robot.joints[1], mimic=("open", 0.002, 0.0))
+    with pytest.raises(ExportError, match="press follows open, and MuJoCo couples no ball joints"):
+        mjcf_files(replace(robot, joints=(robot.joints[0], led)))

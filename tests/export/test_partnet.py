@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from artipg_dsl import Samples, sample
+from artipg_dsl import Samples, load, sample
 from artipg_dsl.export.partnet_mobility import partnet_files
 from artipg_dsl.export.partnet_words import CATEGORIES, link_label, spell_category, to_snake_case
 from artipg_dsl.export.registry import FORMATS
@@ -428,3 +428,33 @@ def test_sapien_loads_an_export_without_a_render_device(tmp_path: Path) -> None:
     robot = scene.create_urdf_loader().load(str(folder / "object_physics.urdf"))
     assert {link.name for link in robot.get_links()} == {link.attrib["name"] for link in seen.findall("link")}
     assert len(robot.get_active_joints()) == sum(j.attrib["type"] != "fixed" for j in seen.findall("joint"))
+
+
+WORDS_BY_OBJECT = """apg 1
+use primitives { Cuboid }
+use vocabularies { semantic }
+template Door {
+  part leaf : Cuboid(size = [1cm, 20cm, 20cm])
+  part pin : Cuboid(size = [1cm, 1cm, 20cm])
+  align pin.right = leaf.left
+  label semantic.hinge on leaf
+}
+category Words {
+  param k : choice a | b
+  root part body : Cuboid(size = [20cm, 60cm, 30cm])
+  part door : Door
+  joint open : revolute body.front -> door.back gap 1mm at center about door.leaf.left.back range 0deg .. 90deg
+  label semantic.body on body
+  when k == a { label semantic.door on door } else { label semantic.lid on door }
+}
+"""
+
+
+@pytest.mark.parametrize(("k", "word"), [("a", "door"), ("b", "lid")])
+def test_a_link_has_the_word_of_its_part_in_this_object(k: str, word: str, tmp_path: Path) -> None:
+    """Not that of another branch of a `when`, nor that of the first mesh on it."""
+    made = load(WORDS_BY_OBJECT, set={"k": k}, checked=False)
+    (folder,) = made.export(tmp_path, "partnet-mobility,usd")
+    assert (folder / "semantics.txt").read_text().splitlines()[0] == f"link_0 hinge {word}"
+    link = (folder / "object.usda").read_text().partition('def Xform "door"')[2]
+    assert re.findall("semantics:labels:class = (.*)", link)[:2] == [f'["{word}"]', '["hinge"]']

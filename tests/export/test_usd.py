@@ -283,3 +283,17 @@ def test_bytes_do_not_depend_on_the_batch() -> None:
     assert usd_files(Robots(FakeBatch(5)), 3) == usd_files(Robots(FakeBatch(1, first=3)), 0)
     names = Names("joints")
     assert [names(n) for n in ("a.b", "a_b", "joints", "1st", "ü")] == ["a_b", "a_b_2", "joints_2", "_1st", "_"]
+
+
+def test_balls_tell_what_they_follow_and_wait_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    robots = Robots(FakeBatch(1))
+    robot = robots.robot(0)
+    door, button = robot.joints
+    ball = replace(button, kind="ball", mimic=(door.name, 0.1, 0.2), gates=((door.name, 1.0, np.inf),))
+    monkeypatch.setattr(robots, "robot", lambda _: replace(robot, joints=(door, ball)))
+    opened = Opened(robots, 0)
+    prim, leader = opened.joints[button.name], opened.joints[door.name].GetPath()
+    assert prim.GetRelationship("artipg:mimic:joint").GetTargets() == [leader]
+    assert prim.GetAttribute("artipg:mimic:multiplier").Get() == 0.1
+    assert prim.GetRelationship("artipg:when:joints").GetTargets() == [leader]
+    assert not [s for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if s.startswith("Physx")]
