@@ -42,7 +42,7 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
                 hint="put `clearance` in the joint's own range, or declare a joint in each branch",
             )
         low, high = (lifted(end, joint.scope) for end in ends(ev, statement.range, joint.kind, number))
-        if _above(joint.low, high) or _above(low, joint.high):
+        if _above(joint.low, high) or (_above(low, joint.high) and not clears(ev, statement.range.low)):
             raise links.context.error(
                 "empty-range",
                 statement.range.span,
