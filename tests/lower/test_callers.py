@@ -120,3 +120,74 @@ def test_a_style_draws_counts_and_words_once():
     sizes = np.round((parts.high - parts.low)[faces][:, :2], 6).reshape(30, 3, 2)
     assert (sizes == sizes[:, :1]).all(), "all leaves of an object are alike"
     assert len(np.unique(sizes[:, 0, 0])) > 5 and len(np.unique(sizes[:, 0, 1])) == 2
+
+
+SIZED = """apg 1
+use primitives { Cuboid }
+role Grip { inherit size : length[3] in [3cm, 1cm, 3cm] .. [6cm, 3cm, 40cm]  slot rod }
+template Bar : Grip { part rod : Cuboid(size = size) }
+template Bow : Grip { part rod : Cuboid(size = size) }
+"""
+
+
+def test_the_size_of_a_part_is_what_its_alternatives_say() -> None:
+    text = (
+        SIZED
+        + """category C {
+  root part body : Cuboid(size = [10cm, 2m, 1m])
+  style pull : Grip = Bar(size = [5cm, 2cm, 30cm]) | Bow(size = [4cm, 2cm, 20cm])
+  part grip : pull
+  align grip.top = body.top
+  connect grip.back on body.front
+  require grip.size.z <= 25cm
+}
+"""
+    )
+    parts = Session.of_text(text).sampler.batch(np.arange(20), 1).parts()
+    grips = np.array([path == "grip" for path in parts.path])
+    assert {t for t, own in zip(parts.template, grips, strict=True) if own} == {"Bow"}
+    np.testing.assert_allclose((parts.high - parts.low)[grips], [[0.04, 0.02, 0.2]] * 20)
+    np.testing.assert_allclose((parts.translation + parts.high)[grips, 2], 1.0)
+
+
+RANGED = """apg 1
+use primitives { Cuboid }
+role Leaf { inherit size : length[3]  slot board }
+template Sunk : Leaf {
+  param sunk : length in 1mm .. 0.3 * size.y
+  part board : Cuboid(size = [size.x - sunk, size.y, size.z])
+}
+category C {
+  root part body : Cuboid(size = [10cm, 2m, 10cm])
+  style leaf : Leaf = Sunk
+"""
+
+
+def depths(body: str) -> np.ndarray:
+    """How far the boards of 20 objects are sunk, and how wide they are: (20, boards, 2)."""
+    parts = Session.of_text(RANGED + body + "}\n").sampler.batch(np.arange(20), 1).parts()
+    boards = np.array([path.endswith("board") for path in parts.path])
+    return (parts.high - parts.low)[boards].reshape(20, -1, 3)[..., :2]
+
+
+def test_a_range_that_is_that_of_all_parts_is_drawn_in_once() -> None:
+    pair = "".join(f"part {name} : leaf(size = [10cm, 8mm, 20cm])\n" for name in ("one", "two"))
+    found = depths(pair + "connect one.bottom on body.top\nconnect two.bottom on one.top\n")
+    np.testing.assert_array_equal(found[:, 0], found[:, 1])
+    assert len(np.unique(found[:, 0, 0])) == 20
+
+
+def test_a_range_that_follows_from_a_part_is_drawn_in_for_each() -> None:
+    one, two = "part one : leaf(size = [10cm, 5cm, 20cm])", "part two : leaf(size = [10cm, 1cm, 20cm])"
+    apart = f"{one}\n{two}\nconnect one.bottom on body.top\nconnect two.bottom on one.top\n"
+    split = """repeat w[i] in 0 ..< 2 split body along y {
+    part board_ : leaf(size = [10cm, _, 20cm])
+    align board_.right = w.right
+    align board_.left = w.right + 4cm * (i + 1)
+    connect board_.bottom on body.top
+  }
+"""
+    for body in (apart, split):
+        sunk, wide = 0.1 - depths(body)[..., 0], depths(body)[..., 1]
+        assert (sunk >= 0.001 - 1e-9).all() and (sunk <= 0.3 * wide + 1e-9).all(), body
+        assert (sunk[:, 0] != sunk[:, 1]).all()

@@ -65,7 +65,9 @@ def _share_counts(env: Env, symbol: Symbol, style: Style, option: str) -> None:
         if isinstance(statement, ast.CountDecl) and statement.name not in env.names and _has_fixed_range(statement):
 
             def make(statement: ast.CountDecl = statement) -> E.Expr:
-                return style.shared(option, statement.name, statement, None, env)
+                shared = style.shared(option, statement.name, statement, None, env)
+                assert shared is not None, "a range that is written out is that of all parts"
+                return shared
 
             env.names[statement.name] = Thunk(make, statement.name_span)
 

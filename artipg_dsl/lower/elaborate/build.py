@@ -83,6 +83,7 @@ def _make_inputs(part: Component, interface: Symbol, arguments: tuple[ast.Argume
     """Values of the interface's parameters: the arguments, and open columns for what is not given."""
     env = part.env
     given = {a.name: a for a in arguments if a.name is not None}
+    part.given = {name: argument.span for name, argument in given.items()}
     counts = {s.name for s in interface.body if isinstance(s, ast.CountDecl)}
     for name, argument in given.items():
         if name in counts:
@@ -156,6 +157,14 @@ def _instantiate(part: Component, option: Option, lower_body: LowerBody) -> Inst
         declared = {name: (owner, declaration) for owner, declaration, name, _ in parameters_of(option.symbol)}
         for argument in arguments:
             name = argument.name or ""
+            if name in part.given:
+                raise context.error(
+                    "wrong-arguments",
+                    argument.span,
+                    f"`{name}` is given twice: by the alternative `{option.name}`, and by the part `{part.name}`",
+                    hint="give it in one of the two places",
+                    notes=((part.given[name], "by the part"),),
+                )
             if _has_hole(argument.value):
                 raise context.error(
                     "misplaced-hole",

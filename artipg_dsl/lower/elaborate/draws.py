@@ -51,6 +51,16 @@ def draw_scalar(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str,
     return E.col(draw.column)
 
 
+def read_by(env: Env, declaration: ast.ParamDecl | ast.CountDecl, component: int | None) -> tuple[Expr, ...]:
+    """The values that a draw follows from: the ends of its range, its default, what its distribution and its variation take."""
+    domain, vary = declaration.domain, declaration.vary if isinstance(declaration, ast.ParamDecl) else None
+    assert domain is not None
+    arguments = () if declaration.distribution is None else (a.value for a in declaration.distribution.arguments)
+    said = [domain.low, domain.high, *(end for end in (declaration.default,) if end is not None), *arguments]
+    found = tuple(component_of(env, node, component) for node in said)
+    return found if vary is None else (*found, component_of(env, vary, None))
+
+
 def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, component: int | None = None) -> Draw:
     counted = isinstance(declaration, ast.CountDecl) or declaration.type.name == "count"
     column = env.context.column(env.scope, path, "count" if counted else "real", declaration.span)
@@ -173,9 +183,9 @@ def _open_scalar(
     if declaration.domain is not None:
         draw = make_draw(local, declaration, path, component)
         unknown = Unknown(draw.column, "param", part.span, shown, part, draw=draw)
-        if part.style is not None:
-            unknown.default = part.style.shared(None, name, declaration, component, local)
-            unknown.kind = "default"
+        shared = None if part.style is None else part.style.shared(None, name, declaration, component, local)
+        if shared is not None:
+            unknown.default, unknown.kind = shared, "default"
         else:
             part.context.draws.append(draw)
     else:

@@ -58,9 +58,8 @@ def _own_scalar(
         env.unknowns.append(unknown)
         return E.col(column)
     if declaration.domain is not None:
-        if style is not None:
-            return style.shared(option, name, declaration, component, env)
-        return draw_scalar(env, declaration, path, component)
+        shared = None if style is None else style.shared(option, name, declaration, component, env)
+        return shared if shared is not None else draw_scalar(env, declaration, path, component)
     if declaration.default is not None:
         return component_of(env, declaration.default, component)
     column = env.context.column(env.scope, path, "real", declaration.span)

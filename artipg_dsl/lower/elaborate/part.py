@@ -57,6 +57,7 @@ class Component:
     choice: Choice | None = None
     exists: Expr = E.TRUE
     inputs: dict[str, Value] = field(default_factory=dict)
+    given: dict[str, Span] = field(default_factory=dict)  # which of them the text gives
     attachments: list[Attachment] = field(default_factory=list)  # once, or once in each branch of a ``when``
     style: Style | None = None
     found: Pose | None = None  # its pose, once it is known
@@ -140,10 +141,16 @@ class Component:
     def primitive(self) -> bool:
         return all(i.symbol.kind == "primitive" for i in self.instances)
 
+    def handed(self, name: str) -> Value | None:
+        """The value of a parameter that all alternatives take as it is handed to the part; None where one of them says another."""
+        said = any(a.name == name for option in self.options for a in option.source.arguments)
+        alone = self.role is None and len(self.options) == 1  # then what it says is what is handed in
+        return self.inputs.get(name) if alone or not said else None
+
     def own(self, name: str) -> Value | None:
         """A declared member in the part's own frame, in the table of its environment where alternatives differ."""
-        if name in self.inputs:
-            return self.inputs[name]
+        if (handed := self.handed(name)) is not None:
+            return handed
         found: list[tuple[Scope, Value]] = []
         for instance in self.instances:
             value = instance.member(name)
@@ -159,7 +166,7 @@ class Component:
     def box(self) -> Box:
         """The box of the part in its own frame."""
         if self._box is None:
-            size = self.inputs.get("size")
+            size = self.handed("size")
             if isinstance(size, Vec) and len(size.items) == 3 and all(i.takes_size for i in self.instances):
                 self._box = centred(size.items, (self,))
             elif not self.instances:

@@ -15,7 +15,7 @@ from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solve.cases import covered
 from ..values.kinds import Alternatives, Choice
-from .draws import draw_choice, draw_option, draw_scalar
+from .draws import draw_choice, draw_option, draw_scalar, read_by
 
 
 @dataclass(slots=True, eq=False)
@@ -29,6 +29,7 @@ class Style(Alternatives):
     alternatives: tuple[ast.Alternative, ...]
     templates: dict[str, Symbol]  # by the names of the alternatives
     drawn: dict[tuple[str, str], Expr] = field(default_factory=dict)
+    read: dict[tuple[str, str], tuple[Expr, ...]] = field(default_factory=dict)  # by the draws
 
     def matches(self, symbol: Symbol) -> Expr:
         """The predicate of ``style is Name``."""
@@ -48,24 +49,33 @@ class Style(Alternatives):
         declaration: ast.ParamDecl | ast.CountDecl,
         component: int | None,
         local: Env,
-    ) -> Expr:
-        """The style's own draw of a parameter: of the role (``option`` None) or of one alternative."""
-        return self._once(option, name, local, lambda home, path: draw_scalar(home, declaration, path, component))
+    ) -> Expr | None:
+        """The style's own draw of a parameter: of the role (``option`` None) or of one alternative. None where its range (or default, or
+        distribution) follows from what each part has of its own, or is not that of the parts before: then it is each part's own."""
+        home, path = self._home(option, local)
+        read, key = read_by(local, declaration, component), (option or "", name)
+        if not home.scope.within(E.deepest(read)) or self.read.setdefault(key, read) != read:
+            return None
+        return self._once(key, home, lambda: draw_scalar(home, declaration, path + name, component))
 
     def shared_option(self, option: str, name: str, declaration: ast.ParamDecl, local: Env) -> Choice:
         """The style's own draw of a parameter that is one of some words, of one alternative."""
-        code = self._once(option, name, local, lambda home, path: draw_option(home, declaration, path).code)
+        home, path = self._home(option, local)
+        code = self._once((option, name), home, lambda: draw_option(home, declaration, path + name).code)
         return Choice(code, declaration.type.values)
 
-    def _once(self, option: str | None, name: str, local: Env, draw: Callable[[Env, str], Expr]) -> Expr:
+    def _home(self, option: str | None, local: Env) -> tuple[Env, str]:
+        """Where the parameters of the role or an alternative are drawn, and what their paths begin with."""
+        scope = self.env.scope if option is None else self.scope(option)
+        path = f"{self.env.path}{self.declaration.name}."
+        return Env(local.context, local.module, local.symbol, scope, path, names=dict(local.names)), path
+
+    def _once(self, key: tuple[str, str], home: Env, draw: Callable[[], Expr]) -> Expr:
         """What is drawn at the first question, in the table of the alternative."""
-        key = (option or "", name)
         if key not in self.drawn:
-            scope = self.env.scope if option is None else self.scope(option)
-            path = f"{self.env.path}{self.declaration.name}."
-            home = Env(local.context, local.module, local.symbol, scope, path, names=dict(local.names))
-            value = draw(home, path + name)
-            self.drawn[key] = value if scope is self.env.scope else E.phi(self.env.scope, [(scope, value)])
+            value = draw()
+            shared = home.scope is self.env.scope
+            self.drawn[key] = value if shared else E.phi(self.env.scope, [(home.scope, value)])
         return self.drawn[key]
 
 
