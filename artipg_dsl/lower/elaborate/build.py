@@ -10,6 +10,7 @@ from ...semantics.meanings import Declared, Global, Word
 from ...semantics.symbols import Symbol
 from ...semantics.types import DIMENSIONS
 from ...syntax import ast
+from ...syntax.walk import walk
 from ..expressions.arithmetic import number
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
@@ -89,8 +90,13 @@ def _make_inputs(part: Component, interface: Symbol, arguments: tuple[ast.Argume
         if name in counts:
             part.inputs[name] = Evaluator(env).scalar(argument.value)
     local = Env(env.context, interface.module, interface, env.scope, part.path + ".", names=dict())
-    for symbol, declaration, name, span in parameters_of(interface):
-        if declaration.keyword == "out":
+    asked = parameters_of(interface)
+    needless = set() if part.role is None else _said_by_all(part) - set(given)
+    needless -= {
+        node.name for _, declaration, *_ in asked for node in walk(declaration) if isinstance(node, ast.NameExpr)
+    }
+    for symbol, declaration, name, span in asked:
+        if declaration.keyword == "out" or name in needless:
             continue
         local.module = symbol.module
         stated = given.get(name)
@@ -102,6 +108,12 @@ def _make_inputs(part: Component, interface: Symbol, arguments: tuple[ast.Argume
             value = open_parameter(part, local, declaration, name, span, stated)
         part.inputs[name] = value
         local.names[name] = value
+
+
+def _said_by_all(part: Component) -> set[str]:
+    """The parameters that every alternative of a part gives itself."""
+    said = [{a.name for a in option.source.arguments if a.name is not None} for option in part.options]
+    return set.intersection(*said) if said else set()
 
 
 def _has_hole(node: ast.Expr) -> bool:
