@@ -135,7 +135,8 @@ primitive Rod {
   surface end    (u in 0 .. 1, v in 0 .. 1) = [(1 - u) * radius * cos(half), (1 - u) * radius * sin(half), (v - 1/2) * height] when span < 1turn
   let cut(q) = -radius if span >= 1turn else abs(q.y) * cos(half) - q.x * sin(half)
   inside (p) = max(hypot(p.x, p.y) - radius, abs(p.z) - height / 2, cut(p))
-  box = [-radius, -radius, -height / 2] .. [radius, radius, height / 2]
+  let wide = radius * sin(half) if span < 180deg else radius
+  box = [min(0mm, radius * cos(half)), -wide, -height / 2] .. [radius, wide, height / 2]
 }
 """
 WRONG = {

@@ -173,4 +173,4 @@ def test_preferences_are_in_the_text_form_and_in_modules():
 
 def test_a_preference_cannot_weigh_less_than_nothing():
     session = Session.of_text(HEAD + PREFERRED.replace("weight 2", "weight -1") + TAIL)
-    assert session.lowering is None and "cannot be negative" in session.report.diagnostics[0].message
+    assert session.lowering is None and "must be above 0" in session.report.diagnostics[0].message
