@@ -81,9 +81,16 @@ def _sapien() -> Any:
 
 
 def untied(robot: Robot) -> Robot:
-    """The same robot with every joint independent: SAPIEN 3.0.3 inverts the ratio of those that mimic others, which holds both fast."""
+    """The same robot without joints that mimic others by another ratio than 1 or -1: SAPIEN 3.0.3 inverts it, which holds both fast."""
     simple = simple_joints(robot)
-    return replace(simple, joints=tuple(replace(joint, mimic=None) for joint in simple.joints))
+    return replace(
+        simple, joints=tuple(replace(joint, mimic=joint.mimic if _ties(joint) else None) for joint in simple.joints)
+    )
+
+
+def _ties(joint: RobotJoint) -> bool:
+    """Whether SAPIEN couples a joint as it should."""
+    return joint.mimic is not None and abs(joint.mimic[1]) == 1.0
 
 
 @dataclass(eq=False)
@@ -155,7 +162,7 @@ class Standing:
         """Followers: their number, that of their leader, and how stiffly they are drawn. Leaders feel what they rub."""
         for k, name in enumerate(self.order):
             mimic = stated[name].mimic
-            if mimic is None or mimic[0] not in self.order:
+            if mimic is None or mimic[0] not in self.order or _ties(stated[name]):
                 continue
             yield k, self.order.index(mimic[0]), stated[name], _TOWED * rotors[k]
             ratio = 1.0

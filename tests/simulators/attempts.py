@@ -17,7 +17,7 @@ import numpy as np
 from artipg_dsl.annotate.cloud import Points, sample_points
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.annotate.states import draw_values, joint_twist, own_joints
-from artipg_dsl.export.robot import Robots
+from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.layouts.forecast import Scene, foretell
 from artipg_dsl.layouts.hand import Arena, Trial, succeeds
 from artipg_dsl.layouts.where2act import led_links
@@ -50,10 +50,10 @@ class Attempt:
 
 
 class Case:
-    """One object: a batch of its own, its arena, the states it is tried in, its points."""
+    """One object: a batch of its own, its robot, its arena, where screws have links of their own, the states it is tried in, its points."""
 
-    def __init__(self, batch: Batch, arena: Arena, names: list[str], seed: int):
-        self.batch, self.arena, self.unit = batch, arena, arena.unit
+    def __init__(self, batch: Batch, robot: Robot, arena: Arena, names: list[str], seed: int):
+        self.batch, self.robot, self.arena, self.unit = batch, robot, arena, arena.unit
         self.names, self.joints = names, batch.joints()
         self.draw = np.random.default_rng([seed, int(batch.numbers[0])])
         self.cloud = sample_points(
@@ -210,7 +210,7 @@ class Case:
             mine = [one for one in made if one[1] == state]
             if not mine:
                 continue
-            scene = Scene.of(self.batch, self.arena.robot, self.states[state][1])
+            scene = Scene.of(self.batch, self.robot, self.states[state][1])
             told = foretell(scene, [one[0] for one in mine], self.unit, self.arena.groups)
             for (trial, _, word, labelled), foretold, note in zip(mine, told.good, told.why, strict=True):
                 out = self.arena.run(trial, self.states[state][0])
@@ -223,7 +223,7 @@ class Case:
                 more = f"state {state} gone {gone.round(4).tolist()} cosine {cosine:.2f}"
                 found.append(
                     Attempt(
-                        int(self.batch.numbers[0]), trial, self.arena.robot.links[trial.link].name, self.names[chain[0]],
+                        int(self.batch.numbers[0]), trial, self.robot.links[trial.link].name, self.names[chain[0]],
                         word, labelled, bool(foretold), came, out.fault, f"{note or 'should'}; {more}",
                     )
                 )  # fmt: skip
@@ -235,9 +235,10 @@ def try_object(batch: Batch, count: int, each: int, seed: int = 0) -> list[Attem
     joints = batch.joints()
     own = own_joints(batch)
     groups = np.where(own >= 0, own, -1)
-    with written(Robots(batch).robot(0), "urdf") as subject:
+    robot = Robots(batch).robot(0)
+    with written(robot, "urdf") as subject:
         arena = Arena(subject.robot, unit_of(batch), groups)
-        case = Case(batch, arena, list(joints.name), seed)
+        case = Case(batch, robot, arena, list(joints.name), seed)
         if not case.rows or not case.states:
             return []
         return case.attempt([*case.random(count), *case.worded(each)])
