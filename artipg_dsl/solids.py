@@ -27,10 +27,8 @@ _HINT = "two edges match where both surfaces give the same curve from end to end
 
 _BROAD = "bend it less, or use a thinner section"
 _TRIED = 256  # test values at which a bend is looked at
-LOOSE, ABSENT = (
-    0.05,
-    0.1,
-)  # of its size that a solid reaches beyond its pieces, or its box beyond it: worth a warning, and an error
+# of its size that a solid reaches beyond its pieces, or its box beyond it: worth a warning, and an error
+LOOSE, ABSENT = 0.05, 0.1
 _NARROW = "does the path cross or touch itself, or bend more tightly than its section allows? Narrow the ranges in its formula"
 
 
@@ -42,13 +40,13 @@ def check_closed(solids: Mapping[Any, Lowered], report: Report) -> None:
     for symbol, lowered in solids.items():
         if lowered.digest:
             facts.tell_digest(lowered.primitive, lowered.digest)
+        own = symbol[0] if isinstance(symbol, tuple) else symbol  # one that is made of a curve is known by both
         try:
             examine_primitive(lowered.primitive)
             _cover(symbol, lowered, report)
-            _enclose(symbol[0] if isinstance(symbol, tuple) else symbol, lowered, report)
+            _enclose(own, lowered, report)
         except PrimitiveError as error:
-            # one that is made of a curve is known by the symbol and the curve
-            _tell(symbol[0] if isinstance(symbol, tuple) else symbol, lowered, error, report)
+            _tell(own, lowered, error, report)
 
 
 def _stated(symbol: Symbol, kind: type[ast.Stmt]) -> list[ast.Stmt]:
@@ -60,12 +58,10 @@ def _stated(symbol: Symbol, kind: type[ast.Stmt]) -> list[ast.Stmt]:
 def _enclose(symbol: Symbol, lowered: Lowered, report: Report) -> None:
     """Warn of a box that an author states and that is not the box of the surfaces: parts are placed by it."""
     stated = _stated(symbol, ast.BoxDecl)
-    fault = (
-        facts.recall_fact(
-            lowered.primitive, "box", lambda: find_box_fault(lowered.primitive, LOOSE), lambda f: f, _words
-        )
-        if stated
-        else None
+    if not stated:
+        return
+    fault = facts.recall_fact(
+        lowered.primitive, "box", lambda: find_box_fault(lowered.primitive, LOOSE), lambda f: f, _words
     )
     if fault is not None:
         said = f"the box of the primitive `{symbol.name}` is not that of its surfaces: {fault}"

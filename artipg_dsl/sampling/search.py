@@ -124,6 +124,9 @@ class Search:
             sound,
         )
         self.rows = [batch.rowmap.rows(d.column.scope) for d in batch.program.draws]
+        self.real = np.array([d.kind == "real" for d in batch.program.draws], dtype=bool)
+        self.targets = np.concatenate([np.zeros(0), *self.target])  # of all draws, one behind the other
+        self.first = np.cumsum([0, *map(len, self.target)])
         self.low, self.high, self.width = [], [], []
         for number, draw in enumerate(batch.program.draws):
             low, high = domain_ends(batch, number)
@@ -166,8 +169,7 @@ class Search:
 
     def together(self, spots: Spots) -> Moves:
         """All numbers among the spots of an object, each anywhere within a reach that grows from candidate to candidate."""
-        kinds = np.array([d.kind == "real" for d in self.batch.program.draws] or [False])
-        real = Spots(*(column[kinds[spots.draw]] for column in (spots.owner, spots.draw, spots.row)))
+        real = Spots(*(column[self.real[spots.draw]] for column in (spots.owner, spots.draw, spots.row)))
         places = np.unique(real.owner)
         number = np.arange(_TOGETHER)
         reach = 2.0 ** (-6.0 + 6.0 * number / (_TOGETHER - 1))
@@ -295,13 +297,12 @@ class Search:
     def _nearest(self, moves: Moves, spots: Spots | None, solids: bool) -> Moves:
         """The same by the text, and the ``solids``. Each round cuts what is left of the way back into sections and looks at their ends,
         since evaluating few candidates takes as long as evaluating one."""
-        real = np.array([d.kind == "real" for d in self.batch.program.draws])
         several = moves.times(_SECTIONS - 1)
         before, step = np.zeros(len(moves.place)), 1.0
         for _ in range(_ROUNDS):
             step /= _SECTIONS
             ends = before[:, None] + step * np.arange(1, _SECTIONS)
-            there = self._back(several, ends.ravel(), real)
+            there = self._back(several, ends.ravel())
             judged = self.judged(there, spots)
             good = (judged.faults == 0) & judged.alone.astype(bool)
             some = np.flatnonzero(good)
@@ -309,13 +310,12 @@ class Search:
                 good[some] = self.examined(there.part(some))
             good = good.reshape(ends.shape)
             before += step * np.where(good.any(axis=1), good.argmax(axis=1), _SECTIONS - 1)
-        return self._back(moves, before + step, real)
+        return self._back(moves, before + step)
 
-    def _back(self, moves: Moves, share: np.ndarray, real: np.ndarray) -> Moves:
-        """Candidates with so much (C,) of their way from the target; what is not ``real`` (draws,) goes all of it."""
-        target = [self.target[d][r] for d, r in zip(moves.draw.tolist(), moves.row.tolist(), strict=True)]
-        old, way = np.array(target, dtype=np.float64), share[moves.candidate]
-        value = np.where(real[moves.draw] & (way < 1.0), old + way * (moves.value - old), moves.value)
+    def _back(self, moves: Moves, share: np.ndarray) -> Moves:
+        """Candidates with so much (C,) of their way from the target; counts and choices go all of it."""
+        old, way = self.targets[self.first[moves.draw] + moves.row], share[moves.candidate]
+        value = np.where(self.real[moves.draw] & (way < 1.0), old + way * (moves.value - old), moves.value)
         return Moves(moves.place, moves.candidate, moves.draw, moves.row, value)
 
 
