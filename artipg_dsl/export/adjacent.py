@@ -1,4 +1,4 @@
-"""Which links a joint or a closed loop holds together, so that simulators are told not to let them collide."""
+"""Which links a joint or a closed loop holds together, or the text lets overlap, so that simulators are told not to let them collide."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ _LIGHT = 0.05  # of the mass of what a link carries
 
 
 def find_adjacent(robot: Robot) -> list[tuple[str, str]]:
-    """Names of pairs of links that a joint, two joints with but a light link between, a common axle or a loop's closing holds together.
+    """Names of pairs of links that a joint, two joints with but a light link between, a common axle or a loop's closing holds together,
+    or that the text allows to overlap.
 
     Links that fixed joints hold together count as one.
     """
@@ -29,6 +30,7 @@ def find_adjacent(robot: Robot) -> list[tuple[str, str]]:
         (a.child, b.child) for i, a in enumerate(robot.joints) for b in robot.joints[i + 1 :] if _on_one_axle(a, b)
     ]
     pairs = [(a, b) for one, other in held for a in groups[welded[one]] for b in groups[welded[other]]]
+    pairs += [pair for pair in robot.overlaps if pair[::-1] not in pairs]
     pairs += [(a, b) for group in groups.values() for i, a in enumerate(group) for b in group[i + 1 :]]
     return [(robot.links[a].name, robot.links[b].name) for a, b in dict.fromkeys(pairs)]
 

@@ -21,6 +21,7 @@ from ..language import JOINTS, Kind
 from ..runtime.curves import tabulate
 from ..validity.mass import Mass, masses
 from ..validity.materials import list_materials, material_rows
+from ..validity.meant import find_allowed
 from . import materials, solids
 from .colliders import make_colliders
 from .dressed import NOTE, build_dressed
@@ -177,13 +178,14 @@ class RobotClosure:
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """One object. ``links[0]`` is the root."""
+    """One object. ``links[0]`` is the root; ``overlaps`` are pairs of links that the text allows to overlap."""
 
     name: str
     number: int
     links: tuple[RobotLink, ...]
     joints: tuple[RobotJoint, ...]
     closures: tuple[RobotClosure, ...] = ()
+    overlaps: tuple[tuple[int, int], ...] = ()
     note: str = ""  # what its files say of the surfaces
 
     def leader(self, joint: RobotJoint) -> RobotJoint | None:
@@ -280,6 +282,11 @@ class Robots:
         )
 
     @cached_property
+    def overlaps(self) -> np.ndarray:
+        """Pairs (k, 2) of links that the text allows to overlap, so that nothing holds their colliders apart."""
+        return find_allowed(self.batch, ("overlap",))
+
+    @cached_property
     def turns(self) -> dict[int, np.ndarray]:
         """By site, the rotation of each row as a quaternion w x y z."""
         return {table.number: quaternion(table.rotation) for table in self.tables}
@@ -351,7 +358,9 @@ class Robots:
         )
         number = int(self.batch.numbers[i])
         name = f"{self.batch.program.name}_{number:06d}"
-        return Robot(name, number, links, tuple(self._joints(i)), tuple(self._closures(i)), self.note)
+        overlaps = self.overlaps[self.links.owner[self.overlaps[:, 0]] == i] - first
+        pairs = tuple((one, other) for one, other in overlaps.tolist() if one != other)
+        return Robot(name, number, links, tuple(self._joints(i)), tuple(self._closures(i)), pairs, self.note)
 
     def _name(self, i: int, item: solids.Item[Any]) -> str:
         return self.part_names[int(self.part_start[i]) + int(item.group.table.instance[item.row])]

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..annotate.frames import quaternion
 from ..native.digits import print_rows
+from .adjacent import find_adjacent
 from .decimals import numbers
 from .materials import to_linear
 from .pose import rest_poses
@@ -68,6 +69,8 @@ def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
     for k, link in enumerate(links):
         # a button's moments are tiny: significant digits, not decimals
         link |= {"moments": "({:.9g}, {:.9g}, {:.9g})".format(*moments[k].tolist()), "axes": _quat(quaternion(axes[k]))}
+    for link, filtered in zip(links, _filtered(robot), strict=True):
+        link["filtered"] = ", ".join(f"</{name}/{link_names[other]}>" for other in filtered)
     own = Names()
     paths = {joint.name: own(joint.name) for joint in robot.joints}
     joints = [_joint(robot, joint, name, link_names, paths) for joint in robot.joints]
@@ -76,6 +79,19 @@ def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
     ]
     text = _template().render(name=name, looks=_looks(robot), links=links, joints=joints)
     return {"object.usda": (text + "\n").encode("utf-8")}
+
+
+def _filtered(robot: Robot) -> list[list[int]]:
+    """For each link, those with which it is not to collide, of pairs that no joint of the file holds: those do not by themselves."""
+    number = {link.name: k for k, link in enumerate(robot.links)}
+    held = {frozenset((joint.parent, joint.child)) for joint in robot.joints}
+    held |= {frozenset(closure.links) for closure in robot.closures}
+    found: list[list[int]] = [[] for _ in robot.links]
+    for names in find_adjacent(robot):
+        one, other = (number[name] for name in names)
+        if frozenset((one, other)) not in held:
+            found[one].append(other)
+    return found
 
 
 def _looks(robot: Robot) -> list[dict[str, str]]:

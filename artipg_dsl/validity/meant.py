@@ -6,7 +6,7 @@ each of its rows; of what lies around those, or in none of them, it speaks where
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,6 +75,20 @@ def pair_parts(owner: np.ndarray, first: Meant, second: Meant) -> tuple[np.ndarr
     j = order[np.arange(len(i)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(start, count)]
     together = (first.group[i] == second.group[j]) | (first.group[i] < 0) | (second.group[j] < 0)
     return first.row[i[together]], second.row[j[together]]
+
+
+def find_allowed(batch: Batch, kinds: Collection[str]) -> np.ndarray:
+    """Pairs (k, 2) of rows of the table of links that ``allow`` statements of these kinds name in each object, the lower first."""
+    asked = [said for said in batch.program.allowed if said.kind in kinds]
+    if not asked:  # the table of parts is long
+        return np.zeros((0, 2), dtype=np.int64)
+    parts = batch.parts()
+    link = np.searchsorted(batch.links().owner, np.arange(len(batch)))[parts.owner] + parts.link
+    found = []
+    for said in asked:
+        sides = (find_meant(batch, said, *side) for side in zip((said.first, said.second), said.ranks, strict=True))
+        found.append(np.stack([link[row] for row in pair_parts(parts.owner, *sides)], axis=1))
+    return np.unique(np.sort(np.concatenate(found), axis=1), axis=0)
 
 
 def sites_of(batch: Batch, row: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:

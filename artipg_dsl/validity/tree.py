@@ -11,7 +11,7 @@ import numpy as np
 from ..runtime.batch import Batch
 from ..runtime.motion import apply, multiply
 from .bodies import Pieces
-from .meant import find_meant, pair_parts
+from .meant import find_allowed
 
 if TYPE_CHECKING:
     from .validate import Collisions
@@ -114,23 +114,9 @@ class Tree:
 
     @cached_property
     def _allowed(self) -> np.ndarray:
-        """The pairs of links that ``allow overlap`` and ``free`` name in each object: the lower times their number, plus the higher."""
-        asked = [said for said in self.batch.program.allowed if said.kind in ("overlap", "free")]
-        found = [np.zeros(0, dtype=np.int64)]
-        if not asked:  # the table of parts is long, and nothing else of the check reads it
-            return found[0]
-        parts = self.batch.parts()
-        link = self.first[parts.owner] + parts.link
-        for said in asked:
-            sides = (said.first, said.second)
-            one, two = (
-                link[row]
-                for row in pair_parts(
-                    parts.owner, *(find_meant(self.batch, said, n, r) for n, r in zip(sides, said.ranks, strict=True))
-                )
-            )
-            found.append(np.minimum(one, two) * len(self.above) + np.maximum(one, two))
-        return np.unique(np.concatenate(found))
+        """The pairs of links that ``allow overlap`` and ``free`` name: the lower times their number, plus the higher."""
+        pairs = find_allowed(self.batch, ("overlap", "free"))
+        return pairs[:, 0] * len(self.above) + pairs[:, 1]
 
     def carried(self, body: Pieces, chosen: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """(pieces, joints): the pieces that each of the joints ``chosen`` (J,) bool moves, level by level of the tree."""
