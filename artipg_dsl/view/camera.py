@@ -67,7 +67,7 @@ def look_at(points: np.ndarray, azimuth: float = 33.0, elevation: float = 24.0, 
 def place_lights(camera: Camera, sun_count: int = 12, sky_count: int = 32) -> Lights:
     """A broad sun from above the viewer's left and a sky, as bundles of parallel lights that each cast a shadow.
 
-    The counts are multiples of 4: the samples of a pixel share the lights out (``deferred.pick_lights``).
+    The counts are multiples of 4: the samples of a pixel share the lights out (``deferred._shares``).
     """
     right, _, back = camera.axes
     main = unit(-0.75 * right + 0.55 * back + np.array([0.0, 0.0, 1.0]))

@@ -1,7 +1,8 @@
-"""Shading in NumPy for renderers without a graphics library: find what each sample shows, then light all at once."""
+"""Shading in NumPy for renderers without a graphics library: find what each sample shows, then light all at once, a light at a time."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -26,13 +27,13 @@ class RayHits:
 
 
 class Engine(Protocol):
-    """What differs between the renderers: which face a ray meets first, and which lights a point sees."""
+    """What differs between the renderers: which face a ray meets first, and which points (n, 3) see a light, 0 .. 1."""
 
     def begin(self, scene: Scene, camera: Camera, lights: Lights, floor: float) -> None: ...
 
     def first(self, faces: np.ndarray, rays: Rays) -> RayHits: ...
 
-    def visible(self, points: np.ndarray, light: np.ndarray) -> np.ndarray: ...
+    def visible(self, points: np.ndarray, light: int) -> np.ndarray: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,36 +75,36 @@ def shade_picture(
     image = np.broadcast_to(backdrop, rays.direction.shape).copy()
     solid = engine.first(opaque, rays)
     extent = float((scene.vertices.max(axis=0) - scene.vertices.min(axis=0)).max())
-    chosen = _pick_lights(lights, rays.edge)
 
     ground = _ground_samples(scene, rays, solid, floor, extent)
     points = rays.eye + rays.direction[ground] * _distance_to_floor(rays, ground, floor)[:, None]
-    image[ground] = backdrop * _shadow(engine, lights, chosen[ground], points, rays.edge, ground)
+    image[ground] = backdrop * _shadow(engine, lights, points, rays.edge, ground)
     at = np.flatnonzero(solid.face >= 0)
-    image[at] = _light_up(engine, lights, chosen[at], _surface(scene, rays, at, solid), rays, at, backdrop, extent)[0]
+    image[at] = _light_up(engine, lights, _surface(scene, rays, at, solid), rays, at, backdrop, extent)[0]
     if len(clear):
         pane = engine.first(clear, rays)
         nearer = np.where(solid.face >= 0, solid.distance, np.inf)
         at = np.flatnonzero((pane.face >= 0) & (pane.distance < nearer))
-        shown, alpha = _light_up(
-            engine, lights, chosen[at], _surface(scene, rays, at, pane), rays, at, backdrop, extent
-        )
+        shown, alpha = _light_up(engine, lights, _surface(scene, rays, at, pane), rays, at, backdrop, extent)
         image[at] = shown * alpha[:, None] + image[at] * (1 - alpha[:, None])
     grid = image.reshape(size, _SAMPLES, size, _SAMPLES, 3)
     return np.clip(grid.mean(axis=(1, 3)), 0.0, 1.0)
 
 
-def _pick_lights(lights: Lights, edge: int) -> np.ndarray:
-    """Lights (n, m) for each sample: those of one pixel share out all lights, so that their mean has seen every one."""
-    share = _SAMPLES * _SAMPLES
-    y, x = np.divmod(np.arange(edge * edge), edge)
-    which = (y % _SAMPLES) * _SAMPLES + x % _SAMPLES
-    return np.arange(len(lights.direction), dtype=np.uint8).reshape(-1, share).T[which]
+def _shares(lights: Lights, edge: int, at: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Which of the samples ``at`` (indices into them) look at which lights (m,), and the irradiance (m, 3) that stands for all lights.
+
+    The samples of one pixel share out all lights, so that their mean has seen every one.
+    """
+    count = _SAMPLES * _SAMPLES
+    y, x = np.divmod(at, edge)
+    share = (y % _SAMPLES) * _SAMPLES + x % _SAMPLES
+    for k in range(count):
+        yield np.flatnonzero(share == k), np.arange(k, len(lights.direction), count), lights.power[k::count] * count
 
 
-def _picked_power(lights: Lights, chosen: np.ndarray) -> np.ndarray:
-    """Irradiance (n, m, 3) of picked lights, such that the picks of one sample stand for all lights."""
-    return (lights.power * (_SAMPLES * _SAMPLES))[chosen]
+def _dot(rows: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    return rows[:, 0] * vector[..., 0] + rows[:, 1] * vector[..., 1] + rows[:, 2] * vector[..., 2]
 
 
 def _surface(scene: Scene, rays: Rays, at: np.ndarray, hits: RayHits) -> _SeenSurface:
@@ -113,56 +114,57 @@ def _surface(scene: Scene, rays: Rays, at: np.ndarray, hits: RayHits) -> _SeenSu
     share = (1 - u - v, u, v)
     normal = _unit_or_up(sum(w * scene.normals[corners[:, i]] for i, w in enumerate(share)))
     towards = -rays.direction[at]
-    normal = np.where((normal * towards).sum(axis=1, keepdims=True) < 0, -normal, normal)
+    normal = np.where(_dot(normal, towards)[:, None] < 0, -normal, normal)
     position = rays.eye - towards * hits.distance[at][:, None]
     first = corners[:, 0]
     return _SeenSurface(position, normal, scene.colour[first], scene.metalness[first], scene.gloss[first])
 
 
 def _unit_or_up(vectors: np.ndarray) -> np.ndarray:
-    length = np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True))
+    length = np.sqrt(_dot(vectors, vectors))[:, None]
     return np.where(length > 1e-12, vectors / np.maximum(length, 1e-12), [0.0, 0.0, 1.0])
 
 
 def _light_up(
-    engine: Engine,
-    lights: Lights,
-    chosen: np.ndarray,
-    seen: _SeenSurface,
-    rays: Rays,
-    at: np.ndarray,
-    backdrop: np.ndarray,
-    extent: float,
+    engine: Engine, lights: Lights, seen: _SeenSurface, rays: Rays, at: np.ndarray, backdrop: np.ndarray, extent: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Linear light (n, 3) that leaves the surface towards the eye, and how much it covers (n,)."""
     normal, towards = seen.normal, -rays.direction[at]
-    direction = lights.direction[chosen]
-    facing = np.maximum((direction * normal[:, None]).sum(axis=-1), 0.0)
-    visible = engine.visible(seen.position + normal * (0.004 * extent), chosen) * (facing > 0)
-    power = _picked_power(lights, chosen) * visible[..., None]
-    light = (power * facing[..., None]).sum(axis=1) + 0.13 + 0.10 * backdrop * (0.5 - 0.5 * normal[:, 2:])
-    middle = _unit_or_up(direction + towards[:, None])
-    sharp = np.exp2(2.0 + 7.0 * seen.gloss)[:, None]
-    glint = np.maximum((middle * normal[:, None]).sum(axis=-1), 0.0) ** sharp * lights.sun[chosen]
-    shine = (power * glint[..., None]).sum(axis=1)
-    cosine = (normal * towards).sum(axis=1)
+    cosine = _dot(normal, towards)
+    sharp = np.exp2(2.0 + 7.0 * seen.gloss)
+    light, shine = np.empty_like(normal), np.empty_like(normal)
+    for mine, chosen, power in _shares(lights, rays.edge, at):
+        diffuse, mirror = np.zeros((3, len(mine))), np.zeros((3, len(mine)))
+        facing, to_eye, sharpness = normal[mine], towards[mine], sharp[mine]
+        points = seen.position[mine] + facing * (0.004 * extent)
+        for k, strength in zip(chosen.tolist(), power[:, :, None], strict=True):
+            cast = np.maximum(_dot(facing, lights.direction[k]), 0.0)
+            lit = np.flatnonzero(cast)
+            shown = np.zeros(len(mine))
+            shown[lit] = engine.visible(points[lit], k)
+            diffuse += shown * cast * strength
+            if lights.sun[k]:
+                middle = (cast + cosine[mine]) / np.sqrt(2 + 2 * _dot(to_eye, lights.direction[k]))
+                mirror += shown * np.maximum(middle, 0.0) ** sharpness * strength
+        light[mine], shine[mine] = diffuse.T, mirror.T
+    light += 0.13 + 0.10 * backdrop * (0.5 - 0.5 * normal[:, 2:])
     edge = (1 - np.maximum(cosine, 0.0)) ** 5
     metal, gloss = seen.metalness[:, None], seen.gloss[:, None]
     base = 0.04 * (1 - metal) + seen.tint[:, :3] * metal
     mirrored = _surroundings(2 * cosine[:, None] * normal - towards, lights.direction[0])
-    mirrored = mirrored * np.clip(np.sqrt((light * light).sum(axis=1, keepdims=True)), 0.25, 1.1)
+    mirrored = mirrored * np.clip(np.sqrt(_dot(light, light))[:, None], 0.25, 1.1)
     fresnel = base + (1 - base) * edge[:, None] * gloss
     body = seen.tint[:, :3] * light * (1 - metal)
     colour = body + fresnel * mirrored * (0.5 * gloss * (1 - metal) + metal) + shine * base * (1 + 7 * gloss) * 1.6
     alpha = seen.tint[:, 3]
-    glassy = np.clip(alpha + 0.6 * edge + np.sqrt((shine * shine).sum(axis=1)) * seen.gloss, 0.0, 1.0)
+    glassy = np.clip(alpha + 0.6 * edge + np.sqrt(_dot(shine, shine)) * seen.gloss, 0.0, 1.0)
     return colour, np.where(alpha < 0.999, glassy, 1.0)
 
 
 def _surroundings(direction: np.ndarray, sun: np.ndarray) -> np.ndarray:
     """What a mirror sees (n, 1): bright sky above, a soft horizon, the ground below."""
     sky = _smooth(-0.15, 0.75, direction[:, 2])
-    glow = _smooth(0.55, 0.95, (direction * sun).sum(axis=1))
+    glow = _smooth(0.55, 0.95, _dot(direction, sun))
     return (0.42 + 0.56 * sky + 0.25 * glow)[:, None]
 
 
@@ -184,13 +186,16 @@ def _ground_samples(scene: Scene, rays: Rays, solid: RayHits, floor: float, exte
     return at[away < _GROUND_REACH * extent]
 
 
-def _shadow(
-    engine: Engine, lights: Lights, chosen: np.ndarray, points: np.ndarray, edge: int, at: np.ndarray
-) -> np.ndarray:
+def _shadow(engine: Engine, lights: Lights, points: np.ndarray, edge: int, at: np.ndarray) -> np.ndarray:
     """How much of the open sky's light (n, 3) reaches points of the ground; 1 towards the border of the picture."""
-    up = np.maximum(lights.direction[chosen][..., 2:], 0.0) * _picked_power(lights, chosen)
-    got = (up * engine.visible(points + [0.0, 0.0, 1e-5], chosen)[..., None]).sum(axis=1)
+    raised, share = points + [0.0, 0.0, 1e-5], np.empty_like(points)
+    for mine, chosen, power in _shares(lights, edge, at):
+        up = np.maximum(lights.direction[chosen, 2:], 0.0) * power
+        got, own = np.zeros((3, len(mine))), raised[mine]
+        for k, strength in zip(chosen.tolist(), (up / up.sum(axis=0))[:, :, None], strict=True):
+            got += engine.visible(own, k) * strength
+        share[mine] = got.T
     y, x = np.divmod(at, edge)
     border = np.minimum(np.minimum(x, edge - 1 - x), np.minimum(y, edge - 1 - y)) / edge
     kept = _smooth(0.0, 0.12, border)[:, None]
-    return 1 - kept + kept * (got / up.sum(axis=1)) ** 0.85
+    return 1 - kept + kept * share**0.85

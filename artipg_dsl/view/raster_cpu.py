@@ -45,24 +45,13 @@ class Renderer:
         x, y, z = points.T
         return np.stack([m[i, 0] * x + m[i, 1] * y + m[i, 2] * z + (m[i, 3] + 0.5) for i in range(3)])
 
-    def visible(self, points: np.ndarray, light: np.ndarray) -> np.ndarray:
-        """How much of the lights (n, m) each point sees: the weighted mean of the four texels around it."""
-        flat = light.ravel()
-        order = np.argsort(flat, kind="stable")  # all points that look at one light together
-        edges = np.searchsorted(flat[order], np.arange(len(self.maps) + 1))
-        seen = np.empty(len(flat))
-        points = points.astype(np.float32)
-        for k, (start, end) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
-            at = order[start:end]
-            seen[at] = self._lit(points[at // light.shape[1]], k)
-        return seen.reshape(light.shape)
-
-    def _lit(self, points: np.ndarray, k: int) -> np.ndarray:
-        x, y, near = self._to_light(points, k)
+    def visible(self, points: np.ndarray, light: int) -> np.ndarray:
+        """How much of a light each of the points (n, 3) sees: the weighted mean of the four texels around it."""
+        x, y, near = self._to_light(points.astype(np.float32), light)
         x, y, near = np.clip(x, 0, 1) * _MAP + 0.5, np.clip(y, 0, 1) * _MAP + 0.5, np.maximum(near, 0) + 0.008
         i, j = x.astype(np.int32), y.astype(np.int32)  # texels of a map with a free border of one
         fx, fy = x - i, y - j
-        at, map_ = j * (_MAP + 2) + i, self.maps[k].ravel()
+        at, map_ = j * (_MAP + 2) + i, self.maps[light].ravel()
         below = (map_[at] < near) * (1 - fx) + (map_[at + 1] < near) * fx
         above = (map_[at + _MAP + 2] < near) * (1 - fx) + (map_[at + _MAP + 3] < near) * fx
         return below * (1 - fy) + above * fy

@@ -51,10 +51,10 @@ class Renderer:
         face = np.where(met, faces[np.maximum(found["primID"], 0)], -1)
         return RayHits(face, found["u"].astype(float), found["v"].astype(float), found["tfar"].astype(float))
 
-    def visible(self, points: np.ndarray, light: np.ndarray) -> np.ndarray:
-        """Which of the lights (n, m) each point sees, 0 or 1."""
+    def visible(self, points: np.ndarray, light: int) -> np.ndarray:
+        """Which of the points (n, 3) see a light, 0 or 1."""
         if not points.size or not len(self.scene.split()[0]):
-            return np.ones(light.shape)
-        origins = np.repeat(points.astype(np.float32), light.shape[1], axis=0)
-        towards = self.lights.direction[light].reshape(-1, 3).astype(np.float32)
-        return (self.casters.run(origins, towards, query="OCCLUDED") != 0).reshape(light.shape).astype(float)
+            return np.ones(len(points))
+        towards = np.broadcast_to(self.lights.direction[light].astype(np.float32), points.shape)
+        origins = points.astype(np.float32)
+        return (self.casters.run(origins, np.ascontiguousarray(towards), query="OCCLUDED") != 0).astype(float)
