@@ -96,6 +96,42 @@ def test_points_follow_the_joints(chests: apg.Samples) -> None:
         chests.states(shut=1.0)
 
 
+def test_tables_and_clouds_show_what_they_hold_and_what_numbers_mean(chests: apg.Samples) -> None:
+    cloud = chests.points(32)
+    count = len(chests)
+    assert f"position ({count}, 32, 3) float64" in " ".join(repr(cloud).split())
+    assert max(map(len, repr(chests.joints()).splitlines())) < 80 and "list of" in repr(chests.joints())
+    views = repr(chests.views(1, width=32, height=24))
+    assert "images['depth']" in views and f"({count}, 1, 24, 32) float32" in views
+    assert chests.words["semantic"][0] == "unlabelled"
+    assert {chests.words["semantic"][k] for k in np.unique(cloud.semantic)} == {"body", "door", "handle"}
+
+
+def test_states_are_values_or_text_everywhere(chests: apg.Samples) -> None:
+    one, lid = chests.object(int(chests.numbers[0])), {"open": 1.0}
+    opened = one.states(**lid)
+    named = f"open={np.degrees(1.0):.17g}deg"
+    assert np.allclose(one.points(64, named).position, one.points(64, opened).position)
+    assert one.points(64, "rest,open").position.shape == (1, 2, 64, 3)
+    for states, count in ((named, 1), (opened, 1), ("open,random:2", 3), (one.joint_values("random:2"), 2)):
+        (told,) = one.annotations(states)
+        assert len(told["states"]) == count
+    (told,) = one.annotations(named)
+    assert told["states"] == one.annotations(opened)[0]["states"] and told["states"][0]["joints"][0]["value"] == 1.0
+    assert np.allclose(one.mesh(named).bounds, one.mesh(opened).bounds)
+    assert one.views(1, states="open", width=32, height=24).images["depth"].shape == (1, 1, 24, 32)
+    assert one.views(1, states="random:2", width=32, height=24).images["depth"].shape == (1, 2, 1, 24, 32)
+    assert one.states(open=99.0) == one.joints().high, "as in text, values stay within the limits"
+    for wrong in (lid, np.zeros(5), np.array(["open"]), 1.2):
+        for ask in (one.points, one.annotations, one.mesh, one.meshes):
+            with pytest.raises(UserError, match="states are text or joint values, one for each of 1 joints"):
+                ask(states=wrong)  # type: ignore[operator]
+    with pytest.raises(UserError, match="2 states, where one is shown at a time"):
+        one.mesh("rest,open")
+    with pytest.raises(UserError, match="no joint `lid`"):
+        one.points(64, "lid=20%")
+
+
 def test_meshes_are_closed_and_where_the_points_are(chests: apg.Samples) -> None:
     states = chests.opened()
     points = chests.points(64, states)

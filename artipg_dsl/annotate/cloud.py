@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from .. import random
-from ..errors import UsageError, UserError
+from ..errors import UserError
 from ..geometry import points as geometry
 from ..geometry.pointset import PointSet
+from ..runtime.columns import Columns
 from ..validity.materials import material_rows
 from .frames import rotate, rotate_rows
 from .interactions import acting_joints
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 
-@dataclass(frozen=True, slots=True)
-class Points:
+@dataclass(frozen=True, slots=True, repr=False)
+class Points(Columns):
     """n points for each of B objects, in the object's frame, metres; or for each of P links, parts, ... of them.
 
     ``object`` (B,): the index in the batch. ``position``, ``normal`` (B, n, 3); ``semantic``, ``instance`` (part
@@ -156,11 +157,6 @@ def complete(
     part = np.searchsorted(batch.parts().owner, owner)[:, None] + instance
     npcs = part_coordinates(batch, part.ravel(), placed.position.reshape(-1, 3)).reshape(*link.shape, 3)
     several = states is not None and np.ndim(states) == 2
-    if states is not None and np.shape(states)[-1:] != (len(batch.joints().owner),):
-        raise UsageError(
-            f"states are of shape {np.shape(states)}: one value for each of {len(batch.joints().owner)} joints is needed",
-            "`rest`, `opened`, `states` and `joint_values` of the same objects give such values",
-        )
     every = np.asarray(states) if several else [states]
     moved = [_move_points(batch, placed, own, one, motion) for one in every]
     drivers = find_jacobian(batch, every[0]).driver[own] if motion else None

@@ -9,12 +9,13 @@ import numpy as np
 
 from ..geometry.vectors import length
 from ..graph.program import MEASURES, Grasp
+from ..runtime.columns import Columns
 from ..runtime.fields import Field, FieldReader, read_pose, read_triples
 from .frames import quaternion, reflect, rotate
 
 
-@dataclass(frozen=True, slots=True)
-class GraspTable:
+@dataclass(frozen=True, slots=True, repr=False)
+class GraspTable(Columns):
     """One row per grasp and value of ``t``, sorted by owner; frames at joint values 0 until they are moved.
 
     ``point`` (G, 3) between the fingers; the frame's axes: z ``approach`` (into the object), y ``close`` (the fingers
@@ -48,8 +49,8 @@ class GraspTable:
         return rotate(turn[link], self.point) + shift[link], rotation, quaternion(rotation)
 
 
-@dataclass(frozen=True, slots=True)
-class KeypointTable:
+@dataclass(frozen=True, slots=True, repr=False)
+class KeypointTable(Columns):
     """One row per keypoint, sorted by owner; ``point`` (K, 3) in the object's frame at joint values 0."""
 
     owner: np.ndarray

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .. import random
+from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError
 from ..language import JOINTS
 from ..runtime.detents import caught, in_positions
@@ -88,6 +89,27 @@ def joint_values(batch: Batch, states: States) -> np.ndarray:
     return np.stack([batch.settle(values) for values in found])
 
 
+def read_values(batch: Batch, states: str | np.ndarray | None, *, several: bool = True) -> np.ndarray | None:
+    """Joint values as given, (J,) or with ``several`` (K, J); of text that names one state (J,), of None none. Raises UsageError."""
+    if states is None:
+        return None
+    if isinstance(states, str):
+        read = read_states(states)
+        found = joint_values(batch, read)
+        found = found[0] if read.count == 1 else found
+    else:
+        found = np.asarray(states)
+    joints = len(batch.joints().owner)
+    if found.dtype.kind not in "fiu" or found.ndim not in (1, 2) or found.shape[-1] != joints:
+        raise UsageError(
+            f"states are text or joint values, one for each of {joints} joints: not {type(states).__name__} of shape {found.shape}",
+            "such as open=60deg; `rest`, `opened`, `states` and `joint_values` of the same objects give values",
+        )
+    if found.ndim == 2 and not several:
+        raise UsageError(f"{len(found)} states, where one is shown at a time", "give the values (J,) of one of them")
+    return found
+
+
 def rest_values(batch: Batch) -> np.ndarray:
     """Joint values (J,) at rest, 0 where a joint states none."""
     rest = batch.joints().rest
@@ -107,37 +129,31 @@ def open_values(batch: Batch, share: float = 0.8) -> np.ndarray:
     return values if batch.gates is None else batch.gates.open(values, np.ones(len(values), dtype=bool), low, high)
 
 
-def _parse_state(batch: Batch, text: str) -> np.ndarray:
-    """Joint values (J,) such as ``door=45deg+drawer=5cm``: of all joints of the names, the others at rest.
+def name_values(batch: Batch, named: Iterable[tuple[str, float, str]]) -> np.ndarray:
+    """Joint values (J,) of all joints of the names, each with a number and its unit, the others at rest.
 
-    A share (``lid=20%``) is of the way from rest to the farther end. Values stay within the limits. What a joint waits for is
-    open, unless it is named too. Raises UsageError.
+    The unit % is of the way from rest to the farther end, none means radians or metres. Values stay within the limits. What a
+    joint waits for is open, unless it is named too. Raises UsageError.
     """
     joints, values = batch.joints(), rest_values(batch)
-    named = np.zeros(len(values), dtype=bool)
+    chosen = np.zeros(len(values), dtype=bool)
     own = [batch.program.joints[k].name for k in joints.definition]
     every = list(dict.fromkeys(joint.name for joint in batch.program.joints))
     defined = {name for joint in batch.program.joints for name in (joint.name, joint.path)} | set(joints.name)
-    for piece in text.split("+"):
-        read = _CHOSEN.fullmatch(piece.strip())
-        assert read is not None  # as it was read
-        name, number, unit = read.groups()
+    for name, number, unit in named:
         if name not in defined:
-            close = get_close_matches(name, every, n=1)
-            raise UsageError(
-                f"{batch.program.name} has no joint `{name}`",
-                f"did you mean `{close[0]}`?" if close else f"its joints are {', '.join(every)}",
-            )
+            known = f"its joints are {', '.join(every)}" if every else ""
+            raise UsageError(f"{batch.program.name} has no joint `{name}`", did_you_mean(name, every) or known)
         for row in [k for k, names in enumerate(zip(joints.name, own, strict=True)) if name in names]:
             units = _LENGTHS if JOINTS[joints.kind[row]].slides else _ANGLES
-            named[row] = True
+            chosen[row] = True
             if unit == "%":
-                values[row] = open_values(batch, float(number) / 100)[row]
-            elif unit in units:
-                values[row] = float(number) * units[unit]
+                values[row] = open_values(batch, number / 100)[row]
+            elif unit in units or not unit:
+                values[row] = number * units.get(unit, 1.0)
             else:
                 raise UsageError(
-                    f"`{piece.strip()}`: the joint is {joints.kind[row]}",
+                    f"`{name}={number:g}{unit}`: the joint is {joints.kind[row]}",
                     f"write {name}=20% or a unit of {', '.join(units)}",
                 )
     low, high = (np.where(np.isnan(end), values, end) for end in (joints.low, joints.high))
@@ -145,8 +161,14 @@ def _parse_state(batch: Batch, text: str) -> np.ndarray:
     return (
         values
         if batch.gates is None
-        else np.where(named, values, batch.gates.open(values, named, joints.low, joints.high))
+        else np.where(chosen, values, batch.gates.open(values, chosen, joints.low, joints.high))
     )
+
+
+def _parse_state(batch: Batch, text: str) -> np.ndarray:
+    """Joint values (J,) such as ``door=45deg+drawer=5cm``."""
+    pieces = [read for piece in text.split("+") if (read := _CHOSEN.fullmatch(piece.strip()))]
+    return name_values(batch, [(name, float(number), unit) for name, number, unit in (p.groups() for p in pieces)])
 
 
 def draw_values(batch: Batch, k: int) -> np.ndarray:

@@ -10,6 +10,7 @@ import numpy as np
 from .. import random
 from ..errors import UsageError, UserError
 from ..geometry.rays import ENGINES, NEAR, Caster, Grid, best_engine, intersect, rotate_vectors
+from ..runtime.columns import Columns
 from .cameras import Cameras, extrinsics
 from .points import field_kinds
 from .seen import SoupHits, bind_hits, carry_vectors, is_amid_solids, part_coordinates, read_classes, read_labels
@@ -24,8 +25,8 @@ _MOST_RAYS = 4_000_000  # for one cloud
 Arrays = dict[str, np.ndarray]
 
 
-@dataclass(frozen=True, slots=True)
-class Views:
+@dataclass(frozen=True, slots=True, repr=False)
+class Views(Columns):
     """What B objects (in K states) look like from V cameras each. ``...`` is B, V; with states B, K, V.
 
     ``intrinsics`` (..., 3, 3); ``extrinsics`` (..., 4, 4) from the object's frame to the camera's (x right, y down, z
@@ -56,8 +57,6 @@ def make_views(
         raise UsageError(f"there is no engine `{engine}` to cast rays with", f"there are {', '.join(ENGINES)}")
     if engine == "embree" and best_engine() != "embree":
         raise UsageError("embree is not installed", "pip install 'artipg_dsl[rays]', or leave `engine` out")
-    if states is not None and np.shape(states)[-1:] != batch.rest().shape:
-        raise UsageError(f"states are of shape {np.shape(states)}: {len(batch.rest())} joint values are needed")
     made = _Views(batch, cameras or Cameras(), states, engine)
     pixels = made.each * _cameras_pixels(made.cameras)
     step = min(max(1, _PIXELS // pixels), 16)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from ..sampling.correspondence import Correspondence
     from ..sampling.trace import Step
 
+JointStates: TypeAlias = "str | np.ndarray | None"  # such as "open=60deg", or joint values; None is at rest
+
 
 class Samples(Files):
     """Objects of one category as columns. Rows of all tables and arrays are in the order of ``numbers``.
@@ -39,6 +41,13 @@ class Samples(Files):
     def object(self, number: int) -> Object:
         """The object with the given number, which need not be among these."""
         return Object(self.job.of([number]))
+
+    @cached_property
+    def words(self) -> dict[str, list[str]]:
+        """What the numbers of points and views mean, as in a manifest: ``words["semantic"][3]``; also joints, grasps and materials."""
+        from ..export.meanings import list_vocabularies
+
+        return list_vocabularies(self.batch.program)
 
     # ------------------------------------------------------------ mutation
 
@@ -101,18 +110,17 @@ class Samples(Files):
         """The parts with their boxes and poses."""
         return self.batch.parts()
 
-    def annotations(
-        self, states: np.ndarray | None = None, *, gripper: Gripper | str = "standard"
-    ) -> list[dict[str, Any]]:
+    def annotations(self, states: JointStates = None, *, gripper: Gripper | str = "standard") -> list[dict[str, Any]]:
         """The annotation of each object as plain data: joints, parts, grasps, keypoints, drawn values.
 
-        ``states`` (K, J) adds poses in these joint states. ``gripper`` selects the grasps that it can execute: dimensions
+        ``states`` (J,) or (K, J) adds poses in these joint states. ``gripper`` selects the grasps that it can execute: dimensions
         such as "stroke=8cm,width=2cm", or "any". Raises UsageError.
         """
         from ..annotate.annotation import annotate
         from ..annotate.gripper import read_gripper
 
-        return annotate(self.batch, states, read_gripper(gripper))
+        values = self._values(states)
+        return annotate(self.batch, None if values is None else np.atleast_2d(values), read_gripper(gripper))
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A drawn value, one per object: ``batch["width"]`` (B,) float64, nan for objects without it.
@@ -128,7 +136,7 @@ class Samples(Files):
                 )
             known = sorted({d.column.name for d in self.batch.program.draws})
             why = "an object has several of it; see the annotation" if draws else did_you_mean(name, known)
-            raise KeyError(f"{name}: " + (why or "there is no such value; see the annotation"))
+            raise KeyError(f"{name}: " + (why or f"there is no such value; there are {', '.join(known)}"))
         words = draws[0][1].kind == "choice"
         found = np.full(len(self), "" if words else np.nan, dtype=object if words else np.float64)
         for k, draw in draws:
@@ -149,19 +157,13 @@ class Samples(Files):
         return open_values(self.batch)
 
     def states(self, **values: float) -> np.ndarray:
-        """Joint values (J,) at rest except for the named joints: ``batch.states(open=1.2)`` sets all joints of that name."""
-        joints, found = self.joints(), self.rest().copy()
-        names = [self.batch.program.joints[d].name for d in joints.definition]
-        for name, value in values.items():
-            rows = [i for i, (own, kind) in enumerate(zip(joints.name, names, strict=True)) if name in (own, kind)]
-            if not rows:
-                known = list(dict.fromkeys(names))
-                raise UsageError(
-                    f"{self.category} has no joint `{name}`",
-                    did_you_mean(name, known) or f"its joints are {', '.join(known)}",
-                )
-            found[rows] = value
-        return found
+        """Joint values (J,) at rest except for the named joints: ``batch.states(open=1.2)`` sets all joints of that name.
+
+        Radians and metres; values stay within the limits, and what a joint waits for is open. Raises UsageError.
+        """
+        from ..annotate.states import name_values
+
+        return name_values(self.batch, [(name, value, "") for name, value in values.items()])
 
     def joint_values(self, states: str = "random:4") -> np.ndarray:
         """Joint values (K, J) in a comma-separated list of states: "rest", "open", "random:K" within the limits."""
@@ -171,12 +173,17 @@ class Samples(Files):
             raise UsageError(f"states are text, not {states!r}", "such as rest, open or random:4")
         return joint_values(self.batch, read_states(states))
 
+    def _values(self, states: JointStates, *, several: bool = True) -> np.ndarray | None:
+        from ..annotate.states import read_values
+
+        return read_values(self.batch, states, several=several)
+
     # ------------------------------------------------------------ geometry
 
     def points(
         self,
         n: int = 2048,
-        states: np.ndarray | None = None,
+        states: JointStates = None,
         *,
         motion: bool = False,
         surface: str = "boundary",
@@ -189,9 +196,10 @@ class Samples(Files):
     ) -> Points:
         """``n`` points per object on the visible surface with normals, labels and binding, arrays (B, n, ...).
 
-        ``states`` (J,) are the joint values, at rest by default; with several states (K, J), positions and normals are
-        (B, K, n, 3). ``motion`` adds velocities due to the joints. ``surface`` is the "boundary" of the union of all
-        primitives, or the part of it visible from "outside". ``spread`` is "random", or "blue" to keep points apart.
+        ``states`` are joint values (J,), or text such as "open=60deg", at rest by default; with several states, (K, J) or
+        "random:4", positions and normals are (B, K, n, 3). ``motion`` adds velocities due to the joints. ``surface`` is the
+        "boundary" of the union of all primitives, or the part of it visible from "outside". ``spread`` is "random", or "blue"
+        to keep points apart.
         ``per`` gives n points to each visible "object", "semantic" class, part "instance", "link" or "primitive"; arrays
         then have a row for each, and ``object`` says which object it belongs to. ``balance`` divides the n points of an
         object evenly over its "semantic" classes, "instance"s, "link"s or "primitive"s, or by ``weights``,
@@ -202,16 +210,16 @@ class Samples(Files):
         from ..annotate.cloud import sample_points
         from ..annotate.sampling import Sampling, read_weights
 
-        how = Sampling(n, surface, spread, per, balance, read_weights(weights))
+        how, values = Sampling(n, surface, spread, per, balance, read_weights(weights)), self._values(states)
         if details is None:
-            return sample_points(self.batch, how, states, motion=motion)
+            return sample_points(self.batch, how, values, motion=motion)
         from ..details.store import borrow, dress
 
         worn = borrow(details, detail_strength, self.batch.program)
-        return sample_points(self.batch, how, states, motion=motion, dress=partial(dress, dressing=worn))
+        return sample_points(self.batch, how, values, motion=motion, dress=partial(dress, dressing=worn))
 
     def rebind(
-        self, points: Points | Mapping[str, np.ndarray], states: np.ndarray | None = None, *, motion: bool = False
+        self, points: Points | Mapping[str, np.ndarray], states: JointStates = None, *, motion: bool = False
     ) -> Points:
         """Points of other objects of the program at the corresponding places on these: ``mutant.rebind(batch.points())``.
 
@@ -220,13 +228,13 @@ class Samples(Files):
         """
         from ..annotate.rebind import rebind
 
-        return rebind(self.batch, points, states, motion=motion)
+        return rebind(self.batch, points, self._values(states), motion=motion)
 
     def views(
         self,
         n: int | str | Path | Mapping[str, Any] = 8,
         *,
-        states: np.ndarray | None = None,
+        states: JointStates = None,
         engine: str | None = None,
         **camera: Any,
     ) -> Views:
@@ -238,10 +246,10 @@ class Samples(Files):
         from ..annotate.camera_file import cameras_of
         from ..annotate.views import make_views
 
-        return make_views(self.batch, cameras_of(n, **camera), states, engine)
+        return make_views(self.batch, cameras_of(n, **camera), self._values(states), engine)
 
     def meshes(
-        self, states: np.ndarray | None = None, *, tolerance: float | None = None, triangles: int | None = None
+        self, states: JointStates = None, *, tolerance: float | None = None, triangles: int | None = None
     ) -> list[trimesh.Scene]:
         """One trimesh scene per object, a closed mesh per primitive, named after its part.
 
@@ -251,11 +259,11 @@ class Samples(Files):
         from ..export.scenes import make_scenes
         from ..geometry.resolution import Resolution
 
-        return make_scenes(self.batch, states, Resolution(tolerance=tolerance, triangles=triangles))
+        return make_scenes(
+            self.batch, self._values(states, several=False), Resolution(tolerance=tolerance, triangles=triangles)
+        )
 
-    def grasps(
-        self, values: int = 5, *, gripper: Gripper | str = "standard", states: np.ndarray | None = None
-    ) -> GraspTable:
+    def grasps(self, values: int = 5, *, gripper: Gripper | str = "standard", states: JointStates = None) -> GraspTable:
         """Grasps of all objects, each family at ``values`` steps of its parameter; frames at joint values 0.
 
         Only those that the ``gripper`` can execute with the joints at ``states`` (J,), by default at rest; "any" keeps all.
@@ -264,7 +272,8 @@ class Samples(Files):
         from ..annotate.gripper import judge, read_gripper
 
         found, hand = sample_grasps(self.batch, values), read_gripper(gripper)
-        return found if hand is None else found.take(np.flatnonzero(judge(self.batch, found, hand, states) == 0))
+        shown = self._values(states, several=False)
+        return found if hand is None else found.take(np.flatnonzero(judge(self.batch, found, hand, shown) == 0))
 
     def keypoints(self) -> KeypointTable:
         """Keypoints of all objects at joint values 0."""
@@ -291,7 +300,7 @@ class Object(Samples):
         return self.batch.drawn(0)
 
     def mesh(
-        self, states: np.ndarray | None = None, *, tolerance: float | None = None, triangles: int | None = None
+        self, states: JointStates = None, *, tolerance: float | None = None, triangles: int | None = None
     ) -> trimesh.Scene:
         """The object as a trimesh scene, see ``meshes``."""
         return self.meshes(states, tolerance=tolerance, triangles=triangles)[0]

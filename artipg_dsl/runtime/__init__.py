@@ -8,6 +8,7 @@ columns, at rest and in motion. Knows neither text nor solids. Begin with ``plan
     kernels, draws            what that code calls: tables and segments; values drawn per row
     laws, newton              distributions; roots of equations
     tables, referred, rooted  instances as columns, references between them, chains that end
+    columns                   how tables show themselves
     tags                      names as files take them
     batch, motion, loops      objects; where links are for given joint values; closed loops
     fields                    formulas of labels and grasps as functions of points

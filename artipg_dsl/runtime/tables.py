@@ -10,14 +10,15 @@ import numpy as np
 
 from ..graph.expr import Scope
 from ..language import JOINTS
+from .columns import Columns
 from .kernels import Rows
 
 if TYPE_CHECKING:
     from .curves import Curve
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class LinkTable:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LinkTable(Columns):
     """L links sorted by owner, then number; ``rotation`` (L, 3, 3), ``translation`` (L, 3) place the link's part, ``semantic`` (L,)
     is the place of its word in that vocabulary, 0 for none."""
 
@@ -30,8 +31,8 @@ class LinkTable:
     semantic: np.ndarray
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class JointTable:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class JointTable(Columns):
     """J joints sorted by owner, then number. ``parent`` and ``child`` are link numbers, ``mimic`` a joint number or -1.
 
     ``origin``, ``axis`` (J, 3) lie in the object's frame at joint values 0; radians or metres; nan: not limited, not given.
@@ -75,8 +76,8 @@ class JointTable:
         return np.where(advances, np.nan_to_num(self.pitch) / (2.0 * np.pi), self.that("slides") * 1.0)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PartTable:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class PartTable(Columns):
     """P parts sorted by owner, then number; ``low``, ``high`` (P, 3) is the box in the part's own frame.
 
     ``parent`` is the number of the part around it, ``holder`` of the part that it is rigidly connected to, -1 for none.

@@ -294,11 +294,9 @@ def test_a_camera_within_a_solid_is_refused_but_not_one_in_the_cavity(batch: Bat
     assert seen(views).all() and (views.images["depth"] < 0.6).all()
 
 
-def test_wrong_engines_and_states_are_told_in_words(batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_wrong_engines_are_told_in_words(batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(UsageError, match="there is no engine `optix`"):
         make_views(batch, SMALL, engine="optix")
-    with pytest.raises(UsageError, match="joint values are needed"):
-        make_views(batch, SMALL, np.zeros(1))
     monkeypatch.setattr("artipg_dsl.annotate.views.best_engine", lambda: "numpy")
     with pytest.raises(UsageError, match="embree is not installed") as caught:
         make_views(batch, SMALL, engine="embree")
