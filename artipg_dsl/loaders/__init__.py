@@ -5,6 +5,7 @@ Begin with ``stream``; ``artipg_dsl.torch`` wraps both sources for PyTorch's Dat
 
     tasks        what each task's arrays are, and how they are made of a batch of objects
     stream       batches of objects made on the way: which objects are in which batch of which epoch
+    classes      classes of one's own instead of the words of a vocabulary
     stored       batches of objects that lie in folders
     transforms   augmentations of batches: turns, noise, occlusion, one-sided views
     draws        random numbers by the address of an object, for transforms

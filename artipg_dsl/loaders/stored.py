@@ -6,7 +6,7 @@ task needs are read when the first batch is made and kept, some 50 kB an item of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 
@@ -15,6 +15,7 @@ import numpy as np
 from ..errors import UserError
 from ..run.manifest import Manifest
 from ..run.resume import read_folder_manifest
+from .classes import find_classes
 from .draws import Draws
 from .tasks import DTYPES, Arrays, find_task, stack_words
 from .transforms import Transform
@@ -26,7 +27,8 @@ _MOVED = ("points", "normals", "motion")  # these differ from state to state
 class Stored:
     """``len(stored)`` items; ``stored.take(numbers)`` makes a batch of some of them.
 
-    ``folders`` hold ``points-*.npz``, for completion ``views-*.npz`` too; all with as many points. ``seed`` is that of the transforms.
+    ``folders`` hold ``points-*.npz``, for completion ``views-*.npz`` too; all with as many points. ``seed`` is that of the transforms;
+    ``classes`` are those of a ``Stream``.
     Raises UsageError, UserError, ExportError.
     """
 
@@ -36,13 +38,14 @@ class Stored:
         task: str = "segmentation",
         *,
         seed: int = 0,
+        classes: Mapping[str, str] | None = None,
         transforms: Iterable[Transform] = (),
     ):
         self.folders = [Path(f) for f in ([folders] if isinstance(folders, str | Path) else folders)]
         self.task, self.seed, self.transforms = find_task(task), int(seed), list(transforms)
         manifests = [read_folder_manifest(str(folder)) for folder in self.folders]
         self.categories = [manifest["category"] for manifest in manifests]
-        self.words = _common_words(self.folders, manifests)
+        self.words, self._tables = _common_words(self.folders, manifests, classes)
         self._sizes = [self._count_items(f, m) for f, m in zip(self.folders, manifests, strict=True)]
 
     def __len__(self) -> int:
@@ -92,6 +95,8 @@ class Stored:
             found["partial"] = partial.reshape(-1, *partial.shape[-2:])
         items = {n: _to_items(a, n, states, views) if n != "partial" else a for n, a in found.items()}
         items["category"] = np.full(len(items["object"]), k)
+        if self._tables is not None and "semantic" in items:
+            items["semantic"] = self._tables[k].astype(items["semantic"].dtype)[items["semantic"]]
         return items
 
     def _is_word(self, name: str) -> bool:
@@ -142,13 +147,18 @@ def _read_shards(folder: Path, kind: str, wanted: Callable[[str], bool], most: i
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def _common_words(folders: Sequence[Path], manifests: Sequence[Manifest]) -> dict[str, list[str]]:
-    """What numbers mean, which all folders have to agree on. Raises UserError."""
-    first = manifests[0]["vocabularies"].get("semantic", [])
-    for folder, manifest in zip(folders, manifests, strict=True):
-        if manifest["vocabularies"].get("semantic", []) != first:
-            raise UserError(
-                f"{folders[0]} and {folder} number their semantic classes differently", "sample them with one version"
-            )
+def _common_words(
+    folders: Sequence[Path], manifests: Sequence[Manifest], classes: Mapping[str, str] | None
+) -> tuple[dict[str, list[str]], list[np.ndarray] | None]:
+    """What numbers mean, which all folders have to agree on unless ``classes`` are named, and the class of each word of each
+    folder. Raises UserError, UsageError."""
+    words = [manifest["vocabularies"].get("semantic", []) for manifest in manifests]
+    found = find_classes(classes, words)
+    if found is None:
+        odd = next(k for k, other in enumerate(words) if other != words[0])
+        raise UserError(
+            f"{folders[0]} and {folders[odd]} number their semantic classes differently",
+            "sample them with one version, or name `classes` of your own",
+        )
     known = {n.removeprefix(_WORD) for m in manifests for n in m.get("arrays", {}) if n.startswith(_WORD)}
-    return {"semantic": list(first), "affordance": sorted(n for n in known if not n.endswith(".joint"))}
+    return {"semantic": found[0], "affordance": sorted(n for n in known if not n.endswith(".joint"))}, found[1]

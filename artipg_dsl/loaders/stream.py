@@ -20,6 +20,7 @@ from ..run.job import Job, open_job, open_program, prepare
 from ..run.prior import PriorFile, read_prior
 from ..run.request import read_request
 from ..run.settings import Value
+from .classes import find_classes
 from .draws import Draws
 from .tasks import Arrays, find_task, make_arrays, state_of
 from .transforms import Transform
@@ -36,6 +37,7 @@ class Stream:
     batch; ``points``: of each cloud. ``states``: "rest", "open", "random", or joints by name, ``lid=20%``. ``set``, ``checked`` and
     ``frame`` as in ``sample``, and ``prior``; of several categories, those that a file of priors does not speak of are drawn as declared.
     ``fresh``: other objects in each epoch; otherwise the same objects and points, while random states and transforms are new.
+    ``classes``: classes of one's own, by the words of `semantic`, ``{"door": "door", "drawer": "door", "*": "body"}``.
     ``transforms`` are applied in their order. ``view``: the camera of ``partial``, as in camera files. ``details``: a
     folder that ``apgc bind`` has written, whose details the points borrow, scaled by ``detail_strength`` 0 .. 1; with several categories,
     a folder each, by the name that the category was given by. Raises CompileError, SettingError, UsageError, UserError.
@@ -56,6 +58,7 @@ class Stream:
         prior: str | Path | Mapping[str, Any] | None = None,
         frame: str | Path | None = None,
         fresh: bool = True,
+        classes: Mapping[str, str] | None = None,
         transforms: Iterable[Transform] = (),
         view: Mapping[str, Any] | None = None,
         details: str | Path | Mapping[str, str | Path] | None = None,
@@ -70,7 +73,7 @@ class Stream:
             raise UsageError("there is no category to make objects of", 'name one, such as Stream("Microwave")')
         self.size, self.each, self.points, self.seed = size, batch, points, int(seed)
         self.states, self.fresh, self.view = states, fresh, dict(view or {})
-        self.transforms = list(transforms)
+        self.transforms, self._chosen = list(transforms), None if classes is None else dict(classes)
         self._settings, self._checked = set, checked
         self._details, self._strength = self._read_details(details), float(detail_strength)
         self._prior = None if prior is None else read_prior(prior)
@@ -137,15 +140,22 @@ class Stream:
     @cached_property
     def words(self) -> dict[str, list[str]]:
         """What numbers mean: ``semantic``, class by class, and ``affordance``, the last axis of the array."""
-        first, *others = [job.program for job in self._jobs]
-        for other in others:
-            if _classes(other) != _classes(first):
-                raise UsageError(
-                    f"{first.name} and {other.name} number their semantic classes differently",
-                    "let both use the vocabulary of one module, or stream them apart",
-                )
         known = {name for job in self._jobs for name in _affordances(job.program)}
-        return {"semantic": _classes(first), "affordance": sorted(known)}
+        return {"semantic": self._classes[0], "affordance": sorted(known)}
+
+    @cached_property
+    def _classes(self) -> tuple[list[str], list[np.ndarray] | None]:
+        programs = [job.program for job in self._jobs]
+        found = find_classes(self._chosen, [list(p.vocabularies.get("semantic", ())) for p in programs])
+        if found is None:
+            odd = next(
+                p for p in programs if p.vocabularies.get("semantic") != programs[0].vocabularies.get("semantic")
+            )
+            raise UsageError(
+                f"{programs[0].name} and {odd.name} number their semantic classes differently",
+                "name `classes` of your own, let both use the vocabulary of one module, or stream them apart",
+            )
+        return found
 
     def batch(self, k: int, epoch: int = 0) -> Arrays:
         """Batch ``k`` of an epoch: the arrays of the task, with ``object`` (B,), its number, and ``category`` (B,).
@@ -169,11 +179,13 @@ class Stream:
         return {"object": number, "category": category} | found
 
     def _arrays(self, category: int, made: Batch, state: np.ndarray) -> Arrays:
-        return make_arrays(made, self.task, self.points, state, self.words, self.view, self._dresses[category])
-
-
-def _classes(program: Program) -> list[str]:
-    return list(program.vocabularies.get("semantic", ()))
+        found = make_arrays(made, self.task, self.points, state, self.words, self.view, self._dresses[category])
+        tables = self._classes[1]
+        return (
+            found
+            if tables is None or "semantic" not in found
+            else found | {"semantic": tables[category][found["semantic"]]}
+        )
 
 
 def _affordances(program: Program) -> list[str]:
