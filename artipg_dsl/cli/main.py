@@ -109,7 +109,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         package = (wrong.name or "").partition(".")[0]
         if package in ("", "artipg_dsl"):
             raise
-        error(f"the package {package} is not installed", "pip install artipg_dsl installs it")
+        if package in sys.modules:  # it is there, but another version of it
+            error(f"the installed {package} has no {wrong.name}", "pip install -U artipg_dsl installs one that fits")
+        else:
+            error(f"the package {package} is not installed", "pip install artipg_dsl installs it")
         return FAILED
     except OSError as wrong:  # files are told of where they are written: what is left is the output itself
         _drop_output()

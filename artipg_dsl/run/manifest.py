@@ -145,9 +145,7 @@ def make_relative(source: str, out: Place | str) -> str:
 
 def _find_cpu_class() -> str:
     """The machine and the widest vector instructions NumPy uses on it: results are equal to the bit within a class."""
-    from numpy._core import _multiarray_umath as core  # type: ignore[attr-defined]
-
-    enabled = [name for name in core.__cpu_dispatch__ if core.__cpu_features__.get(name)]
+    enabled = np.show_config(mode="dicts")["SIMD Extensions"].get("found", [])
     return " ".join([platform.machine(), *enabled[-1:]])
 
 

@@ -129,3 +129,21 @@ def test_one_file_of_text_goes_to_standard_output(apgc: Apgc, tmp_path: Path, mo
     code, page, _ = apgc("report", CHEST, "-n", 2, "--html", "-")
     assert code == 0 and page.startswith("<!doctype html>")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("numpy.nowhere", ("the installed numpy has no numpy.nowhere", "pip install -U artipg_dsl")),
+        ("nowhere.at_all", ("the package nowhere is not installed", "pip install artipg_dsl")),
+    ],
+)
+def test_a_package_that_lacks_something(
+    apgc: Apgc, monkeypatch: pytest.MonkeyPatch, name: str, told: tuple[str, str]
+) -> None:
+    def run(_: object) -> int:
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+    monkeypatch.setattr("artipg_dsl.cli.categories.run", run)
+    code, _, err = apgc("categories")
+    assert code == 1 and all(words in err for words in told)
