@@ -54,12 +54,14 @@ def _locate(name: str | Path, report: Report) -> Path | None:
     """The file of a category given by name (in any case) or by path."""
     text = str(name)
     path = Path(text)
-    if path.suffix == ".apg" or path.exists():
+    if path.suffix == ".apg" or path.is_file():
         return path
     shipped = categories()
     known = {k.lower(): v for k, v in shipped.items()}
-    if text.lower().replace("_", "") in known:
+    if text.lower().replace("_", "") in known:  # even where a folder is called so
         return known[text.lower().replace("_", "")]
+    if path.exists():
+        return path
     hint = (
         did_you_mean(text, shipped)
         or f"the shipped categories are {', '.join(shipped)}; or give the path of an .apg file"

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from artipg_dsl.session import Session, categories
+
 from .helpers import CHEST, Apgc, command, environment
 
 
@@ -147,3 +149,12 @@ def test_a_package_that_lacks_something(
     monkeypatch.setattr("artipg_dsl.cli.categories.run", run)
     code, _, err = apgc("categories")
     assert code == 1 and all(words in err for words in told)
+
+
+def test_a_folder_that_is_called_like_a_category(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "Chair").mkdir()
+    (tmp_path / "Stool").mkdir()
+    assert Session.of("Chair").path == categories()["Chair"]
+    code, out, _ = apgc("check", "Stool")
+    assert code == 1 and "Stool is a folder" in out
