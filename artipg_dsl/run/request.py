@@ -216,7 +216,7 @@ def read_request(
 
 def is_file(source: str | Path) -> bool:
     """Whether a program is named by its file."""
-    return Path(source).suffix != "" or Path(source).exists()
+    return Path(source).suffix != "" or Path(source).is_file()
 
 
 def read_sampling(text: str) -> int:

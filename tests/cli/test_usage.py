@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from artipg_dsl.run.manifest import make_relative
 from artipg_dsl.session import Session, categories
 
 from .helpers import CHEST, Apgc, command, environment
@@ -156,5 +157,6 @@ def test_a_folder_that_is_called_like_a_category(apgc: Apgc, tmp_path: Path, mon
     (tmp_path / "Chair").mkdir()
     (tmp_path / "Stool").mkdir()
     assert Session.of("Chair").path == categories()["Chair"]
+    assert make_relative("Chair", tmp_path / "out") == "Chair"  # what a manifest calls it
     code, out, _ = apgc("check", "Stool")
     assert code == 1 and "Stool is a folder" in out
