@@ -64,7 +64,7 @@ def _elements(batch: Batch, scope: Scope, ranks: Sequence[tuple[str, int]]) -> n
     return keep
 
 
-def pair_parts(owner: np.ndarray, first: Meant, second: Meant) -> tuple[np.ndarray, np.ndarray]:
+def _pair_parts(owner: np.ndarray, first: Meant, second: Meant) -> tuple[np.ndarray, np.ndarray]:
     """Rows of the table of parts, of the objects ``owner``, that one another side of a statement are: all of the first with
     all of the second, of one element with those of the same."""
     mine, theirs = owner[first.row], owner[second.row]
@@ -87,7 +87,7 @@ def find_allowed(batch: Batch, kinds: Collection[str]) -> np.ndarray:
     found = []
     for said in asked:
         sides = (find_meant(batch, said, *side) for side in zip((said.first, said.second), said.ranks, strict=True))
-        found.append(np.stack([link[row] for row in pair_parts(parts.owner, *sides)], axis=1))
+        found.append(np.stack([link[row] for row in _pair_parts(parts.owner, *sides)], axis=1))
     return np.unique(np.sort(np.concatenate(found), axis=1), axis=0)
 
 
