@@ -68,28 +68,28 @@ def _shown_lines(name: str, lines: Iterable[Line]) -> Iterator[str]:
 def _port(lowering: Lowering, parts: dict[str, Component], wanted: str) -> Iterator[str]:
     """The link on which a port of a part lies, and through which part."""
     from ..lower.elaborate.connect import carriers
+    from ..lower.expressions import members
     from ..lower.expressions.evaluate import Evaluator
-    from ..lower.expressions.members import inner
     from ..lower.solve.ledger import named
     from ..lower.values.kinds import part_of, reference
     from ..syntax import ast
 
     path, _, name = wanted.rpartition(".")
     part = parts.get(path)
-    declared = [
-        statement
+    ports = {
+        instance.symbol: statement
         for instance in (part.instances if part is not None else ())
         for statement in instance.symbol.body
         if isinstance(statement, ast.PortDecl) and statement.name == name
-    ]
-    if part is None or not declared:
+    }
+    if part is None or not ports:
         return
-    found = inner(Evaluator(part.env), reference(part), name, part.span)
+    found = members.declared(Evaluator(part.env), reference(part), name, frozenset(ports))
     on = carriers(found, part.env.scope) if found is not None else ()
     links = named(lowering.links, lowering.links.carried(on, part.span))
     through = " and ".join(dict.fromkeys(f"`{part_of(one).path}`" for one in on))
     yield wanted
-    yield f"    {'link':<14} {f'{links}, as it lies on {through}':<44} {declared[0].span}"
+    yield f"    {'link':<14} {f'{links}, as it lies on {through}':<44} {next(iter(ports.values())).span}"
 
 
 def _conditions(scope: Scope) -> str:

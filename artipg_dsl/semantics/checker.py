@@ -14,7 +14,7 @@ from ..units import Dimension
 from . import conditions, entries, expressions
 from .fold import is_unitless
 from .guards import TRUE, Condition, conjunction, implies
-from .meanings import Meaning
+from .meanings import Inner, Meaning
 from .modules import Workspace
 from .scope import BodyScope, Entry, Guards, build_scope, interface
 from .symbols import ModuleScope, Symbol
@@ -139,6 +139,8 @@ class Checker:
     def mean_member(self, node: ast.MemberExpr, meaning: Meaning) -> None:
         """Notes what a member is. In a function it has to be the same for whatever calls hand in."""
         before = self.meanings.setdefault(id(node), meaning)
+        if isinstance(before, Inner) and isinstance(meaning, Inner):
+            self.meanings[id(node)] = before.joined(meaning)
         if before != meaning:
             self.error(
                 "wrong-type",

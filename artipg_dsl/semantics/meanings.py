@@ -6,7 +6,7 @@ the number of repeats around that body, and never which value it has there.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..language import Form
 from .symbols import Symbol
@@ -76,9 +76,19 @@ class Feature(Meaning):
 
 @dataclass(frozen=True, slots=True)
 class Inner(Meaning):
-    """What stands after a dot and is declared: by the template or primitive of a part, in the body of an element."""
+    """What stands after a dot and is declared: by the template or primitive of a part, in the body of an element.
+
+    ``among``: the alternatives that there may be here, where one that there may not be declares something else by this name.
+    """
 
     name: str
+    among: frozenset[Symbol] | None = field(default=None, compare=False)
+
+    def joined(self, other: Inner) -> Inner:
+        """The meaning for several uses of one text."""
+        if self.among is None or other.among is None:
+            return Inner(self.name)
+        return Inner(self.name, self.among | other.among)
 
 
 @dataclass(frozen=True, slots=True)

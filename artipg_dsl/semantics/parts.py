@@ -102,6 +102,29 @@ def part_member(ck: Checker, ctx: Context, part: PartType, word: str, span: Span
     return _common(ck, found, word, span, path)
 
 
+def left_of_clash(ck: Checker, part: PartType, word: str) -> frozenset[Symbol] | None:
+    """The alternatives that are left of a part, where one that is not has something else under ``word``: no value could be either's."""
+    left = {v.symbol for v in part.variants if v.symbol is not None}
+    kinds = {
+        symbol: _symbol_member(ck, symbol, word)
+        for v in part.domain
+        if v is not None and (symbol := v.symbol) is not None
+    }
+    sorts = {_sort(kind) for symbol, kind in kinds.items() if symbol in left}
+    clash = any(kind is not None and _sort(kind) not in sorts for symbol, kind in kinds.items() if symbol not in left)
+    return frozenset(left) if clash else None
+
+
+def _sort(kind: Type | None) -> object:
+    """What types have in common whose values can be those of one member, each of an alternative."""
+    match kind:
+        case VecType(size=size):
+            return VecType, size
+        case ScalarType() | PartType() | ElementType():
+            return type(kind)
+    return kind
+
+
 def _of_instance(part: PartType, symbol: Symbol, kind: Type) -> Type:
     """The type of a member as those see it who name it through an instance."""
     home = (symbol.name, part.key)

@@ -95,3 +95,51 @@ category Stand { root part post : Post(h = 2cm) }
     program = Session.of_text(text).sampler.program
     (site,) = program.sites
     assert [program.parts[site.part].high[k].constant for k in range(3)] == [0.005, 0.005, 0.02]
+
+
+CLASH = """apg 1
+use primitives   { Cuboid }
+use vocabularies { semantic }
+role Cover { inherit size : length[3] }
+template Thick : Cover {
+  param pad : length in 1cm .. 2cm
+  part body : Cuboid(size = size)
+}
+template Padded : Cover {
+  part body : Cuboid(size = size - [0, 0, 1cm])
+  part pad : Cuboid(size = [size.x, size.y, 1cm])
+  align body.bottom = bottom
+  align pad.top = top
+}
+template Offset : Cover {
+  param pad : length[3] = [1cm, 2cm, 3cm]
+  part body : Cuboid(size = size)
+}
+category Chest {
+  root part base : Cuboid(size = [20cm, 20cm, 10cm])
+  part cover : Cover(size = [5cm, 5cm, 5cm]) = Thick | Padded | Offset
+  connect cover.bottom on base.top
+  part found : Cuboid(size = [4cm, 1cm, 1cm])
+  connect found to base
+  align found.top = base.bottom
+  align found.center.x = base.center.x
+  when cover is Thick { align found.left = base.left + cover.pad }
+  when cover is Padded {
+    label semantic.lid on cover.pad
+    align found.left = base.left + cover.pad.size.z
+  }
+  when cover is Offset { align found.left = base.left + cover.pad.y }
+}
+"""
+
+
+def test_one_name_for_different_things_of_alternatives() -> None:
+    session = Session.of_text(CLASH)
+    batch = session.sampler.batch(np.arange(48), seed=1)
+    found = next(site for site in batch.sites() if site.path == "found")
+    label = next(label for label in session.sampler.program.labels if label.name == "lid")
+    assert {batch.sites()[target.site].path for target in label.targets} == {"cover.pad"}
+    drawn = [batch.drawn(k) for k in range(48)]
+    pads = [{"Thick": one.get("cover.pad"), "Padded": 0.01, "Offset": 0.02}[one["cover"]] for one in drawn]
+    assert {one["cover"] for one in drawn} == {"Thick", "Padded", "Offset"}
+    np.testing.assert_allclose(found.translation[:, 1], 0.095 + np.array(pads))

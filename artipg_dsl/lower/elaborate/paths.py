@@ -56,7 +56,7 @@ def walk(env: Env, node: ast.Expr) -> list[Reached]:
             case Element(env=home):
                 found.extend(Reached(v, branch, named) for branch, v in home.branched(meaning.name))
             case Ref():
-                found.extend(r._replace(named=E.both(named, r.named)) for r in _inner_values(value, meaning.name))
+                found.extend(r._replace(named=E.both(named, r.named)) for r in _inner_values(value, meaning))
     if not found:
         raise env.context.error("unknown-member", node.name_span, f"nothing here has `{node.name}`")
     return found
@@ -89,12 +89,15 @@ def elements_named(env: Env, node: ast.Expr) -> Expr:
     return found
 
 
-def _inner_values(ref: Ref, name: str) -> list[Reached]:
-    """A member of every alternative that has it."""
+def _inner_values(ref: Ref, meaning: Inner) -> list[Reached]:
+    """A member of every alternative that has it and may be there."""
     found: list[Reached] = []
+    name = meaning.name
     for branch in ref.branches:
         for part, _ in branch.members:
             for instance in part.instances:
+                if meaning.among is not None and instance.symbol not in meaning.among:
+                    continue
                 if name in instance.bindings:
                     found.extend(instance.bound(name))
                     continue

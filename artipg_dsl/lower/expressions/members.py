@@ -38,6 +38,7 @@ from .env import Element, Env, Function, Hinge
 from .extents import raised
 
 if TYPE_CHECKING:
+    from ...semantics.symbols import Symbol
     from ..elaborate.part import Component
     from ..values.kinds import Carrier
     from .evaluate import Evaluator
@@ -118,8 +119,8 @@ def box_member(ev: Evaluator, box: Box, name: str) -> Value | None:
 def member(ev: Evaluator, value: Value, node: ast.MemberExpr) -> Value:
     """What stands after a dot, as the checker found: declared by somebody, or of the language."""
     match ev.env.context.meaning(node):
-        case Inner(name):
-            found = inner(ev, value, name, node.name_span)
+        case Inner() as meaning:
+            found = inner(ev, value, meaning, node.name_span)
         case Feature(name):
             found = _feature(ev, value, name, node.name_span)
         case _:
@@ -131,17 +132,17 @@ def member(ev: Evaluator, value: Value, node: ast.MemberExpr) -> Value:
     return found
 
 
-def inner(ev: Evaluator, value: Value, name: str, span: Span) -> Value | None:
+def inner(ev: Evaluator, value: Value, meaning: Inner, span: Span) -> Value | None:
     """What the template of a part or the body of an element declares."""
     match value:
         case Ref():
-            return declared(ev, value, name)
+            return declared(ev, value, meaning.name, meaning.among)
         case Element():
-            found = within(ev, value, span).env.declared(name)
+            found = within(ev, value, span).env.declared(meaning.name)
             return None if found is None else _from_env(ev, value.env, found)
         case At():
             home = type(ev)(value.element.env)
-            found = inner(home, value.inner, name, span)
+            found = inner(home, value.inner, meaning, span)
             return None if found is None else fetch(ev, value, found)
     return None
 
@@ -257,14 +258,14 @@ def lift(ev: Evaluator, value: Value, scope: Scope | None) -> Value:
     return value
 
 
-def declared(ev: Evaluator, ref: Ref, name: str) -> Value | None:
-    """What the templates of a reference declare under a name: of whichever alternative exists."""
+def declared(ev: Evaluator, ref: Ref, name: str, among: frozenset[Symbol] | None = None) -> Value | None:
+    """What the templates of a reference declare under a name: of whichever alternative exists, or ``among`` some."""
     results: list[tuple[Scope | None, Value]] = []
     for branch in ref.branches:
         if len(branch.members) != 1:
             continue
         part, outer = branch.members[0]
-        found = part.member(name, ref.own)
+        found = part.member(name, ref.own, among)
         if found is not None:
             results.append((branch.scope, moved(found, outer)))
     if not results or name == "size" and len(results) < len(ref.branches):
