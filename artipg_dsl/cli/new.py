@@ -1,4 +1,4 @@
-"""``apgc new``: a file to start a category from."""
+"""``apgc new``: a file to start a category from, or a copy of one that is there."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ import argparse
 import re
 from pathlib import Path
 
+from ..diagnostics import CompileError
 from ..errors import UsageError
 from ..export.write import write_bytes
 from ..language import reserved_name
+from ..session import Session
+from ..syntax import ast
 from ..syntax.grammar import reserved_words
 from .arguments import STREAM
 from .messages import say
@@ -16,20 +19,20 @@ from .messages import say
 
 def run(options: argparse.Namespace) -> int:
     name = _checked(options.name)
-    if options.out == STREAM:
-        print(starting_point(name), end="")
-        return 0
     path = Path(options.out or f"{snake(name)}.apg")
-    if path.suffix != ".apg":
+    if options.out != STREAM and path.suffix != ".apg":
         inside = path.is_dir() or not path.name
         better = path / f"{snake(name)}.apg" if inside else path.with_suffix(".apg")
         raise UsageError(f"{path} is {'a folder' if inside else 'not the name of a program'}", f"write {better}")
-    text = starting_point(name)
+    text = starting_point(name) if options.source is None else copied(name, options.source)
     if re.search(rf"^use .*\b{name}\b", text, re.MULTILINE):
         raise UsageError(
             f"a category cannot be called `{name}` here: the file to start from uses the library's `{name}`",
             "choose another name",
         )
+    if options.out == STREAM:
+        print(text, end="")
+        return 0
     write_bytes(path, text.encode(), force=options.force)
     say(f"wrote {path}, a complete category to start from\n  apgc check {path}\n  apgc render {path}")
     return 0
@@ -43,6 +46,19 @@ def starting_point(name: str) -> str:
         loader=PackageLoader("artipg_dsl.cli"), undefined=StrictUndefined, autoescape=False, keep_trailing_newline=True
     )
     return environment.get_template("category.apg.j2").render(name=name)
+
+
+def copied(name: str, source: str) -> str:
+    """The text of a category, by name or file, called ``name``. Raises CompileError, UsageError."""
+    session = Session.of(source)
+    tree = session.tree
+    category = None if tree is None else next((d for d in tree.declarations if isinstance(d, ast.CategoryDecl)), None)
+    if session.report.failed:
+        raise CompileError(session.report)
+    if category is None:
+        raise UsageError(f"{source} declares no category", "name a category, such as --from Microwave")
+    span = category.name_span
+    return span.source.text[: span.start] + name + span.source.text[span.end :]
 
 
 def _checked(name: str) -> str:

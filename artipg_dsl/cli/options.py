@@ -73,6 +73,12 @@ def _add_new(to: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="output file, or - for stdout (default: desk_lamp.apg for DeskLamp)",
     )
+    to.add_argument(
+        "--from",
+        dest="source",
+        metavar="CATEGORY",
+        help="start from a copy of a shipped category or of a file: to change ranges, alternatives or labels",
+    )
     to.add_argument("--force", action="store_true", help="overwrite an existing file")
 
 

@@ -81,7 +81,9 @@ def read_setting(draw: Draw, value: Value, *, anywhere: bool = False) -> tuple[f
     if outside and not anywhere:
         raise SettingError(
             f"`{draw.column.name}` cannot be {value}: it lies in {_show_domain(draw)}",
-            f"see {draw.where}" if draw.where else None,
+            f"see {draw.where}; a program of your own may have another range (apgc new NAME --from CATEGORY)"
+            if draw.where
+            else None,
         )
     return float(number), int(number) if draw.kind == "count" else float(number)
 
@@ -103,6 +105,10 @@ def _require_weight(draw: Draw, number: float) -> None:
 
 def _number(draw: Draw, text: str) -> float:
     name, unit = draw.column.name, draw.unit
+    if ".." in text:
+        raise SettingError(
+            f"`{name}` cannot be a range, {text}: a setting is one value", "a prior narrows ranges: see --prior"
+        )
     match = _NUMBER.fullmatch(text)
     if match is None:
         example = _EXAMPLES.get(unit, "3" if draw.kind == "count" else "0.5")

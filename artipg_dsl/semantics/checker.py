@@ -177,7 +177,10 @@ class Checker:
                 hint = f"write {text}{unit}" if isinstance(expr, ast.NumberExpr) else f"give the numbers units: {unit}"
                 self.error("missing-unit", expr.span, f"{what} needs a unit: {wanted} is expected", hint=hint)
                 return
-            self.error("wrong-dimension", expr.span, f"{what} is {wanted}, but this is {given}")
+            each = None
+            if isinstance(wanted, VecType) and isinstance(given, ScalarType) and given.dimension == need:
+                each = f"give a value for each: [{', '.join([expr.span.text] * wanted.size)}]"
+            self.error("wrong-dimension", expr.span, f"{what} is {wanted}, but this is {given}", hint=each)
             return
         self.error("wrong-type", expr.span, f"{what} is {wanted}, but this is {given}")
 

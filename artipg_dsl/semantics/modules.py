@@ -13,6 +13,7 @@ from ..source import Source, Span
 from ..syntax import ast
 from ..syntax.load import load
 from ..syntax.trees import tree_of
+from .offers import declared_in
 from .symbols import KINDS, ModuleScope, Symbol
 
 Loader = Callable[[Source, Report], "ast.Module | None"]
@@ -140,22 +141,27 @@ class Workspace:
                 )
             elif name in scope.names and scope.names[name] is not symbol:
                 other = scope.names[name]
+                merged = symbol.kind == other.kind == "vocabulary"
                 where = "declared" if other.module is scope else f"imported from `{other.module.name}`"
                 self.report.error(
                     "duplicate-name",
                     span,
                     f"`{name}` is already {where} in this file",
                     notes=((other.decl.name_span, "the other declaration"),),
+                    hint=f"leave `{name}` out of `use`: vocabularies of one name are merged, so all its words are there"
+                    if merged
+                    else None,
                 )
             else:
                 scope.names[name] = symbol
 
     def _elsewhere(self, name: str, module: ModuleScope, asked: str) -> str | None:
-        """A hint where ``asked`` itself imports the name: import it from where it is declared."""
+        """A hint: where the name is declared, if ``asked`` itself imports it or the library has it; else what ``asked`` declares."""
         passed_on = module.find(name)
-        if passed_on is None:
-            return None
-        return f"`{asked}` uses it too: write `use {passed_on.module.name} {{ {name} }}`"
+        if passed_on is not None:
+            return f"`{asked}` uses it too: write `use {passed_on.module.name} {{ {name} }}`"
+        own = [symbol.name for symbol in module.own()]
+        return declared_in(name) or (f"it declares {', '.join(own)}" if own else None)
 
     def _cycle(self, first: int) -> None:
         ring = self._trail[first:]

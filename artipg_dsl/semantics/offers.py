@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 from ..diagnostics.suggest import did_you_mean, suggest
 from ..resources import library_dir
@@ -12,21 +12,32 @@ DECLARED = re.compile(r"^(role|template|primitive|material|vocabulary)[ ]+(\w+)"
 TEMPLATES = ("role", "template", "primitive")
 
 
+def declared_in(name: str) -> str | None:
+    """A hint: the import that brings ``name`` in, whatever it is."""
+    module = _modules().get(name)
+    return None if module is None else f"it is in another module: `use {module} {{ {name} }}`"
+
+
 def missing(name: str, here: Iterable[str], *kinds: str) -> str | None:
     """A hint: the import that brings ``name`` in, else the nearest of the names ``here``, else the nearest of the library.
 
     ``kinds`` are those of the library's declarations that would do. The modules are searched as text, not parsed: this runs
     behind an error alone.
     """
-    library = {
-        word: path.stem
-        for path in sorted(library_dir().glob("*.apg"), reverse=True)
-        for kind, word in DECLARED.findall(path.read_text(encoding="utf-8"))
-        if kind in kinds
-    }
+    library = _modules(kinds)
     if name in library:
         return f"bring it in: `use {library[name]} {{ {name} }}`"
     near = did_you_mean(name, here)
     if near is None and (word := suggest(name, library)) is not None:
         near = f"did you mean `{word}`? bring it in: `use {library[word]} {{ {word} }}`"
     return near
+
+
+def _modules(kinds: Collection[str] = ()) -> dict[str, str]:
+    """The module of each name that the library declares, of some kinds or all."""
+    return {
+        word: path.stem
+        for path in sorted(library_dir().glob("*.apg"), reverse=True)
+        for kind, word in DECLARED.findall(path.read_text(encoding="utf-8"))
+        if kind in kinds or not kinds
+    }

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl.cli.new import snake, starting_point
-from artipg_dsl.session import Session
+from artipg_dsl.session import Session, categories
 
 from .helpers import Apgc
 
@@ -39,6 +39,22 @@ def test_writes_once(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert apgc("new", "DeskLamp", "--force")[0] == 0
     assert apgc("new", "DeskLamp", "-o", "there/lamp.apg")[0] == 0
     assert Path("there/lamp.apg").read_text(encoding="utf-8") == starting_point("DeskLamp")
+
+
+def test_copies_a_category_to_change(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert apgc("new", "BigMug", "--from", "mug")[0] == 0
+    text, shipped = Path("big_mug.apg").read_text(encoding="utf-8"), categories()["Mug"].read_text(encoding="utf-8")
+    assert text == shipped.replace("category Mug {", "category BigMug {") != shipped
+    assert Session.of("big_mug.apg").sampler.batch(np.arange(3), 0).program.name == "BigMug"
+    assert apgc("new", "Huge", "--from", "big_mug.apg", "-o", "-")[1] == text.replace("BigMug", "Huge")
+    code, _, err = apgc("new", "Thing", "--from", "Mugg")
+    assert code == 1 and "there is no category `Mugg`" in err and "did you mean `Mug`?" in err
+    Path("module.apg").write_text("apg 1\n", encoding="utf-8")
+    code, _, err = apgc("new", "Thing", "--from", "module.apg")
+    assert code == 2 and "module.apg declares no category" in err
+    Path("broken.apg").write_text("apg 1\ncategory {", encoding="utf-8")
+    assert apgc("new", "Thing", "--from", "broken.apg")[0] == 1 and not Path("thing.apg").exists()
 
 
 @pytest.mark.parametrize(

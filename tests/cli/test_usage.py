@@ -28,6 +28,8 @@ from .helpers import CHEST, Apgc, command, environment
         (f"sample {CHEST} --states open=45", "`open=45` has no unit", "deg"),
         (f"sample {CHEST} --gripper stroke=10", "`stroke=10` has no unit", "stroke=10mm"),
         (f"sample {CHEST} --gripper stroke=10cm,stroke=9cm", "stroke is given twice", ""),
+        (f"sample {CHEST} --set width=45..60cm", "`width` cannot be a range, 45..60cm", "--prior"),
+        (f"sample {CHEST} --set width=9m", "it lies in 30cm .. 60cm", "apgc new NAME --from CATEGORY"),
         (f"sample {CHEST} --set width=4furlong", "`furlong` in width=4furlong is not a unit", "mm, cm, m"),
         (f"sample {CHEST} -o -", "- means standard output, but a folder is needed", ""),
         (f"export {CHEST} --format obj -o -", "- means standard output, but a folder is needed", ""),

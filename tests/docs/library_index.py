@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 from artipg_dsl.diagnostics import Report
 from artipg_dsl.resources import library_dir
@@ -19,8 +20,15 @@ What the modules of `library/` offer, by what you look for and by module. Import
 `use handles { Handle, BarHandle }`. A role can be used in place of any template that plays it, with its inherited parameters as arguments.
 The [primitives](primitives.md) have a page of their own with pictures, and each [category](categories.md) shows templates in use.
 
+[Materials](#materials) are at the end; the words of vocabularies are on the page of [labels](labels.md#vocabularies).
+
 This page is made from the doc comments in `library/*.apg` by `pytest tests/docs/test_library.py --update-golden`.
 """
+
+MATERIALS = """`use materials { oak }`, then `material oak on body`. Densities are those of the solid; of a `sheet`, `housing`,
+`tube`, `profile`, `casting`, `moulding` or `foamed` they are the average of the whole, with the air or components in it. Friction,
+restitution and roughness are in the modules. Every object draws one value from each range. `coat` is powder on steel, `armour` the
+wall of a safe, `clad` cookware. How to declare another is explained in [the language](language.md#physics-and-looks)."""
 
 SOUGHT = {
     "handle, grip, lever": "handle grip lever pull bow loop",
@@ -77,13 +85,30 @@ def entries() -> tuple[Entry, ...]:
     return tuple(_entries())
 
 
+@cache
+def _tree(path: Path) -> ast.Module:
+    tree = parse(Source(path.name, path.read_text(encoding="utf-8")), Report())
+    assert tree is not None, path.name
+    return tree
+
+
 def _entries() -> Iterator[Entry]:
     for path in sorted(library_dir().glob("*.apg")):
-        tree = parse(Source(path.name, path.read_text(encoding="utf-8")), Report())
-        assert tree is not None, path.name
-        for node in tree.declarations:
+        for node in _tree(path).declarations:
             if isinstance(node, ast.RoleDecl | ast.TemplateDecl | ast.PrimitiveDecl):
                 yield Entry(path.stem, node)
+
+
+@cache
+def materials() -> tuple[tuple[str, ast.MaterialDecl], ...]:
+    """Materials with their modules, those of `materials` first, in the order of the text."""
+    found = [
+        (path.stem, node)
+        for path in sorted(library_dir().glob("*.apg"))
+        for node in _tree(path).declarations
+        if isinstance(node, ast.MaterialDecl)
+    ]
+    return tuple(sorted(found, key=lambda entry: entry[0] != "materials"))
 
 
 def page() -> str:
@@ -108,7 +133,26 @@ def page() -> str:
             what = "primitive" if isinstance(entry.node, ast.PrimitiveDecl) else entry.role or what or "-"
             plays = f"`{what}`" if entry.role else what
             lines.append(f"| `{entry.name}` | {plays} | {_parameters(entry.node)} | {_cell(entry.doc)} |")
+    lines += ["", "## materials", "", MATERIALS, "", "| name | module | kg/m3 | colour | |", "|---|---|---|---|---|"]
+    lines += [_material(module, node) for module, node in materials()]
     return "\n".join(lines) + "\n"
+
+
+def _material(module: str, node: ast.MaterialDecl) -> str:
+    density, colour = _ends(node.density), _ends(node.colour)
+    shown = "#" + "".join(f"{round(255 * (low + high) / 2):02x}" for low, high in zip(*colour, strict=True))
+    looks = {"metal": _ends(node.metalness), "clear": _ends(node.transparency)}
+    said = [word for word, ends in looks.items() if ends[1][0] >= 0.5]
+    heavy = f"{density[0][0]:g}" + ("" if density[0] == density[1] else f" .. {density[1][0]:g}")
+    return f"| `{node.name}` | `{module}` | {heavy} | `{shown}` | {', '.join(said)} |"
+
+
+def _ends(clause: ast.Clause[ast.RangeExpr] | None) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Both ends of a property, as numbers; of one that is not given 0."""
+    if clause is None:
+        return (0.0,), (0.0,)
+    low, high = (e.items if isinstance(e, ast.VectorExpr) else (e,) for e in (clause.value.low, clause.value.high))
+    return tuple(n.value for n in low), tuple(n.value for n in high)  # type: ignore[attr-defined]
 
 
 def _plays(entry: Entry, role: str, known: list[Entry]) -> bool:

@@ -8,7 +8,7 @@ from pathlib import Path
 from artipg_dsl.resources import library_dir
 from artipg_dsl.semantics.offers import DECLARED
 
-from .library_index import SOUGHT, entries, page
+from .library_index import SOUGHT, entries, materials, page
 
 PAGE = Path(__file__).parents[2] / "docs" / "library.md"
 
@@ -42,3 +42,12 @@ def test_a_parameter_is_shown_with_its_type_and_default() -> None:
     text = PAGE.read_text(encoding="utf-8")
     assert "| `BracketHandle` | `Handle` | `thickness` = 10mm | A flat grip on two or three posts. |" in text
     assert "| `Handle` | role | `size` (three lengths) |" in text
+
+
+def test_all_materials_are_listed() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    assert "| `oak` | `materials` | " in text and "| `brown_leather` | `knives` | " in text
+    assert "| `chrome` | `materials` | 7150 .. 7190 | `#e0e3e3` | metal |" in text
+    texts = [path.read_text(encoding="utf-8") for path in library_dir().glob("*.apg")]
+    declared = {word for text in texts for kind, word in DECLARED.findall(text) if kind == "material"}
+    assert declared == {node.name for _, node in materials()} and len(declared) > 100
