@@ -24,7 +24,7 @@ def run(options: argparse.Namespace) -> int:
         inside = path.is_dir() or not path.name
         better = path / f"{snake(name)}.apg" if inside else path.with_suffix(".apg")
         raise UsageError(f"{path} is {'a folder' if inside else 'not the name of a program'}", f"write {better}")
-    text = starting_point(name) if options.source is None else copied(name, options.source)
+    text = starting_point(name) if options.source is None else _copied(name, options.source)
     if re.search(rf"^use .*\b{name}\b", text, re.MULTILINE):
         raise UsageError(
             f"a category cannot be called `{name}` here: the file to start from uses the library's `{name}`",
@@ -48,7 +48,7 @@ def starting_point(name: str) -> str:
     return environment.get_template("category.apg.j2").render(name=name)
 
 
-def copied(name: str, source: str) -> str:
+def _copied(name: str, source: str) -> str:
     """The text of a category, by name or file, called ``name``. Raises CompileError, UsageError."""
     session = Session.of(source)
     tree = session.tree
