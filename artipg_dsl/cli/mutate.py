@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,16 +27,29 @@ if TYPE_CHECKING:
     from ..sampling.trace import Step
 
 _TOLD = ("trace", "correspondence")
-_PLAIN = "apa,dpa,cpa", 1.0, 0.5  # operations, strength and share where nothing is said of them
+_USUAL = {"ops": "apa,dpa,cpa", "strength": 1.0, "share": 0.5, "parts": "*", "one": None, "variant": 0, "number": None}
+"""What a mutation is made by, where nothing is said of it."""
+_MADE = {"folder": None, "only": None, "params": None, "replay": None, "format": None, "points": None, "details": None}
 _SHOWN = 12  # differences of one object that are told without --all
 
 
 def run(options: argparse.Namespace) -> int:
     if options.diff:
+        _refuse_idle(options, _MADE | _USUAL | {"distinct": False}, "--diff compares what is there and makes nothing")
         return _compare(*options.diff, everything=options.all)
+    if options.all:
+        raise UsageError("--all applies to what --diff shows", "add --diff A B, or leave out --all")
     if options.folder is None:
         raise UsageError("there is nothing to mutate", "give a folder of samples: apgc mutate out -o mutants")
     return _write(options)
+
+
+def _refuse_idle(options: argparse.Namespace, usual: Mapping[str, Any], why: str) -> None:
+    """Refuse options that would change nothing: those that differ from what is ``usual``. Raises UsageError."""
+    for name, value in usual.items():
+        if getattr(options, name) != value:
+            said = options.folder if name == "folder" else "-n" if name == "number" else f"--{name}"
+            raise UsageError(f"{why}, so {said} does not apply", f"leave out {said}")
 
 
 # ---------------------------------------------------------------- writing
@@ -44,11 +58,13 @@ def run(options: argparse.Namespace) -> int:
 def _write(options: argparse.Namespace) -> int:
     """Write the mutants of a folder to another one."""
     from ..details.store import read_dressing, require_donors
-    from ..export.registry import choose_formats
+    from ..export.registry import choose_formats, kinds
     from ..export.write import ExportError
     from ..run.output import Output
 
     begun = time.monotonic()
+    if options.replay is not None:
+        _refuse_idle(options, _USUAL, "a trace already says which mutants there are")
     for name, why in (("replay", "a trace already says which mutants there are"), ("one", "its groups are complete")):
         if options.distinct and getattr(options, name) is not None:
             raise UsageError(f"--distinct does not apply with --{name}: {why}", "leave out --distinct")
@@ -66,6 +82,8 @@ def _write(options: argparse.Namespace) -> int:
         raise UsageError(wrong.message, wrong.hint) from None
     content = output.content
     if options.points is not None:
+        if "points" not in kinds([entry.name for entry in formats]):
+            raise UsageError("--points applies to points, which are not among the formats", "add points to --format")
         content = replace(content, points=replace(content.points, count=options.points))
     strength = read_strength(options)
     if options.details is not None:
@@ -148,10 +166,17 @@ def _read_mutation(options: argparse.Namespace, job: Job) -> Mutation:
 
     if options.one is not None and options.parts != "*":
         raise UsageError("--one already names the value, so --parts cannot be given as well")
-    if options.one is not None and (options.ops, options.strength, options.share) != _PLAIN:
+    if options.one is not None and any(getattr(options, n) != _USUAL[n] for n in ("ops", "strength", "share")):
         raise UsageError("--one redraws its value, so --ops, --strength and --share cannot be given as well")
+    operations = read_operations(options.ops)
+    for name, what, of in (("strength", "steps", ("cpa",)), ("share", "templates and counts", ("apa", "dpa"))):
+        if getattr(options, name) != _USUAL[name] and not set(of) & set(operations):
+            raise UsageError(
+                f"--{name} applies to the {what} of {' and '.join(of)}, not to {options.ops}",
+                f"leave out --{name}, or add {of[0]} to --ops",
+            )
     return Mutation(
-        read_operations(options.ops),
+        operations,
         options.variant,
         options.strength,
         options.share,

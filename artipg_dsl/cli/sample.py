@@ -21,7 +21,15 @@ if TYPE_CHECKING:
     from ..run.manifest import Manifest
     from ..run.output import Output
 
-_ABOUT_POINTS = {"motion": False, "surface": "boundary", "spread": "random", "per": "object", "balance": None}
+_ABOUT_POINTS = {
+    "points": 2048,
+    "motion": False,
+    "surface": "boundary",
+    "spread": "random",
+    "per": "object",
+    "balance": None,
+}
+_ABOUT_LABELS = {"states": "rest", "gripper": "standard"}  # of points, views and annotations
 
 
 def refuse_file(folder: Place) -> None:
@@ -46,6 +54,11 @@ def run(options: argparse.Namespace) -> int:
     for name, usual in _ABOUT_POINTS.items():
         if getattr(options, name) != usual and "points" not in output.kinds:
             raise UsageError(f"--{name} applies to points, which are not among the formats", "add points to --format")
+    for name, usual in _ABOUT_LABELS.items():
+        if getattr(options, name) != usual and output.kinds == [TABLES]:
+            raise UsageError(
+                f"--{name} does not apply to values alone", "give it when their files are made: apgc sample DIR"
+            )
     if read_resolution(options) and not any(entry.per_object for entry in formats):
         raise UsageError(
             "--tolerance and --triangles apply to meshes, and none of the formats has any", "add a format such as glb"
@@ -79,9 +92,9 @@ def run(options: argparse.Namespace) -> int:
 
 def write(job: Job, out: Place, output: Output, options: argparse.Namespace) -> tuple[Manifest, int]:
     """Write the objects of a job, with progress; the manifest, and how many they are. Raises ExportError."""
-    from ..run.dataset import write_dataset
+    from ..run.dataset import number_of, write_dataset
 
-    number = len(job.request.objects)
+    number = number_of(len(job.request.objects), output.shard, options.shard)
     with Progress(job.program.name) as progress:
         progress(0, number)
         progress.stage("drawing, checking and writing")

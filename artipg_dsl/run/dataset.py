@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from ..details.dressing import Dressing
-from ..errors import UsageError
+from ..errors import UsageError, UserError
 from ..export.content import SHARD, Content
 from ..export.objects import find_lacking, object_folder
 from ..export.registry import FORMATS, Format
@@ -22,7 +22,7 @@ from .job import Job
 from .manifest import Manifest
 from .memory import Room, most_processes, share_of
 from .output import Output
-from .resume import drop_counts, make_ready, sweep_all
+from .resume import drop_counts, make_ready, sweep_all, withdraw
 from .schema import expand
 from .sharing import AUTO, processors, share
 
@@ -48,14 +48,13 @@ def write_dataset(
     is then what each may take.
     """
     out, numbers, shard = place_of(out), job.request.objects, output.shard
-    manifest = make_ready(out, manifests.build_manifest(job.program, job.request, output, out=out), force)
+    manifest = make_ready(out, wanted := manifests.build_manifest(job.program, job.request, output, out=out), force)
     if isinstance(out, Remote) and out.private:
         if workers > 1 or cluster:
             raise UsageError(
                 f"{out} is seen by one process alone", "leave out --workers and --cluster, or choose another place"
             )
         workers = 1
-    first, step = (part[0] - 1) * shard, part[1] * shard
     counting = "counts" not in manifest and job.tables is None  # what is made from tables was counted when these were
     pieces = _pieces(
         [
@@ -67,11 +66,16 @@ def write_dataset(
                 at // shard,
                 _counts(at // shard, counting),
             )
-            for at in range(first, len(numbers), step)
+            for at in _starts(len(numbers), shard, part)
         ],
         _are_several(workers, cluster),
     )
-    _carry_out(job, pieces, progress, workers, memory, cluster)
+    try:
+        _carry_out(job, pieces, progress, workers, memory, cluster)
+    except UserError:
+        if manifest is wanted and part[1] == 1:  # nobody else goes by it
+            withdraw(out)
+        raise
     job.statistics.take(read_counts(out, pieces))
     counts = job.counts()
     if "counts" not in manifest and part[1] == 1 and counts is not None:
@@ -80,6 +84,16 @@ def write_dataset(
     if "counts" in manifest:
         drop_counts(out)
     return manifest
+
+
+def number_of(objects: int, shard: int, part: tuple[int, int]) -> int:
+    """How many of the objects are in this part, in shards of so many."""
+    return sum(min(shard, objects - at) for at in _starts(objects, shard, part))
+
+
+def _starts(objects: int, shard: int, part: tuple[int, int]) -> range:
+    """Where the shards of this part begin: every n-th from the k-th on."""
+    return range((part[0] - 1) * shard, objects, part[1] * shard)
 
 
 def _counts(shard: int, counting: bool) -> str:

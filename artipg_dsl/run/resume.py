@@ -71,6 +71,14 @@ def make_ready(out: Place, manifest: Manifest, force: bool) -> Manifest:
     return manifest
 
 
+def withdraw(out: Place) -> None:
+    """Remove what a run has begun that failed before it wrote an object: with what was wrong put right, it is another run."""
+    if {path.name for path in out.iterdir()} == {manifests.NAME}:
+        (out / manifests.NAME).unlink()
+        if not isinstance(out, Remote):
+            out.rmdir()
+
+
 def sweep_all(out: Place) -> None:
     """Remove what killed processes left unfinished in a folder of samples."""
     for place in (out, out / OBJECTS):

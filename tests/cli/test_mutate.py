@@ -58,6 +58,29 @@ def chest(tmp_path_factory):
     return folder
 
 
+@pytest.mark.parametrize(
+    ("wishes", "message"),
+    [
+        (("--ops", "apa", "--strength", 2), "--strength applies to the steps of cpa, not to apa"),
+        (("--ops", "cpa", "--share", 0.2), "--share applies to the templates and counts of apa and dpa, not to cpa"),
+        (("--all",), "--all applies to what --diff shows"),
+        (
+            ("--replay", "FOLDER", "--ops", "cpa"),
+            "a trace already says which mutants there are, so --ops does not apply",
+        ),
+        (("--replay", "FOLDER", "-n", 2), "so -n does not apply"),
+        (("--diff", "a", "b"), "--diff compares what is there and makes nothing, so FOLDER does not apply"),
+        (("--format", "annotation", "--points", 8), "--points applies to points"),
+    ],
+    ids=lambda value: " ".join(map(str, value)) if isinstance(value, tuple) else "",
+)
+def test_options_that_would_change_nothing_are_refused(apgc, chest, tmp_path, wishes, message):
+    wishes = [chest if wish == "FOLDER" else wish for wish in wishes]
+    code, _, err = apgc("mutate", chest, *wishes, "-o", tmp_path / "o")
+    assert code == 2 and message.replace("FOLDER", str(chest)) in err
+    assert not (tmp_path / "o").exists()
+
+
 def test_a_folder_of_mutants(apgc, chest, tmp_path):
     out = tmp_path / "mutants"
     code, _, err = apgc("mutate", chest, "--ops", "apa,dpa,cpa", "-n", 3, "-o", out)

@@ -20,6 +20,12 @@ def annotations(folder: Path) -> list[dict]:
     return [json.loads(line) for path in sorted(folder.glob("*.jsonl")) for line in path.read_text().splitlines()]
 
 
+def test_a_part_of_a_run_tells_how_many_objects_are_in_it(apgc: Apgc, tmp_path: Path) -> None:
+    for part, told in (("1/2", "3 objects"), ("2/2", "0 objects")):
+        code, _, err = apgc("sample", CHEST, "-n", 3, "--points", 8, "--shard", part, "-o", tmp_path / "o")
+        assert code == 0 and f"{told} in {tmp_path / 'o'}, part {part[0]} of 2" in err
+
+
 def test_sample_writes_shards_and_manifest(apgc: Apgc, tmp_path: Path) -> None:
     code, out, err = apgc("sample", CHEST, "-n", 5, "--seed", 7, "-o", tmp_path / "o", *SMALL)
     assert (code, out) == (0, "") and "5 objects in" in err
