@@ -224,9 +224,20 @@ def find_idle(program: Program) -> list[int]:
     ]
 
 
+def find_settled(program: Program) -> list[tuple[int, bool]]:
+    """The preferences that all objects meet, or none does, whatever is drawn: (number, whether they are met)."""
+    intervals = Intervals(program.draws, program.definitions)
+    found = []
+    for number, preference in enumerate(program.preferences):
+        low, high = intervals.of(preference.condition)
+        if low >= 1.0 or (high <= 0.0 and preference.guard is TRUE):
+            found.append((number, low >= 1.0))
+    return found
+
+
 def is_certain(scope: Scope, intervals: Intervals) -> bool:
     """Whether every object has a row of the table."""
     return all(s.count is None or s.count is TRUE or intervals.of(s.count)[0] >= 1.0 for s in scope.ancestors())
 
 
-__all__ = ["Conflict", "is_certain", "find_conflicts", "find_idle", "find_ranges"]
+__all__ = ["Conflict", "is_certain", "find_conflicts", "find_idle", "find_ranges", "find_settled"]

@@ -75,6 +75,7 @@ class Checker:
         self.report = report
         self.types: dict[int, Type] = {}
         self.meanings: dict[int, Meaning] = {}
+        self.measured: dict[int, Type] = {}  # paths to joints of roles, by identity -> what their values have to be
         self.vocabularies: dict[str, set[str]] = {}
         self._scopes: dict[int, BodyScope] = {}
         self._entries: dict[int, Type] = {}

@@ -52,3 +52,5 @@ def _compared(ck: Checker, ctx: Context, left: ast.Expr, right: ast.Expr) -> Non
         found = ck.infer(ctx, right)
         if found != UNKNOWN and not (isinstance(found, ScalarType) and (found.zero or found in (LENGTH, ANGLE))):
             ck.mismatch(right, found, ANGLE, "the value that a joint waits for")
+        elif found in (LENGTH, ANGLE):
+            ck.measured[id(left)] = found

@@ -29,6 +29,8 @@ def check_mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> Non
         ck.error("wrong-type", value.span, "`mimic` must follow one joint", hint=_FORM)
         return
     stands = _value_of(ck, path, joint)
+    if joint.kind is None and stands == UNKNOWN:
+        stands = _fitting(ck, ctx, value, [node for node, _ in leaders], wanted)
     given = ck.infer(ctx.but(leads={id(node): stands for node, _ in leaders}), value)
     if given == UNKNOWN:
         return
@@ -41,6 +43,21 @@ def check_mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> Non
             f"this joint's value is {wanted}, but what it follows here is {given}",
             hint=_factor(path, given, wanted),
         )
+
+
+def _fitting(ck: Checker, ctx: Context, value: ast.Expr, leaders: list[ast.Expr], wanted: Type) -> Type:
+    """What the joint of a role has to be for the formula to be ``wanted``: lowering, which sees the joint, holds it to that."""
+    with ck.muted():
+        found = [
+            kind
+            for kind in (LENGTH, ANGLE)
+            if fits(given := ck.infer(ctx.but(leads={id(n): kind for n in leaders}), value), wanted)
+            and given != UNKNOWN
+        ]
+    if len(found) != 1:  # either will do, or neither: then of what is as the joint that follows
+        return UNKNOWN if found else wanted
+    ck.measured.update((id(node), found[0]) for node in leaders)
+    return found[0]
 
 
 def _leaders(ck: Checker, ctx: Context, value: ast.Expr) -> list[tuple[ast.Expr, JointType]]:

@@ -44,6 +44,7 @@ from .types import (
     POINT,
     RATIO,
     SIZE,
+    SURFACE,
     UNKNOWN,
     ArrayType,
     Boxed,
@@ -357,7 +358,9 @@ def index(ck: Checker, ctx: Context, expr: ast.IndexExpr) -> Type:
         return _port(ck, ctx, obj, expr)
     if obj == UNKNOWN:
         return UNKNOWN
-    return ck.unfit(expr, obj, "only repeats and indexed ports take an index")
+    whole = expr.obj.span.words
+    hint = f"surfaces of a family are named together; a formula chooses among them: `on {whole} where n.x > 0.5`"
+    return ck.unfit(expr, obj, "only repeats and indexed ports take an index", hint if obj == SURFACE else None)
 
 
 def _port(ck: Checker, ctx: Context, ports: ArrayType, expr: ast.IndexExpr) -> Type:

@@ -125,6 +125,9 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             ):
                 wanted = LENGTH if row.slides else ANGLE
             placing.motion_range(ck, inside, interval, wanted)
+            if isinstance(kind, JointType) and kind.kind is None:
+                ends = (ck.types.get(id(end)) for end in (interval.low, interval.high))
+                ck.measured.update((id(joint), end) for end in ends if end in (LENGTH, ANGLE))
         case ast.CloseStmt(subject=subject, other=other):
             kind, inside = placing.subject(ck, ctx, subject)
             for expr, found in ((subject, kind), (other, ck.infer(inside, other))):

@@ -51,14 +51,15 @@ def test_reduced(text: str) -> None:
     assert found.params["size.x"] == pytest.approx(REDUCED[text])
 
 
+@pytest.mark.parametrize("member", ["param w : length in 1cm .. 2cm", "let w = 2cm"])
 @pytest.mark.parametrize("form", ["min", "max"])
-def test_an_object_that_needs_the_least_or_greatest_of_nothing_is_drawn_again(form: str) -> None:
+def test_an_object_that_needs_the_least_or_greatest_of_nothing_is_drawn_again(form: str, member: str) -> None:
     text = f"""
 use primitives {{ Cuboid }}
 category T {{
   count n in 0 .. 2
   root part body : Cuboid(size = [9cm, 9cm, 9cm])
-  repeat r[i] in 0 ..< n split body along y {{ param w : length in 1cm .. 2cm }}
+  repeat r[i] in 0 ..< n split body along y {{ {member} }}
   part a : Cuboid(size = [1cm, 1cm, {form}(r.w)])
   connect a.bottom on body.top
 }}"""

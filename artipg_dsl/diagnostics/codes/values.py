@@ -185,10 +185,11 @@ VALUES = (
     ),
     Code(
         "always-true",
-        "a requirement always holds",
+        "a requirement or preference has no effect",
         """
-        No values in the ranges can break this requirement, so it has no effect. Often it compares the wrong values, or
-        was written before a range was narrowed. Correct the comparison, or drop it.
+        No values in the ranges can break this requirement, so it has no effect; nor has a preference that always or never
+        holds. Often it compares the wrong values, or was written before a range was narrowed. Correct the comparison, or
+        drop it.
         """,
         """
         apg 1

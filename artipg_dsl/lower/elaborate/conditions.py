@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from ...graph import expr as E
 from ...graph.depend import draws_behind
-from ...graph.expr import Expr
+from ...graph.expr import Expr, Scope
 from ...graph.program import Allowed, Clear, Preference, Stable
+from ...source import Span
 from ...syntax import ast
 from ...syntax.walk import walk
 from ..expressions.context import where
@@ -66,6 +67,8 @@ def prefer(links: Links, env: Env, statement: ast.PreferStmt) -> None:
         )
     condition, _ = comparison(ev, statement.condition)
     guard = _presence(env, statement.condition)
+    if env.scope.parent is None and not env.path:
+        env.context.preferred[len(env.context.program.preferences)] = statement.span
     env.context.program.preferences.append(
         Preference(env.scope, condition, guard, weight, where(statement.span), statement.condition.span.words)
     )
@@ -113,6 +116,16 @@ def _allow(links: Links, env: Env, statement: ast.AllowStmt) -> None:
     sides = [statement.subject] if statement.other is None else [statement.subject, statement.other]
     first, second = (*(nodes(links, env, node) for node in sides), ())[:2]
     ranks = (*(tuple(indices(env, node)) for node in sides), ())[:2]
+    if statement.other is not None:
+        word = "free" if statement.kind == "free" else f"allow {statement.kind}"
+        _refuse_one(links, env, statement.span, word, (first, second), ranks)
+        if _is_one_link(links, env, (*first, *second)):
+            raise env.context.error(
+                "wrong-arguments",
+                statement.span,
+                f"`{statement.subject.span.words}` and `{statement.other.span.words}` move as one: they may overlap anyway",
+                hint="drop this, or attach one of them by a joint",
+            )
     links.context.program.allowed.append(
         Allowed(statement.kind, env.scope, first, second, statement.reason or "", ranks)
     )
@@ -122,9 +135,41 @@ def clear(links: Links, env: Env, statement: ast.ClearStmt) -> None:
     first, second = (nodes(links, env, node) for node in (statement.subject, statement.other))
     distance = Evaluator(env).scalar(statement.distance)
     ranks = tuple(tuple(indices(env, node)) for node in (statement.subject, statement.other))
+    _refuse_one(links, env, statement.span, "clear", (first, second), ranks)
     links.context.program.clear.append(
         Clear(env.scope, first, second, distance, statement.span.words, ranks, where(statement.span), statement.all)
     )
+
+
+def _refuse_one(
+    links: Links,
+    env: Env,
+    span: Span,
+    word: str,
+    sides: tuple[tuple[int, ...], ...],
+    ranks: tuple[tuple[tuple[str, int], ...], ...],
+) -> None:
+    """Refuse a statement about two parts of which both are the same one."""
+    first, second = sides
+    alone = all(_is_alone(env, links.context.program.parts[node].scope) for node in first)
+    if first == second and ranks[0] == ranks[1] and (alone or ranks[0]):
+        hint = "name the other part; of two elements of a repeat, write their numbers"
+        raise env.context.error("wrong-arguments", span, f"`{word}` names the same part twice", hint=hint)
+
+
+def _is_one_link(links: Links, env: Env, nodes: Iterable[int]) -> bool:
+    """Whether parts lie on one link in every object."""
+    program = links.context.program
+    found = {program.parts[node].link for node in nodes}
+    if len(found) != 1:
+        return False
+    (reference,) = found
+    return len(reference) == 1 and isinstance(reference[0], int) and _is_alone(env, program.links[reference[0]].scope)
+
+
+def _is_alone(env: Env, scope: Scope) -> bool:
+    """Whether a table has at most one row for each row of where a statement stands."""
+    return all(s.kind != "repeat" or env.scope.within(s) for s in scope.ancestors())
 
 
 def indices(env: Env, node: ast.Expr) -> Iterator[tuple[str, int]]:

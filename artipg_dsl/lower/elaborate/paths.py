@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ...graph import expr as E
 from ...graph.expr import Expr
+from ...language import JOINTS
 from ...semantics.meanings import Current, Declared, Inner, Previous
+from ...semantics.types import ANGLE, LENGTH
 from ...syntax import ast
 from ..expressions.env import Element, Env, Hinge
 from ..expressions.evaluate import Evaluator
@@ -127,6 +129,18 @@ def _in_repeats(env: Env, name: str) -> list[Reached]:
 
 
 def joints(links: Links, env: Env, node: ast.Expr) -> list[int]:
-    """The joints that a path names, by their numbers: one, or those of several alternatives and branches."""
+    """The joints that a path names, by their numbers: one, or those of several alternatives and branches. Of a role only here the
+    kind is known, and whether its values are what they are taken for."""
     hinges = (reached.value for reached in walk(env, node))
-    return sorted(links.made[hinge] for hinge in hinges if isinstance(hinge, Hinge) and hinge in links.made)
+    found = sorted(links.made[hinge] for hinge in hinges if isinstance(hinge, Hinge) and hinge in links.made)
+    wanted = env.context.typed.checker.measured.get(id(node))
+    for joint in (links.context.program.joints[k] for k in found) if wanted is not None else ():
+        given = LENGTH if JOINTS[joint.kind].slides else ANGLE
+        if given != wanted:
+            raise env.context.error(
+                "wrong-dimension",
+                node.span,
+                f"the joint `{joint.path}` is {joint.kind}, so its value is {given}, but it is taken for {wanted} here",
+                hint="put this under a guard that leaves joints of one kind, such as `when sash is Sliding { }`",
+            )
+    return found

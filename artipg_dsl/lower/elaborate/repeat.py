@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
+from ...graph.linear import tidy
 from ...graph.primitive import triple
 from ...graph.program import Pose
 from ...syntax import ast
@@ -15,7 +16,7 @@ from ..expressions.evaluate import Evaluator
 from ..values.faces import squared
 from ..values.kinds import Box, Frame, Line
 from ..values.vectors import HERE, IDENTITY, ORIGIN, matrix, norm, rotation_about, signed_axis
-from .ranges import EVERY, Quantity
+from .ranges import EVERY, ROOM, Quantity
 from .split import axis_of, scalar, split
 
 _HALF = E.const(0.5)
@@ -95,6 +96,10 @@ def _space_elements(ev: Evaluator, statement: ast.RepeatStmt, box: Box | None, c
         center = E.add(E.add(box.low[axis], start), E.mul(rank, step))
     else:
         room = E.sub(length, E.mul(E.const(2.0), margin))
+        if statement.margin is not None:  # one alone lies in the middle, whatever the margin
+            name, place = f"the room between the margins of `{statement.name}`", where(statement.margin.span)
+            beside = E.call("lt", E.ONE, count)
+            ev.env.context.asked.append(Quantity(name, ev.env.scope, tidy(room), ROOM, place, beside))
         step = E.div(room, E.maximum(E.ONE, E.sub(count, E.ONE)))
         several = E.add(E.add(box.low[axis], margin), E.mul(rank, step))
         center = E.where(E.call("le", count, E.ONE), E.mul(E.add(box.low[axis], box.high[axis]), _HALF), several)

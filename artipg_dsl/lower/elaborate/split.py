@@ -6,11 +6,14 @@ from collections.abc import Callable
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
+from ...graph.linear import tidy
 from ...syntax import ast
+from ..expressions.context import where
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..values.kinds import Box
 from ..values.vectors import signed_axis
+from .ranges import ROOM, SIZE, WEIGHT, Quantity
 
 _ROUNDS = 8
 
@@ -28,10 +31,19 @@ def split(
             register(inner, declaration)
     weight = E.ONE if statement.weight is None else Evaluator(inner).scalar(statement.weight.value)
     room = E.sub(box.size[axis], E.mul(E.sub(element.count, E.ONE), gap))
+    asked = inner.outer.context.asked
+    if statement.weight is not None:
+        name, place = f"the weight of an element of `{element.name}`", where(statement.weight.span)
+        asked.append(Quantity(name, scope, weight, WEIGHT, place))
+    if statement.gap is not None and statement.each is None:
+        name, place = f"what the gaps leave to the elements of `{element.name}`", where(statement.gap.span)
+        asked.append(Quantity(name, inner.outer.scope, tidy(room), ROOM, place))
     if statement.each is None:
         size = E.div(E.mul(room, weight), total(scope, weight, element.count))
     else:
         low, high = outer.scalar(statement.each.value.low), outer.scalar(statement.each.value.high)
+        name, place = f"the least size of an element of `{element.name}`", where(statement.each.span)
+        asked.append(Quantity(name, inner.outer.scope, low, SIZE, place))
         size = _limit_shares(scope, room, weight, element.count, low, high)
         _bound_count(inner, element, statement, room, low, high)
     if size.scope is scope:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -140,14 +141,18 @@ def reduction(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
 
 
 def over(ev: Evaluator, kind: str, scope: Scope | None, value: Expr) -> Expr:
-    """A value of each row of ``scope``, reduced table by table to what stands here; the sum of what is the same in all rows counts it
-    for each of them."""
+    """A value of each row of ``scope``, reduced table by table to what stands here. Of what is the same in all rows the sum counts it for
+    each of them, and the least and the greatest are it where there is one."""
     while scope is not None and not ev.env.scope.within(scope):
         if value.scope is not None and value.scope.within(scope):
             value = E.reduce(kind, scope, value)
-        elif kind == "sum" and scope.count is not None:
+        elif scope.count is not None:
             there = scope.count if scope.kind == "repeat" else E.where(scope.count, E.ONE, E.ZERO)
-            value = E.mul(value, there)
+            if kind == "sum":
+                value = E.mul(value, there)
+            else:
+                none = E.const(math.inf if kind == "min" else -math.inf)
+                value = E.where(E.call("lt", E.ZERO, there), value, none)
         scope = scope.parent
     return value
 

@@ -138,6 +138,9 @@ class Draft:
     ledger: list[tuple[Component | None, Unknown]] = field(default_factory=list)
     parts: list[Component] = field(default_factory=list)
     centred: dict[Component, int] = field(default_factory=dict)  # along how many axes nothing says where a part is
+    preferred: dict[int, Span] = field(
+        default_factory=dict
+    )  # the preferences that the category itself states, and where
     counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
     fetched: list[Fetched] = field(default_factory=list)  # elements of repeats that have to be there

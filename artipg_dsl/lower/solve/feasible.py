@@ -1,11 +1,11 @@
-"""Findings on requirements: ranges that can never be met, with the chain of reasons, and requirements that always hold."""
+"""Findings on requirements: ranges that can never be met, with the chain of reasons; and requirements and preferences that say nothing."""
 
 from __future__ import annotations
 
 import math
 
 from ...graph.expr import Scope
-from ...graph.feasible import Conflict, find_conflicts, find_idle, is_certain
+from ...graph.feasible import Conflict, find_conflicts, find_idle, find_settled, is_certain
 from ...graph.interval import Intervals
 from ...graph.program import Program
 from ...source import Span
@@ -37,6 +37,12 @@ def judge(context: Draft, hollow: list[tuple[Scope, tuple[int, ...]]], own: str)
                 "this requirement always holds: no values in the ranges can break it",
                 hint="drop it, or correct the comparison",
             )
+    for number, holds in find_settled(program):
+        span = context.preferred.get(number)
+        if span is not None and span.source.name == own:
+            said = "always holds: no values in the ranges can break it" if holds else "never holds"
+            message = f"this preference {said}, so it makes no object rarer than another"
+            context.report.warning("always-true", span, message, hint="drop it, or correct the comparison")
 
 
 def _tell(context: Draft, conflict: Conflict) -> None:
