@@ -107,7 +107,8 @@ def _configurations(tree: Tree, states: int) -> Iterator[tuple[str, np.ndarray, 
 
 
 def _open_ones(tree: Tree, values: np.ndarray) -> np.ndarray:
-    return np.unique(tree.links.owner[tree.at(values)[2][0]])
+    loops = tree.batch.loops
+    return np.zeros(0, dtype=np.int64) if loops is None else np.unique(loops.owner[tree.at(values)[2]])
 
 
 class _Solids:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import cache, cached_property, lru_cache
 from operator import itemgetter
 from typing import Any
@@ -261,11 +261,15 @@ class Batch:
 
     @cached_property
     def _limited(self) -> JointTable:
-        """The joints, those that go on as far as nothing is in the way with the ends that they have."""
-        if self._ends is None or not any(joint.clearance for joint in self.program.joints):
-            return self._joints
+        """The joints, those that go on as far as nothing is in the way with the ends that they have, and those of loops at rest where
+        the loops put them; no program has both."""
         wide = copy(self)
         wide.__dict__["_limited"] = self._joints
+        if self.program.closures:
+            loops = wide.loops
+            return self._joints if loops is None else replace(self._joints, rest=loops.settle(self._joints.rest))
+        if self._ends is None or not any(joint.clearance for joint in self.program.joints):
+            return self._joints
         return self._ends(wide)
 
     @cached_property

@@ -30,7 +30,8 @@ _BLOCK = 30_000  # links at a time, each in a state
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Loops:
-    """The closures of a batch: C pairs of points, sorted by object, on the rows ``link`` (2, C) of the table of links.
+    """The closures of a batch: C pairs of points, sorted by object, on the rows ``link`` (2, C) of the table of links, each of the
+    definition ``which`` (C,) of the program.
 
     ``joint`` (E,) moves the point ``side`` of closure ``at``, ``rate`` times as fast as the joint ``leads`` that it follows.
     ``slot`` numbers the leading joints of an object; ``follows`` (B, V) tells which of them the loops determine.
@@ -39,6 +40,7 @@ class Loops:
     joints: JointTable
     chains: JointChains
     owner: np.ndarray
+    which: np.ndarray
     link: np.ndarray
     point: np.ndarray  # (2, C, 3), at joint values 0
     at: np.ndarray
@@ -49,13 +51,19 @@ class Loops:
     variable: np.ndarray  # (B, V): the leading joint of each slot, -1 for none
     follows: np.ndarray
 
-    def apart(self, turn: np.ndarray, shift: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The links (rows of the table) of loops that do not close with the links posed by ``turn`` and ``shift``."""
+    def apart(self, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
+        """The closures that are open with the links posed by ``turn`` and ``shift``."""
         first, second = (
             apply(turn[link], point) + shift[link] for link, point in zip(self.link, self.point, strict=True)
         )
-        wide = np.abs(first - second).max(axis=1) > APART
-        return self.link[0, wide], self.link[1, wide]
+        return np.flatnonzero(np.abs(first - second).max(axis=1) > APART)
+
+    def beyond(self, values: np.ndarray) -> np.ndarray:
+        """The joints that loops take out of their ranges, of the joint values (J,)."""
+        joint = self.variable[self.follows]
+        high = self.joints.high[joint]
+        low = np.where(self.joints.that("tilts")[joint], -high, self.joints.low[joint])  # a ball tilts to any side
+        return np.sort(joint[(values[joint] < low - APART) | (values[joint] > high + APART)])
 
     def driven(self, leader: np.ndarray) -> np.ndarray:
         """The joint that each joint follows, ``leader`` for what mimics, where loops determine it the first that drives them."""
@@ -171,22 +179,23 @@ def _times(cell: np.ndarray) -> list[np.ndarray]:
 
 def loops_of(batch: Batch) -> Loops | None:
     """The loops of a batch; None where none of its objects has any."""
-    closures = [closure for closure in batch.program.closures if len(batch.owner(closure.scope))]
+    closures = [(k, closure) for k, closure in enumerate(batch.program.closures) if len(batch.owner(closure.scope))]
     if not closures:
         return None
     links, joints = batch.links(), batch.joints()
     start = np.searchsorted(links.owner, np.arange(len(batch)))
-    owners, rows, points = [], [], []
-    for closure in closures:
+    owners, kinds, rows, points = [], [], [], []
+    for number, closure in closures:
         owner = batch.owner(closure.scope)
         owners.append(owner)
+        kinds.append(np.full(len(owner), number))
         rows.append(np.stack([start[owner] + batch.link_numbers(closure.scope, side) for side in closure.links]))
         points.append(
             np.stack([np.stack(batch.read(list(p), closure.scope), axis=-1).reshape(-1, 3) for p in closure.points])
         )
     order = np.argsort(np.concatenate(owners), kind="stable")
     owner, link = np.concatenate(owners)[order], np.concatenate(rows, axis=1)[:, order]
-    point = np.concatenate(points, axis=1)[:, order]
+    which, point = np.concatenate(kinds)[order], np.concatenate(points, axis=1)[:, order]
     leader, rate = leaders_of(joints)
     at, side, joint = _joints_above(batch, link)
     used = np.unique(leader[joint])
@@ -201,6 +210,7 @@ def loops_of(batch: Batch) -> Loops | None:
         joints,
         JointChains(links, joints, matter),
         owner,
+        which,
         link,
         point,
         at,

@@ -220,7 +220,7 @@ def find_faulty(batch: Batch, statistics: Statistics, checked: bool = True) -> n
         if key not in statistics.examples:
             met = describe_contact(found.tree, found.body, struck, int(rows[0]))
             kinds = (joint.kind for joint in batch.program.joints if joint.path == key[2])
-            statistics.examples[key] = "" if met is None else contact_in_words(next(kinds, ""), met)
+            statistics.examples[key] = contact_in_words(next(kinds, ""), met)
         statistics.collided[key] = statistics.collided.get(key, 0) + len(np.unique(struck.owner[rows]))
     for fault in found.others:
         statistics.unsound[fault.words] = statistics.unsound.get(fault.words, 0) + len(fault.objects)

@@ -5,7 +5,7 @@ the way. Begin with ``faults``.
 
     bodies, rings, tree, meant           convex pieces placed at rest, their bounds about axes; what moves what; which pairs of
                               parts a statement is about
-    validate, following       links that penetrate one another, at rest or while one joint moves
+    validate, following, loops    links that penetrate one another, at rest or while one joint moves; loops that do not close
     contact, evidence         which parts meet, where, and at which value of a joint
     apart, together, cells, clearance    distances kept in every state of the other joints; how far a joint can move
     floating, adrift          parts that nothing holds, by their solids and for certain by their boxes alone

@@ -28,11 +28,9 @@ class Contact:
     value: float | None
 
 
-def describe_contact(tree: Tree, body: Pieces, found: Collisions, row: int) -> Contact | None:
-    """What meets in a row of ``found``, whose pieces are those of ``body``; None where a loop does not close."""
+def describe_contact(tree: Tree, body: Pieces, found: Collisions, row: int) -> Contact:
+    """What meets in a row of ``found``, whose pieces are those of ``body``."""
     pair = found.pieces[row]
-    if (pair < 0).any():
-        return None
     owner, named = int(found.owner[row]), int(found.joint[row])
     i, j = (np.flatnonzero(body.source == source) for source in pair)
     body.ready(i, j)

@@ -12,6 +12,7 @@ from .bodies import Pieces, gather
 from .floating import Solids, find_inverted
 from .formulas import find_unsaid
 from .gated import find_shut
+from .loops import find_open
 from .mass import find_crossed, find_weightless
 from .stance import find_falling
 from .tree import Tree
@@ -58,6 +59,7 @@ def find_faults(batch: Batch, soon: bool = False) -> Faults:
             *find_unsaid(batch),
             *find_too_near(tree, body),
             *find_shut(tree),
+            *find_open(tree),
         )
     ]
     for statement, objects in zip(batch.program.stable, find_falling(tree, body), strict=False):

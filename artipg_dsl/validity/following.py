@@ -30,11 +30,10 @@ _TRIES = 6  # states of two pieces that are asked for a direction; what is left 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Met:
-    """What meets in the state ``number``: pairs of pieces, and pairs of links of loops that do not close."""
+    """What meets in the state ``number``: pairs of pieces."""
 
     number: int
     pieces: tuple[np.ndarray, np.ndarray]
-    apart: tuple[np.ndarray, np.ndarray]
 
 
 Meeting = Callable[[Placed, Placed], np.ndarray]
@@ -54,7 +53,7 @@ def meet_in_states(
     size = max(1, _BLOCK // max(len(body), len(pairs[0]), len(tree.links.owner)))
     for start in range(0, len(states), size):
         part = slice(start, start + size)
-        turn, shift, apart = tree.poses(states[part])
+        turn, shift, _, _ = tree.poses(states[part])
         state, i, j = _near(body, turn, shift, pairs, wanted[part], tree.links.owner)
         body.ready(i, j)
         machine = compiled()
@@ -69,7 +68,7 @@ def meet_in_states(
         edge = np.searchsorted(state, np.arange(len(turn) + 1))
         for k in range(len(turn)):
             rows = slice(edge[k], edge[k + 1])
-            yield Met(start + k, (i[rows], j[rows]), apart[k])
+            yield Met(start + k, (i[rows], j[rows]))
 
 
 _Pairs = tuple[np.ndarray, np.ndarray]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..runtime.batch import Batch
-from ..runtime.motion import apply, multiply
+from ..runtime.motion import apply, link_motion, multiply
 from .bodies import Pieces
 from .meant import find_allowed
 
@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 
 _KEPT = 500_000  # links, each in a state, of which the poses are kept
 _SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
-JointEnds = tuple[np.ndarray, np.ndarray]
-RestPoses = tuple[np.ndarray, np.ndarray, list[JointEnds]]
+RestPoses = tuple[np.ndarray, np.ndarray, list[np.ndarray], np.ndarray]
 
 
 class Tree:
@@ -73,21 +72,22 @@ class Tree:
             groups.setdefault((pair[0], pair[1], program.joints[j].path if j >= 0 else ""), []).append(row)
         return {key: np.array(rows) for key, rows in groups.items()}
 
-    def at(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, JointEnds]:
-        """Turn and shift of the links from rest with the joints at ``states`` (J,), and the links where loops do not close."""
-        turn, shift, apart = self.poses(states[None])
+    def at(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Turn and shift of the links from rest with the joints at ``states`` (J,), and the closures (of ``Loops``) that are open."""
+        turn, shift, apart, _ = self.poses(states[None])
         return turn[0], shift[0], apart[0]
 
     def poses(self, states: np.ndarray) -> RestPoses:
-        """The same for states (S, J): (S, L, 3, 3), (S, L, 3), and the links of each state; kept for as long as there is room."""
+        """The same for states (S, J): (S, L, 3, 3), (S, L, 3), and the closures and the joint values of each state; kept for as long as there is room."""
         key = states.tobytes()
         found = self._poses.get(key)
         if found is None:
-            turn, shift = self.batch.pose(states)
+            values = self.batch.settle(states)
+            turn, shift = link_motion(self.links, self.joints, values)
             loops, none = self.batch.loops, np.zeros(0, dtype=np.int64)
-            apart = [(none, none) if loops is None else loops.apart(*pose) for pose in zip(turn, shift, strict=True)]
+            apart = [none if loops is None else loops.apart(*pose) for pose in zip(turn, shift, strict=True)]
             turn = multiply(turn, self.turn.transpose(0, 2, 1))
-            found = turn, shift - apply(turn, self.shift), apart
+            found = turn, shift - apply(turn, self.shift), apart, values
             if sum(kept[1].shape[0] * kept[1].shape[1] for kept in self._poses.values()) + shift.size // 3 > _KEPT:
                 self._poses.clear()
             self._poses[key] = found

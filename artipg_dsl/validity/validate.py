@@ -40,7 +40,7 @@ class Collisions:
     """One row per pair of links that penetrate: object index, link numbers, and the joint (-1: at rest) and its value.
 
     The value is one at which they meet, the least that was found; between the ends of a sliding joint it is its high end.
-    ``pieces`` (m, 2): one of either link that meet then, by ``Pieces.source``; -1 where a loop does not close.
+    ``pieces`` (m, 2): one of either link that meet then, by ``Pieces.source``.
     """
 
     owner: np.ndarray
@@ -412,14 +412,12 @@ def _following(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
     gaps = None if body.gap is None else lambda one, two: _meeting(body, one, two)
     for found in meet_in_states(tree, body, values, leads >= 0, gaps):
         (i, j), lead, states = found.pieces, leads[found.number], values[found.number]
-        for first, second, one, two in (
-            (*tree.blame(body, i, j), body.source[i], body.source[j]),
-            (*found.apart, *[np.full(len(found.apart[0]), -1)] * 2),
-        ):
-            at = lead[tree.links.owner[first]]
-            keep = (at >= 0) & np.isin(tree.links.owner[first], body.owner)
-            if keep.any():
-                yield _Hits(first[keep], second[keep], at[keep], states[at[keep]], (one[keep], two[keep])).rows()
+        first, second = tree.blame(body, i, j)
+        at = lead[tree.links.owner[first]]
+        keep = (at >= 0) & np.isin(tree.links.owner[first], body.owner)
+        if keep.any():
+            met = body.source[i[keep]], body.source[j[keep]]
+            yield _Hits(first[keep], second[keep], at[keep], states[at[keep]], met).rows()
 
 
 def find_meetings_in_states(tree: Tree, body: Pieces, states: np.ndarray) -> Iterator[LinkPairs]:

@@ -32,7 +32,7 @@ def test_the_same_pairs_are_near_and_meet(using, racks):
     found, pairs = [], []
     for name in ("numpy", "c"):
         using(name)
-        own, (turn, shift, _) = body.fresh(), tree.poses(values)
+        own, (turn, shift, _, _) = body.fresh(), tree.poses(values)
         all_pairs = following._pairs(tree, own, asked.any(axis=0))
         pairs.append(following._near(own, turn, shift, all_pairs, asked, tree.links.owner))
         met = following.meet_in_states(tree, own, values, asked)
@@ -45,7 +45,7 @@ def test_each_pair_is_told_as_if_it_were_alone(using, racks):
     """Directions that parted the same two pieces in other states save work, and change no answer."""
     using("c")
     tree, body, values = racks
-    turn, shift, _ = tree.poses(values)
+    turn, shift, _, _ = tree.poses(values)
     machine, links = backend.machine(), turn.shape[1]
     lots = np.random.Generator(np.random.PCG64(3))
     pairs = tuple(lots.integers(0, len(body), (2, 40))[:, lots.integers(0, 40, 3000)])

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from artipg_dsl.runtime.loops import APART
 from artipg_dsl.session import Session
 from artipg_dsl.source import Source
 from artipg_dsl.validity.evidence import random_states
+from artipg_dsl.validity.faults import find_faults
 
 # a slider crank: crank of 3 cm about the origin, rod of 10 cm, a block that slides along x
 CRANK = """apg 1
@@ -53,7 +55,7 @@ def test_a_rack_stays_together_as_it_folds() -> None:
     for share in (0.0, 0.4, 1.0):
         states = batch.rest().copy()
         states[slide] = joints.low[slide] + share * (joints.high[slide] - joints.low[slide])
-        assert not len(loops.apart(*batch.pose(states))[0])
+        assert not len(loops.apart(*batch.pose(states)))
         gap, _ = loops.slopes(batch.settle(states))
         assert np.abs(gap).max() < APART
         values = batch.settle(states)
@@ -83,3 +85,32 @@ def test_the_same_in_any_batch() -> None:
     for number in range(6):  # an object stops where it has arrived, whatever others still have to do
         anywhere = [b.settle(random_states(b, number)) for b in (whole, one)]
         assert anywhere[0][whole.joints().owner == 4].tobytes() == anywhere[1].tobytes()
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (
+            CRANK.replace("block.center, along", "block.center + [0, 0, 30cm], along"),
+            "this loop does not close at rest",
+        ),
+        (CRANK.replace("-20cm .. 20cm", "-1cm .. 1cm"), "the loop takes slide beyond its range while turn moves"),
+        (CRANK.replace("-20cm .. 20cm", "1cm .. 20cm"), "the loop takes slide beyond its range at rest"),
+    ],
+)
+@pytest.mark.parametrize("free", ["", "free rod, block\n  free crank, block\n"])
+def test_a_loop_that_does_not_close_or_goes_too_far_is_told(text: str, told: str, free: str) -> None:
+    """Whether or not its links may meet."""
+    text = text[: text.rindex("}")] + f"  {free}}}\n"
+    batch = Session(Source("crank.apg", text), None).sampler.batch(np.arange(2), seed=0, checked=False)
+    (found,) = [fault for fault in find_faults(batch).others if "loop" in fault.words]
+    assert told in found.words and "crank.apg:" in found.words and found.objects.tolist() == [0, 1]
+
+
+def test_what_a_loop_moves_rests_where_that_puts_it() -> None:
+    text = CRANK.replace("rod.front.center, along", "rod.front.center + [0, 0, 1mm], along")
+    batch = Session(Source("crank.apg", text), None).sampler.batch(np.arange(2), seed=0, checked=False)
+    joints = batch.joints()
+    assert (joints.rest[joints.name.index("knee")] != 0.0) and batch.loops is not None
+    np.testing.assert_array_equal(batch.settle(batch.rest()), batch.rest())
+    assert not len(batch.loops.apart(*batch.pose()))

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 
 from ...graph import expr as E
 from ...graph.depend import draws_behind
-from ...graph.expr import Expr, Scope
+from ...graph.expr import Expr
 from ...graph.program import Allowed, Clear, Preference, Stable
 from ...source import Span
 from ...syntax import ast
@@ -19,6 +19,7 @@ from ..solids.primitives import comparison
 from ..values.kinds import Choice, Ref, Value, part_of
 from . import paths
 from .connect import carriers
+from .guards import is_alone
 from .links import Links
 from .part import Component
 from .place import begins
@@ -151,7 +152,7 @@ def _refuse_one(
 ) -> None:
     """Refuse a statement about two parts of which both are the same one."""
     first, second = sides
-    alone = all(_is_alone(env, links.context.program.parts[node].scope) for node in first)
+    alone = all(is_alone(env, links.context.program.parts[node].scope) for node in first)
     if first == second and ranks[0] == ranks[1] and (alone or ranks[0]):
         hint = "name the other part; of two elements of a repeat, write their numbers"
         raise env.context.error("wrong-arguments", span, f"`{word}` names the same part twice", hint=hint)
@@ -159,17 +160,7 @@ def _refuse_one(
 
 def _is_one_link(links: Links, env: Env, nodes: Iterable[int]) -> bool:
     """Whether parts lie on one link in every object."""
-    program = links.context.program
-    found = {program.parts[node].link for node in nodes}
-    if len(found) != 1:
-        return False
-    (reference,) = found
-    return len(reference) == 1 and isinstance(reference[0], int) and _is_alone(env, program.links[reference[0]].scope)
-
-
-def _is_alone(env: Env, scope: Scope) -> bool:
-    """Whether a table has at most one row for each row of where a statement stands."""
-    return all(s.kind != "repeat" or env.scope.within(s) for s in scope.ancestors())
+    return links.is_one(env, [links.context.program.parts[node].link for node in nodes])
 
 
 def indices(env: Env, node: ast.Expr) -> Iterator[tuple[str, int]]:

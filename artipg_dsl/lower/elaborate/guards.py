@@ -6,6 +6,7 @@ from ...graph import expr as E
 from ...graph.expr import Expr, Scope, ScopeError
 from ...graph.formula import row_values
 from ...graph.substitution import substitute
+from ..expressions.env import Env
 from ..solve.solve import lifted
 
 
@@ -42,3 +43,8 @@ def shown(value: Expr, to: Scope) -> Expr:
 def _common(scope: Scope, other: Scope) -> Scope:
     """The nearest table around both."""
     return next(table for table in other.ancestors() if scope.within(table))
+
+
+def is_alone(env: Env, scope: Scope) -> bool:
+    """Whether a table has at most one row for each row in which a statement in ``env`` stands."""
+    return all(s.kind != "repeat" or env.scope.within(s) for s in scope.ancestors())

@@ -23,6 +23,7 @@ from ..solve.cases import covered
 from ..values.kinds import Carrier, InElement, part_of
 from ..values.vectors import HERE, IDENTITY, compose
 from .connect import Attachment
+from .guards import is_alone
 from .joints import build_joint
 from .part import Component, Instance
 
@@ -65,6 +66,14 @@ class Links:
         return compose(outer, part.pose) if outer is not HERE else part.pose
 
     # ------------------------------------------------------------ links
+
+    def is_one(self, env: Env, references: Iterable[Reference]) -> bool:
+        """Whether references are to one and the same link wherever a statement in ``env`` stands."""
+        found = set(references)
+        if len(found) != 1:
+            return False
+        (only,) = found
+        return len(only) == 1 and isinstance(only[0], int) and is_alone(env, self.context.program.links[only[0]].scope)
 
     def attachments(self, part: Component) -> list[Attachment]:
         """How a part is attached: once, or once in each branch of a ``when``; joints first."""

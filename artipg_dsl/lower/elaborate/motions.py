@@ -15,12 +15,13 @@ from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solve.solve import lifted
 from ..values.kinds import Frame, Line, Vec
-from ..values.vectors import direct, dot, minus, place, plus, times
+from ..values.vectors import cross, direct, dot, minus, norm, place, plus, times
 from .connect import carriers
 from .guards import has_row
 from .joints import clears, ends
 from .links import Links
 from .paths import joints
+from .ranges import PARALLEL, Quantity
 from .statements import Meanings
 
 
@@ -73,13 +74,14 @@ def _above(one: Expr, other: Expr) -> bool:
 def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
     """Record a loop: the two points, in the object's frame at joint values 0, and the links they lie on."""
     sides: list[tuple[Reference, Triple]] = []
-    along: Triple | None = None
+    axes: list[Triple] = []
     for node in (statement.subject, statement.other):
         value = Evaluator(env).value(node)
         if isinstance(value, Frame):
             point = value.origin
         elif isinstance(value, Line):  # axes that coincide: where along them does not matter
-            point, along = value.point, direct(links.world(env), value.direction)
+            point = value.point
+            axes.append(direct(links.world(env), value.direction))
         elif isinstance(value, Vec) and value.point:
             point = triple(value.items)
         else:
@@ -87,7 +89,16 @@ def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
         on = carriers(value, env.scope)
         sides.append((links.carried(on, node.span) if on else links.base(env), place(links.world(env), point)))
     (first, a), (second, b) = sides
-    if along is not None:
+    if links.is_one(env, (first, second)):
+        hint = "name points of links that joints move against one another"
+        message = (
+            f"no joint moves `{statement.subject.span.words}` and `{statement.other.span.words}` against one another"
+        )
+        raise links.context.error("wrong-kind", statement.span, message, hint=hint)
+    if len(axes) == 2:
+        name, skew = "the sine of the angle between the axes of this `close`", cross(*axes)
+        links.context.asked.append(Quantity(name, env.scope, norm(skew), PARALLEL, where(statement.span)))
+    for along in axes[-1:]:
         b = plus(b, times(along, dot(minus(a, b), along)))
     links.context.program.closures.append(Closure(env.scope, (first, second), (a, b), where(statement.span)))
 
