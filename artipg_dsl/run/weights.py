@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ..diagnostics.suggest import did_you_mean
+from ..diagnostics.suggest import did_you_mean, given
 from ..errors import SettingError
 from ..graph.reweigh import Group, narrow, redistribute, share_options, weigh_options, weigh_values
 from ..language import DISTRIBUTIONS
@@ -166,7 +166,7 @@ def _distributed(draw: Draw, law: str, arguments: list[str]) -> Draw:
         )
     kind = DISTRIBUTIONS[law]
     if len(arguments) not in kind.arguments:
-        raise SettingError(f"`{name}`: {law} is given {len(arguments)} arguments", f"it takes {kind.example}")
+        raise SettingError(f"`{name}`: {law}: {given(len(arguments))}", f"it takes {kind.example}")
     if law == "values":
         return weigh_values(draw, Counter(read_setting(draw, a)[0] for a in arguments))
     number = replace(draw, kind="real")

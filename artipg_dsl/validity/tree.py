@@ -78,7 +78,8 @@ class Tree:
         return turn[0], shift[0], apart[0]
 
     def poses(self, states: np.ndarray) -> RestPoses:
-        """The same for states (S, J): (S, L, 3, 3), (S, L, 3), and the closures and the joint values of each state; kept for as long as there is room."""
+        """The same for states (S, J): (S, L, 3, 3), (S, L, 3), then the closures and the joint values of each state;
+        kept for as long as there is room."""
         key = states.tobytes()
         found = self._poses.get(key)
         if found is None:
