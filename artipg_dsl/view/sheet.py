@@ -30,6 +30,8 @@ VIEWS = {  # degrees to the left of the front, and above
     "right": (-90.0, 0.0),
     "top": (0.0, 90.0),
 }
+STATES = ("rest", "open", "alternate")
+TILES = 16, 4096  # pixels: a number below an object has to go into the least
 BACKDROP = "eaedf1"
 
 
@@ -74,7 +76,7 @@ def draw_sheet(
     details: Dressing | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> np.ndarray:
-    """The picture (height, width, 3) uint8 of all objects of a batch, ``tile`` pixels each.
+    """The picture (height, width, 3) uint8 of all objects of a batch, ``tile`` pixels each (16 to 4096). Raises ExportError.
 
     ``colour``: "part", "material" or "affordance", which has a row below with the words that hold somewhere.
     ``states``: "rest", "open", or "alternate": even tiles at rest, odd ones opened. ``view``: where one looks from, one of
@@ -83,6 +85,10 @@ def draw_sheet(
     """
     if colour not in COLOURINGS:
         raise ExportError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
+    if states not in STATES:
+        raise ExportError(f"unknown states {states!r}", f"objects are drawn {', '.join(STATES)}")
+    if not TILES[0] <= tile <= TILES[1]:
+        raise ExportError(f"a tile is {tile} pixels wide", f"give a number from {TILES[0]} to {TILES[1]}")
     if not len(batch):
         raise ExportError("there is no object to draw", "sample at least one")
     acting = colour == "affordance"

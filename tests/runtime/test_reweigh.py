@@ -317,7 +317,7 @@ def test_objects_are_weighed_by_the_prior() -> None:
         ({"width": [0.2, None]}, "nothing is no end of a range"),
         ({"width": [float("nan"), 0.2]}, "cannot be nan"),
         ({"width": "~ nromal(20cm, 1cm)"}, "no distribution `nromal`.*did you mean `normal`"),
-        ({"width": "~ normal(20cm)"}, "normal is given 1 arguments"),
+        ({"width": "~ normal(20cm)"}, "normal: 1 is given"),
         ({"width": "~ normal(20cm, 0cm)"}, "0cm in normal must be above 0"),
         ({"width": "~ normal(20cm, 1deg)"}, "wrong unit"),
         ({"width": {}}, "no value is left that has a weight"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -106,6 +107,13 @@ def test_one_may_look_from_any_side() -> None:
         with pytest.raises(ExportError) as caught:
             sheets.draw_sheet(FakeBatch(1), view=wrong)  # type: ignore[arg-type]
         assert "back" in caught.value.args[0]
+
+
+@pytest.mark.parametrize("wrong", [{"tile": 8}, {"tile": 100_000}, {"states": "opened"}])
+def test_tiles_and_states_that_cannot_be_are_told(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ExportError, match="a tile is|unknown states"):
+        sheets.draw_sheet(FakeBatch(1), which="numpy", **wrong)
+    assert sheets.draw_sheet(FakeBatch(1), which="numpy", tile=16).shape == (16, 16, 3)
 
 
 def test_renderers_agree() -> None:
