@@ -61,3 +61,28 @@ def test_levels_of_partnet_and_paths_of_its_trees_agree() -> None:
             full = [f"{case['root']}/{path}/".replace("|", "/") for path in case["paths"].values()]
             placed = [path for path in full if any(path.startswith(f"{name}/") for name in coarse)]
             assert 2 * len(placed) > len(full), f"{category}: {sorted(set(full) - set(placed))}"
+
+
+PAGE = (categories_dir().parent / "docs" / "layouts.md").read_text(encoding="utf-8")
+
+
+def test_the_page_names_the_categories_that_layouts_take() -> None:
+    """Those of a closed vocabulary that are shipped; a row that says `the same` repeats the one above."""
+    named: list[str] = []
+    rows = re.findall(r"^\| `([\w-]+)` \|.*\| ([^|]+) \|$", PAGE, re.M)
+    assert {layout for layout, _ in rows} == set(LAYOUTS)
+    for layout, text in rows:
+        if text != "the same":
+            named = text.partition(";")[0].rpartition(": ")[2].split(", ")
+        if LAYOUTS[layout].vocabulary:
+            assert named == sorted(set(vocabulary(LAYOUTS[layout].vocabulary).categories) & set(SHIPPED)), layout
+
+
+def test_the_page_names_the_levels_of_partnet() -> None:
+    (text,) = re.findall(r"^\* Levels: (.*?)\. A category", PAGE, re.M)
+    named = {
+        name: levels.split(", ")
+        for levels, _, names in (row.partition(" of ") for row in text.split("; "))
+        for name in names.split(", ")
+    }
+    assert named == {name: sorted(own["levels"]) for name, own in vocabulary("partnet").classes.items()}
