@@ -41,6 +41,11 @@ class Stream(IterableDataset[Batch]):
         self.source = loaders.Stream(*args, **options)
         self.words, self.categories = self.source.words, self.source.categories
         self.rank, self.world = _own_share(rank, world)
+        if not len(self):
+            raise UsageError(
+                f"there are fewer batches ({len(self.source)}) than processes ({self.world})",
+                "give a larger `size`, or a smaller `batch`",
+            )
         self._epoch = torch.zeros((), dtype=torch.int64).share_memory_()
 
     def set_epoch(self, epoch: int) -> None:

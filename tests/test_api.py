@@ -200,6 +200,10 @@ def test_points_and_views_in_several_states(chests: apg.Samples, tmp_path: Path)
         (lambda: apg.sample(CHEST).joint_values(3), "states are text"),
         (lambda: apg.sample(CHEST)[3], "batch.object"),
         (lambda: apg.sample(CHEST).sheet("sheet.jpg"), "written as PNG"),
+        (lambda: apg.sample(CHEST).points(8, detail_strength=0.5), "detail_strength scales details"),
+        (lambda: apg.sample(CHEST).to("unused", "annotation", motion=True), "motion applies to points"),
+        (lambda: apg.sample(CHEST).to("unused", "points", tolerance=1e-3), "tolerance and triangles apply to meshes"),
+        (lambda: apg.sample(CHEST).to("unused", "tables", states="open"), "states does not apply to values alone"),
     ],
 )
 def test_wrong_arguments_are_told_in_words(wrong, told: str) -> None:

@@ -73,10 +73,12 @@ class Files:
         The options are those of the command, of ``points`` and of ``meshes``; ``states`` is text such as "open,random:4",
         ``views`` a number or cameras. ``details``, written by ``apgc bind``, are borrowed by points and by meshes.
         """
+        from ..details.dressing import refuse_idle_strength
         from ..export.registry import choose_formats
         from ..run.dataset import write_dataset
-        from ..run.output import Output, read_content
+        from ..run.output import Output, read_content, refuse_idle
 
+        refuse_idle_strength(details, detail_strength)
         names = formats if formats is None or isinstance(formats, str) else list(formats)
         content = read_content(
             points=points,
@@ -92,6 +94,7 @@ class Files:
             triangles=triangles,
         )
         output = Output.of(choose_formats(names, views=views is not None), content)
+        refuse_idle(output)
         if details is not None:
             from ..details.store import borrow
 

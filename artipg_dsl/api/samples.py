@@ -209,7 +209,9 @@ class Samples(Files):
         """
         from ..annotate.cloud import sample_points
         from ..annotate.sampling import Sampling, read_weights
+        from ..details.dressing import refuse_idle_strength
 
+        refuse_idle_strength(details, detail_strength)
         how, values = Sampling(n, surface, spread, per, balance, read_weights(weights)), self._values(states)
         if details is None:
             return sample_points(self.batch, how, values, motion=motion)

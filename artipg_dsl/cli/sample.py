@@ -21,16 +21,6 @@ if TYPE_CHECKING:
     from ..run.manifest import Manifest
     from ..run.output import Output
 
-_ABOUT_POINTS = {
-    "points": 2048,
-    "motion": False,
-    "surface": "boundary",
-    "spread": "random",
-    "per": "object",
-    "balance": None,
-}
-_ABOUT_LABELS = {"states": "rest", "gripper": "standard"}  # of points, views and annotations
-
 
 def refuse_file(folder: Place) -> None:
     """Refuse a folder whose name, or that of one above it, is a file's: before the work, not after."""
@@ -42,7 +32,7 @@ def refuse_file(folder: Place) -> None:
 def run(options: argparse.Namespace) -> int:
     from ..export.registry import TABLES, choose_formats
     from ..export.write import ExportError
-    from ..run.output import Output
+    from ..run.output import Output, refuse_idle
 
     begun = time.monotonic()
     try:
@@ -51,18 +41,7 @@ def run(options: argparse.Namespace) -> int:
     except ExportError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
     output = Output.of(formats, _read_content(options), options.memory)
-    for name, usual in _ABOUT_POINTS.items():
-        if getattr(options, name) != usual and "points" not in output.kinds:
-            raise UsageError(f"--{name} applies to points, which are not among the formats", "add points to --format")
-    for name, usual in _ABOUT_LABELS.items():
-        if getattr(options, name) != usual and output.kinds == [TABLES]:
-            raise UsageError(
-                f"--{name} does not apply to values alone", "give it when their files are made: apgc sample DIR"
-            )
-    if read_resolution(options) and not any(entry.per_object for entry in formats):
-        raise UsageError(
-            "--tolerance and --triangles apply to meshes, and none of the formats has any", "add a format such as glb"
-        )
+    refuse_idle(output, "--")
     if options.variant is not None and not options.mutate:
         raise UsageError("--variant applies to mutants, and none are asked for", "add --mutate apa,dpa,cpa")
     strength = read_strength(options)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import UsageError
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,3 +18,13 @@ class Dressing:
     mark: str
     strength: float = 1.0
     borrowed: bool = False
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.strength <= 1.0:
+            raise UsageError(f"the strength of details is {self.strength}", "give a number from 0 to 1")
+
+
+def refuse_idle_strength(details: str | Path | Mapping[str, str | Path] | None, strength: float) -> None:
+    """Refuse a strength of no details. Raises UsageError."""
+    if details is None and strength != 1.0:
+        raise UsageError("detail_strength scales details, and there are none", "give `details`, too")

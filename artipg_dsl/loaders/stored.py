@@ -14,6 +14,7 @@ import numpy as np
 
 from ..errors import UserError
 from ..run.manifest import Manifest
+from ..run.request import read_whole
 from ..run.resume import read_folder_manifest
 from .classes import find_classes
 from .draws import Draws
@@ -42,7 +43,7 @@ class Stored:
         transforms: Iterable[Transform] = (),
     ):
         self.folders = [Path(f) for f in ([folders] if isinstance(folders, str | Path) else folders)]
-        self.task, self.seed, self.transforms = find_task(task), int(seed), list(transforms)
+        self.task, self.seed, self.transforms = find_task(task), read_whole("seed", seed), list(transforms)
         manifests = [read_folder_manifest(str(folder)) for folder in self.folders]
         self.categories = [manifest["category"] for manifest in manifests]
         self.words, self._tables = _common_words(self.folders, manifests, classes)

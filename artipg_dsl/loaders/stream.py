@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..annotate.cloud import Dress
+from ..details.dressing import refuse_idle_strength
 from ..errors import UsageError
 from ..run.job import Job, open_job, open_program, prepare
 from ..run.prior import PriorFile, read_prior
-from ..run.request import read_request
+from ..run.request import read_request, read_whole
 from ..run.settings import Value
 from .classes import find_classes
 from .draws import Draws
@@ -71,7 +72,10 @@ class Stream:
                 raise UsageError(f"{name} is {number!r}", "give a whole number from 1")
         if not self.sources:
             raise UsageError("there is no category to make objects of", 'name one, such as Stream("Microwave")')
-        self.size, self.each, self.points, self.seed = size, batch, points, int(seed)
+        if view is not None and not self.task.partial:
+            raise UsageError(f"{self.task.name} has no camera to look through", "leave out `view`, or take completion")
+        refuse_idle_strength(details, detail_strength)
+        self.size, self.each, self.points, self.seed = size, batch, points, read_whole("seed", seed)
         self.states, self.fresh, self.view = states, fresh, dict(view or {})
         self.transforms, self._chosen = list(transforms), None if classes is None else dict(classes)
         self._settings, self._checked = set, checked

@@ -14,9 +14,9 @@ from ..annotate.sampling import MOST as MOST_POINTS
 from ..annotate.sampling import POOLS, SPREADS, SURFACES, Sampling, read_weights
 from ..annotate.states import read_states
 from ..details.dressing import Dressing
-from ..errors import UserError
+from ..errors import UsageError, UserError
 from ..export.content import Content
-from ..export.registry import FORMATS, Format, kinds
+from ..export.registry import FORMATS, TABLES, Format, kinds
 from ..export.remote import Place, Remote, place_of
 from ..geometry.rays import best_engine
 from ..geometry.resolution import COARSEST, FINEST, Resolution
@@ -167,6 +167,31 @@ class Output:
             _dressing(found["details"], beside) if "details" in found else None,
         )
         return cls(tuple(found["formats"]), content, found["shard"])
+
+
+def refuse_idle(output: Output, mark: str = "") -> None:
+    """Refuse what no file of an output would show; ``mark`` stands before the names of options. Raises UsageError."""
+    content, plain = output.content, Content()
+    if "points" not in output.kinds:
+        given = {"points": content.points.count != plain.points.count, "motion": content.motion} | {
+            name: getattr(content.points, name) != getattr(plain.points, name)
+            for name in ("surface", "spread", "per", "balance")
+        }
+        for name in (name for name, differs in given.items() if differs):
+            raise UsageError(
+                f"{mark}{name} applies to points, which are not among the formats", "add points to the formats"
+            )
+    if output.kinds == [TABLES]:
+        for name in ("states", "gripper"):
+            if getattr(content, name) != getattr(plain, name):
+                raise UsageError(
+                    f"{mark}{name} does not apply to values alone", "give it when their files are made: apgc sample DIR"
+                )
+    if content.resolution != plain.resolution and not any(entry.per_object for entry in output.writers):
+        raise UsageError(
+            f"{mark}tolerance and {mark}triangles apply to meshes, and none of the formats has any",
+            "add a format such as glb",
+        )
 
 
 def _dressing(found: Dressed, beside: Place | str | None) -> Dressing:

@@ -202,7 +202,7 @@ def read_request(
             raise UsageError(f"there is no object {asked[-1][1]}: {name} gives {len(given)}, numbered from 0")
     return Request(
         str(source),
-        _read_whole("seed", seed),
+        read_whole("seed", seed),
         asked,
         settings or {},
         checked,
@@ -237,7 +237,7 @@ def _candidates(text: str) -> int | None:
     return int(counted[1]) if counted and 2 <= int(counted[1]) <= MOST_CANDIDATES else None
 
 
-def _read_whole(name: str, value: Any) -> int:
+def read_whole(name: str, value: Any) -> int:
     """A whole number, of Python's or NumPy's types. Raises UsageError."""
     try:
         return index(value)
@@ -248,7 +248,7 @@ def _read_whole(name: str, value: Any) -> int:
 def read_numbers(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> Runs:
     """The numbers 0 .. n - 1 (``n`` is 1 by default), or the ones given. Raises UsageError."""
     if numbers is None:
-        count = 1 if n is None else _read_whole("n", n)
+        count = 1 if n is None else read_whole("n", n)
         if count < 1:
             raise UsageError(f"n is {n}: there must be at least one object")
         return ((0, count - 1),)

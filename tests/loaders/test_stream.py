@@ -127,3 +127,16 @@ def test_a_prior_weighs_the_categories_that_it_speaks_of(chest: Path, box: Path)
     assert same[1::2].all() and not same[0::2].all()
     with pytest.raises(UserError, match="says nothing of Box, Chest"):
         Stream([box, chest], prior={"draws": {"Door": {}}}, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"view": {"width": 32}}, "segmentation has no camera to look through"),
+        ({"detail_strength": 0.5}, "detail_strength scales details, and there are none"),
+        ({"seed": 1.5}, "seed is 1.5: a whole number is needed"),
+    ],
+)
+def test_arguments_that_would_change_nothing_are_told(chest: Path, wrong: dict, said: str) -> None:
+    with pytest.raises(UserError, match=said):
+        Stream(chest, size=2, batch=2, points=8, **wrong)

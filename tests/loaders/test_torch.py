@@ -43,6 +43,8 @@ def test_ranks_share_the_batches_out(chest: Path) -> None:
         Stream(chest, rank=0)
     with pytest.raises(UsageError, match="no rank 4"):
         Stream(chest, rank=4, world=4)
+    with pytest.raises(UsageError, match=r"fewer batches \(1\) than processes \(2\)"):
+        Stream(chest, size=20, points=32, rank=0, world=2)
 
 
 def test_a_network_learns_from_it(stream: Stream) -> None:
