@@ -30,8 +30,8 @@ VIEWS = {  # degrees to the left of the front, and above
     "right": (-90.0, 0.0),
     "top": (0.0, 90.0),
 }
-STATES = ("rest", "open", "alternate")
-TILES = 16, 4096  # pixels: a number below an object has to go into the least
+_STATES = ("rest", "open", "alternate")
+_TILES = 16, 4096  # pixels: a number below an object has to go into the least
 BACKDROP = "eaedf1"
 
 
@@ -85,10 +85,10 @@ def draw_sheet(
     """
     if colour not in COLOURINGS:
         raise ExportError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
-    if states not in STATES:
-        raise ExportError(f"unknown states {states!r}", f"objects are drawn {', '.join(STATES)}")
-    if not TILES[0] <= tile <= TILES[1]:
-        raise ExportError(f"a tile is {tile} pixels wide", f"give a number from {TILES[0]} to {TILES[1]}")
+    if states not in _STATES:
+        raise ExportError(f"unknown states {states!r}", f"objects are drawn {', '.join(_STATES)}")
+    if not _TILES[0] <= tile <= _TILES[1]:
+        raise ExportError(f"a tile is {tile} pixels wide", f"give a number from {_TILES[0]} to {_TILES[1]}")
     if not len(batch):
         raise ExportError("there is no object to draw", "sample at least one")
     acting = colour == "affordance"
