@@ -5,9 +5,10 @@
     python benchmarks/round_trip.py Door Chair -n 4 --labels
 
 A choice can be seen if the cloud that is fitted, with its noise and its holes, speaks against every other value of it for the true
-object: by more than 12 in natural logarithms, whatever is drawn for parts that are new (two draws). Choices and counts of parts that occur
-several times count each. A choice is right if the part has it in the same place among its like. CPU seconds are those of this process,
-for all of a fit. With ``--labels`` the points of clouds bear the words of ``semantic``.
+object: by more than 12 in natural logarithms, whatever is drawn for parts that are new (two draws). It is clear if it does so also once these
+have moved to where the cloud has them. Choices and counts of parts that occur several times count each. A choice is right if the part has it in
+the same place among its like. CPU seconds are those of this process, for all of a fit. With ``--labels`` the points of clouds bear the words of
+``semantic``.
 """
 
 from __future__ import annotations
@@ -21,13 +22,15 @@ from typing import Any
 import numpy as np
 
 import artipg_dsl as apg
-from artipg_dsl.fit.decide import tries
-from artipg_dsl.fit.evidence import Clouds, Copies, weigh, weigh_again
+from artipg_dsl.fit.compare import Candidates
+from artipg_dsl.fit.decide import settled, tries
+from artipg_dsl.fit.develop import apart, copied
+from artipg_dsl.fit.evidence import Clouds, Copies, weigh, weigh_again, weigh_change
 from artipg_dsl.fit.fitting import Fitted, fit, usual_size
-from artipg_dsl.fit.focus import differing
 from artipg_dsl.fit.model import Model, Placed
 from artipg_dsl.fit.pose import Frame, Posed, pose, targets
 from artipg_dsl.fit.reading import Cloud
+from artipg_dsl.fit.search import Effort
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.sampling.search import domain_ends
 
@@ -64,21 +67,27 @@ def rows_of(batch: Batch, number: int) -> list[Row]:
     return list(zip(*(column.tolist() for column in columns), strict=True))
 
 
-def margins(model: Model, true: Batch, posed: list[Posed]) -> dict[Row, float]:
-    """For each choice and count what the cloud says against the value that is nearest to being as likely."""
-    asked, placed = Clouds(targets(posed)), Placed(np.ones(len(true)), np.zeros((len(true), 3)))
-    base = weigh(true, np.arange(len(true)), placed, asked)
-    found: dict[Row, float] = {}
+def margins(model: Model, true: Batch, posed: list[Posed]) -> tuple[dict[Row, float], dict[Row, float]]:
+    """For each choice and count what the cloud says against the value that is nearest to being as likely: as it is drawn, and after what is
+    new has moved to where the cloud has it."""
+    own, every = targets(posed), np.arange(len(true))
+    asked = Clouds(own)
+    whole = Candidates(true, every, Placed(np.ones(len(true)), np.zeros((len(true), 3))), np.zeros(len(true)))
+    base = weigh(true, every, whole.placed, asked)
+    drawn: dict[Row, float] = {}
+    moved: dict[Row, float] = {}
     named = {number: rows_of(true, number) for number in model.discrete}
     for one in tries(model, true, LANES, 1):
-        of = one.of
-        change = differing(true, one.batch, of)
-        origins = model.assembled([(true, of)])
-        against = weigh_again(Copies(one.batch, of, of, placed.take(of)), origins, asked, base, change).loss
-        for draw, row, much in zip(one.draw.tolist(), one.row.tolist(), against.tolist(), strict=True):
+        copies = copied(whole, one.batch, one.of)
+        origins = Copies(model.assembled([(true, one.of)]), one.of, one.of, whole.placed.take(one.of))
+        told = weigh_change(copies, asked, base, apart(whole, copies)).told
+        near = settled(model, own, whole, copies, told, Effort())
+        first, then = (weigh_again(each, origins, asked, base, apart(whole, each)).loss for each in (copies, near))
+        for draw, row, one_loss, other in zip(*(a.tolist() for a in (one.draw, one.row, first, then)), strict=True):
             key = named[draw][row]
-            found[key] = min(found.get(key, np.inf), much)
-    return found
+            drawn[key] = min(drawn.get(key, np.inf), one_loss)
+            moved[key] = min(moved.get(key, np.inf), one_loss, other)
+    return drawn, moved
 
 
 def values_of(model: Model, found: list[Fitted]) -> Values:
@@ -95,8 +104,8 @@ def values_of(model: Model, found: list[Fitted]) -> Values:
 
 def beside(model: Model, true: Batch, posed: list[Posed], found: Values) -> dict[str, Any]:
     """What of the true objects was found."""
-    seen = margins(model, true, posed)
-    right = total = unseen = 0
+    seen, still = margins(model, true, posed)
+    right = total = unseen = sure = clear = 0
     wrong: dict[str, int] = {}
     errors: list[float] = []
     for number in (*model.discrete, *model.smooth):
@@ -111,11 +120,21 @@ def beside(model: Model, true: Batch, posed: list[Posed], found: Values) -> dict
                 total += 1
                 good = now is not None and abs(now - values[k]) < 1e-9
                 right += int(good)
+                clear += int(still[key] > SURE)
+                sure += int(good and still[key] > SURE)
                 name = model.program.draws[number].column.name
                 wrong |= {} if good else {name: wrong.get(name, 0) + 1}
             else:
                 unseen += 1
-    return {"right": right, "seen": total, "unseen": unseen, "wrong": wrong, "errors": errors}
+    return {
+        "right": right,
+        "seen": total,
+        "unseen": unseen,
+        "clear": clear,
+        "right_clear": sure,
+        "wrong": wrong,
+        "errors": errors,
+    }
 
 
 def main() -> None:
@@ -129,7 +148,7 @@ def main() -> None:
     parser.add_argument("--json", type=Path)
     asked = parser.parse_args()
     told: dict[str, dict[str, Any]] = {}
-    print(f"{'':<17} right of seen  not seen  median error  90th percentile  distance  CPU s", flush=True)
+    print(f"{'':<17} right of seen    of clear  not seen  median error  90th percentile  distance  CPU s", flush=True)
     for category in asked.categories or CATEGORIES:
         samples = apg.sample(category, n=asked.n, seed=asked.seed)
         model = Model(samples.job.sampler)
@@ -148,12 +167,14 @@ def main() -> None:
         }
         told[category] = one
         print(
-            f"{category:<17} {one['right']:>5} of {one['seen']:<5} {one['unseen']:>8} {100 * one['median_error']:>11.1f} % "
+            f"{category:<17} {one['right']:>5} of {one['seen']:<5} {one['right_clear']:>4} of {one['clear']:<4} {one['unseen']:>6} "
+            f"{100 * one['median_error']:>11.1f} % "
             f"{100 * one['p90_error']:>14.0f} % {one['distance']:>8.2f} {one['seconds']:>7.1f}  {one['wrong']}",
             flush=True,
         )
-    right, seen = (sum(one[name] for one in told.values()) for name in ("right", "seen"))
-    print(f"{'all':<17} {right:>5} of {seen:<5} ({100 * right / max(seen, 1):.0f} %)")
+    for right, seen in (("right", "seen"), ("right_clear", "clear")):
+        good, of = (sum(one[name] for one in told.values()) for name in (right, seen))
+        print(f"all, {seen:<12} {good:>5} of {of:<5} ({100 * good / max(of, 1):.0f} %)")
     if asked.json:
         asked.json.write_text(json.dumps(told, indent=1) + "\n")
 

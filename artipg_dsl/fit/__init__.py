@@ -7,6 +7,7 @@ one another. Begin with ``fitting``.
     model                     the draws that shape a surface, and candidates as rows of a batch with changed values
     match, compare, refine    pairs of nearest points both ways; gaps; numbers moved by damped least squares
     search                    candidates drawn, chosen, refined, and tried with other structures
+    decide, develop           choices and counts by whole clouds; changes of much of an object, which the rest has to fit first
     fitting, measure          all of it for a few clouds; distances, labels and verdict
     likeness, presence        samples of a category beside real objects; what labels of these say of its draws
 """

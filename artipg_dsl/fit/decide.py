@@ -2,7 +2,8 @@
 
 Each other value of each choice and count is tried in copies of what was found, for which new parts are drawn. Copies are compared with
 their origin by the points of both, and of the cloud, that lie where they differ. The most promising ones move their new parts into place, the
-rest of the object being held, and the object takes all the changes for which the cloud speaks.
+rest of the object being held, and the object takes all the changes for which the cloud speaks. Where it speaks for none, changes of much of the
+object are developed.
 """
 
 from __future__ import annotations
@@ -14,17 +15,19 @@ import numpy as np
 
 from ..random import mix
 from ..runtime.batch import Batch
+from ..sampling.search import domain_ends
 from .compare import Candidates, Targets
-from .evidence import Asked, Clouds, Copies, Evidence, weigh, weigh_again, weigh_change
+from .develop import SURE, apart, copied, developed
+from .evidence import LARGE, Asked, Change, Clouds, Copies, Evidence, beside, weigh, weigh_again, weigh_change
 from .focus import differing
-from .model import Changes, Model
+from .model import Changes, Model, Placed
 from .refine import refine
 from .search import Effort, best_of, taken, united
 
 _BLOCK = 96  # copies at a time
-_SURE = 12.0  # natural logarithms by which a change has to be more likely
 _HOPE = 300.0  # what is less likely by more than this is not refined,
-_HOPED = 0.3  # nor what is by more than this share of all that speaks against the object
+_HOPED = 0.6  # nor what is by more than this share of all that speaks against the object
+_COUNTED = 8  # a count changes by as much at a time, at most
 _WHOLE = 512  # points of a cloud by which a copy is refined: those of all of it, and of where it differs
 _THERE = 256
 
@@ -38,55 +41,66 @@ def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) ->
         some = taken(model, now, still)
         base = weigh(some.batch, some.target, some.placed, clouds)
         copies, told = _likeliest(model, some, clouds, base, effort, number)
-        better, loss = _better(model, some, clouds, base, _settled(model, own, some, copies, told, effort))
-        changed = np.flatnonzero(loss < -_SURE)
-        if not len(changed):
+        if not len(copies.of):
             break
-        still = still[changed]
-        rest = np.setdiff1d(np.arange(len(now)), still)
-        both = united(model, [taken(model, now, rest), taken(model, better, changed)])
+        copies = settled(model, own, some, copies, told, effort)
+        change = weigh_again(copies, _origins(model, some, copies), clouds, base, apart(some, copies))
+        better, loss = _better(model, some, clouds, base, copies, change)
+        sure = np.flatnonzero(loss < -SURE)
+        rest = np.setdiff1d(np.arange(len(some)), sure)
+        grown = developed(model, own, taken(model, some, rest), clouds, copies, change, effort)
+        changed = united(model, [taken(model, better, sure), grown])
+        still = np.sort(changed.target)
+        if not len(still):
+            break
+        both = united(model, [taken(model, now, np.setdiff1d(np.arange(len(now)), still)), changed])
         now = taken(model, both, np.argsort(both.target, kind="stable"))
     return replace(now, target=found.target)
 
 
-def _settled(model: Model, own: Targets, found: Candidates, copies: Copies, told: Asked, effort: Effort) -> Copies:
+def settled(model: Model, own: Targets, found: Candidates, copies: Copies, told: Asked, effort: Effort) -> Copies:
     """Copies whose new parts have moved to where the cloud has them, all else being held."""
-    if not len(copies.of):
-        return copies
-    marked = differing(found.batch, copies.batch, copies.of).new
+    marked = apart(found, copies).new
     asked = Candidates(copies.batch, np.arange(len(copies.of)), copies.placed, np.zeros(len(copies.of)))
     moved = refine(model, _views(own, copies.target, told), asked, effort.part, marked)
     return replace(copies, batch=moved.batch)
 
 
+def _origins(model: Model, found: Candidates, copies: Copies) -> Copies:
+    """What each copy was made of."""
+    return replace(copies, batch=model.assembled([(found.batch, copies.of)]), placed=found.placed.take(copies.of))
+
+
 def _better(
-    model: Model, found: Candidates, clouds: Clouds, base: Evidence, copies: Copies
+    model: Model, found: Candidates, clouds: Clouds, base: Evidence, copies: Copies, change: Change
 ) -> tuple[Candidates, np.ndarray]:
     """Each candidate with all the changes for which the cloud speaks, or with the best one where it does not speak for all together; and by
-    how much it is less likely than before."""
-    loss = np.zeros(len(found))
-    if not len(copies.of):
-        return found, loss
-    origins, differ = model.assembled([(found.batch, copies.of)]), differing(found.batch, copies.batch, copies.of)
-    apart = weigh_again(copies, origins, clouds, base, differ).loss
-    good = np.flatnonzero(apart < -_SURE)
+    how much it is less likely than before. Of changes of much of an object whole candidates tell."""
+    loss, wide = np.zeros(len(found)), np.zeros(len(found))
+    good = np.flatnonzero(change.loss < -SURE)
     if not len(good):
         return found, loss
-    good = good[np.lexsort((apart[good], copies.of[good]))]
+    good = good[np.lexsort((change.loss[good], copies.of[good]))]
     first = good[np.unique(copies.of[good], return_index=True)[1]]
-    loss[copies.of[first]] = apart[first]
+    loss[copies.of[first]], wide[copies.of[first]] = change.loss[first], change.share[first]
     every, single = np.arange(len(found)), np.arange(len(found))
     single[copies.of[first]] = len(found) + np.arange(len(first))
     several = model.assembled([(found.batch, every), (copies.batch, first)])
-    best = replace(found, batch=model.assembled([(several, single)]))
+    placed = Placed.joined([found.placed, copies.placed.take(first)]).take(single)
+    best = replace(found, batch=model.assembled([(several, single)]), placed=placed)
     others = model.assembled([(copies.batch, np.sort(good))])
-    rank = np.argsort(np.argsort(apart[np.sort(good)], kind="stable"))
-    merged = replace(found, batch=model.merged(found.batch, others, copies.of[np.sort(good)], rank))
-    both = Copies(merged.batch, every, found.target, found.placed)
-    together = weigh_again(both, found.batch, clouds, base, differing(found.batch, merged.batch, every)).loss
-    whole = (together < loss) & ~merged.batch.state.failed
-    loss = np.where(whole, together, loss)
-    return taken(model, united(model, [best, merged]), np.where(whole, len(found), 0) + every), loss
+    rank = np.argsort(np.argsort(change.loss[np.sort(good)], kind="stable"))
+    both = copied(found, model.merged(found.batch, others, copies.of[np.sort(good)], rank), every)
+    told = weigh_again(both, _origins(model, found, both), clouds, base, apart(found, both))
+    whole = (told.loss < loss) & ~both.batch.state.failed
+    loss, wide = np.where(whole, told.loss, loss), np.where(whole, told.share, wide)
+    merged = replace(found, batch=both.batch, placed=both.placed)
+    better = taken(model, united(model, [best, merged]), np.where(whole, len(found), 0) + every)
+    large = np.flatnonzero((loss < -SURE) & (wide > LARGE))
+    if len(large):
+        some = taken(model, better, large)
+        loss[large] = beside(weigh(some.batch, some.target, some.placed, clouds), base, large)
+    return better, loss
 
 
 def _likeliest(
@@ -95,10 +109,12 @@ def _likeliest(
     """The copies of what was found, each with another value, that are likeliest as drawn, and the points of clouds that tell of them."""
     parts: list[tuple[Batch, np.ndarray]] = []
     asked: list[Asked] = []
+    stood = [found.placed.take(np.zeros(0, dtype=np.int64))]
     owners, losses, places = [np.zeros(0, dtype=np.int64)], [np.zeros(0)], [np.zeros(0, dtype=np.uint64)]
     for one in tries(model, found.batch, effort.lanes, 1 + number * effort.lanes):
-        copies = Copies(one.batch, one.of, found.target[one.of], found.placed.take(one.of))
-        change = weigh_change(copies, clouds, base, differing(found.batch, one.batch, one.of))
+        copies = copied(found, one.batch, one.of)
+        change = weigh_change(copies, clouds, base, apart(found, copies))
+        stood.append(copies.placed)
         parts.append((one.batch, np.arange(len(one.of))))
         asked.append(change.told)
         owners.append(one.of)
@@ -112,7 +128,7 @@ def _likeliest(
     first = hopeful[best_of(place[hopeful], of[hopeful], loss[hopeful], len(hopeful))]  # of each choice one value
     at = first[best_of(model.structures(every)[first], of[first], loss[first], effort.tried)]
     of = of[at]
-    return Copies(model.assembled([(every, at)]), of, found.target[of], found.placed.take(of)), told.take(at)
+    return Copies(model.assembled([(every, at)]), of, found.target[of], Placed.joined(stood).take(at)), told.take(at)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -169,7 +185,9 @@ def alternatives(model: Model, batch: Batch) -> tuple[np.ndarray, np.ndarray, np
         if draw.kind == "choice":
             options = np.broadcast_to(np.arange(len(draw.options), dtype=np.float64), (len(old), len(draw.options)))
         elif draw.kind == "count":
-            options = old[:, None] + np.array([-2.0, -1.0, 1.0, 2.0])
+            low, high = domain_ends(batch, number)
+            steps = np.arange(1.0, 1.0 + np.minimum(high - low, _COUNTED).max(initial=0.0))
+            options = old[:, None] + np.concatenate([-steps, steps])
         else:
             options = np.stack(batch.read(draw.arguments, draw.column.scope), axis=1)
         rows, which = np.nonzero(np.abs(options - old[:, None]) > 1e-9)

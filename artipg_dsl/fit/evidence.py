@@ -10,7 +10,7 @@ that lie there alone, so that hundreds can be asked about. Points of the surface
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -28,8 +28,10 @@ _POINTS = 3072, 2048  # of a candidate: of its large primitives and of the small
 # axes by which what is nearest is found: places and normals, and places alone, as normals of small parts are guessed
 _BY = 6, 3
 _AROUND, _NEAR = 512, 320  # of a copy: of what it shares with its origin, and of what is new
+LARGE = _NEAR / sum(_POINTS)  # of a surface: of more than this whole candidates have more points than copies
 _ASKED = 512  # points of a cloud that are asked about a copy
 _MARGIN = 0.02  # diagonals around what is new
+_MANY = 1 << 20  # more than rows of a site in an object, or sites
 _ODD = 1.0  # a point that is less likely than this, in logarithms, may belong to something else
 _LEAST_SEEN = 0.1  # of a surface: what less was seen of is no surface of this cloud
 _LEAST_NOISE = 1.5e-3  # diagonals: by so much described surfaces differ from real ones in any case
@@ -38,13 +40,18 @@ _LEAST_NOISE = 1.5e-3  # diagonals: by so much described surfaces differ from re
 @dataclass(frozen=True, slots=True, eq=False)
 class Evidence:
     """How unlikely points are, in natural logarithms, 0 where a point lies on the other surface: ``cloud`` (K, M) of the targets', each
-    of which counts ``weight`` (K,); ``surface`` (K, n) of the candidates', each times the points of the cloud that it stands for. ``of``
-    (K, M): the row of the candidate, among those of all tables, that is nearest to a point of the cloud; ``on`` (K, n): that a point of
-    its own lies on; ``places`` (K, n, 6) where these are, with their normals, in diagonals."""
+    of which counts ``weight`` (K,), ``count`` (K,) in all; ``surface`` (K, n) of the candidates', each times the points of the cloud that it
+    ``stands`` for (K, n), 0 where it is hidden; ``seen`` (K, n): whether the cloud has points there. ``of`` (K, M): the row of the candidate,
+    among those of all tables, that is nearest to a point of the cloud; ``on`` (K, n): that a point of its own lies on, ``named`` (K, n) by
+    site and rank; ``places`` (K, n, 6) where these are, with their normals, in diagonals."""
 
     cloud: np.ndarray
     surface: np.ndarray
     weight: np.ndarray
+    count: np.ndarray
+    stands: np.ndarray
+    seen: np.ndarray
+    named: np.ndarray
     of: np.ndarray
     on: np.ndarray
     places: np.ndarray
@@ -106,7 +113,7 @@ class _Laid:
     """Points of candidates in the frames of their clouds (K, n), their ``places`` (K, n, 6) in diagonals, with normals, how far each lies
     ``apart`` from others, which are ``hidden`` from without; the last ones lie on rows that are marked, and are ``fresh`` if there are any,
     the others are ``shared`` likewise; the visible surface ``area`` (K, 2) of the other rows and of these; ``on``: the row, among those of
-    all tables, on which a point lies; ``word``: what it is."""
+    all tables, on which a point lies, and the number of its ``site``; ``word``: what it is."""
 
     position: np.ndarray
     normal: np.ndarray
@@ -117,7 +124,13 @@ class _Laid:
     shared: np.ndarray
     area: np.ndarray
     on: np.ndarray
+    site: np.ndarray
     word: np.ndarray
+
+    @property
+    def marked(self) -> np.ndarray:
+        """(K,) the share of the visible surface that is marked."""
+        return np.asarray(self.area[:, 1] / np.maximum(self.area.sum(axis=1), 1e-12))
 
     def unlikely(
         self, clouds: Clouds, target: np.ndarray, some: np.ndarray, asked: np.ndarray, taken: np.ndarray
@@ -157,7 +170,19 @@ def _lay(
     on = starts(tables(batch))[laid.points.site] + laid.points.row
     word = words_of(batch, laid.points, targets.meant)
     places = features(position, laid.points.normal, targets.diagonal[target][:, None])
-    return _Laid(position, laid.points.normal, places, apart, ~outer(position), fresh, shared, laid.area, on, word)
+    return _Laid(
+        position,
+        laid.points.normal,
+        places,
+        apart,
+        ~outer(position),
+        fresh,
+        shared,
+        laid.area,
+        on,
+        laid.points.site,
+        word,
+    )
 
 
 def weigh(batch: Batch, target: np.ndarray, placed: Placed, clouds: Clouds) -> Evidence:
@@ -167,11 +192,31 @@ def weigh(batch: Batch, target: np.ndarray, placed: Placed, clouds: Clouds) -> E
     every = np.broadcast_to(np.arange(targets.points.shape[1]), (len(target), targets.points.shape[1]))
     cloud, there = laid.unlikely(clouds, target, every, np.ones(every.shape, dtype=bool), ~laid.hidden)
     count, stands = targets.count[target], np.where(laid.hidden, 0.0, laid.apart**2)
-    known = np.where(clouds.seen(laid, target, ~laid.hidden), stands, 0.0)
+    seen = clouds.seen(laid, target, ~laid.hidden)
+    known = np.where(seen, stands, 0.0)
     stands *= (count / _known(known.sum(axis=1), stands.sum(axis=1)))[:, None]
     surface = clouds.unlikely(laid, target, ~laid.hidden) * stands
     of = laid.on[np.arange(len(batch))[:, None], there]
-    return Evidence(cloud, surface, count / cloud.shape[1], of, laid.on, laid.places)
+    rank = np.concatenate([table.rank for table in tables(batch)])
+    named = laid.site * _MANY + rank[laid.on]
+    return Evidence(cloud, surface, count / cloud.shape[1], count, stands, seen, named, of, laid.on, laid.places)
+
+
+def beside(one: Evidence, other: Evidence, at: np.ndarray) -> np.ndarray:
+    """(K,) by how much whole candidates are less likely than others, those ``at`` (K,) of them. Their surfaces count as far as the cloud
+    was seen, as what both have tells."""
+    every = np.arange(len(at))[:, None] * _MANY * _MANY
+    shared = np.isin(every + other.named[at], every + one.named) & (other.stands[at] > 0.0)
+    coverage = Coverage.of(other.places[at], shared, other.seen[at] & shared)
+    found = []
+    for mine, row in ((one, np.arange(len(at))), (other, at)):
+        own, point = np.nonzero(mine.stands[row] > 0.0)
+        share = np.zeros(mine.stands[row].shape)
+        share[own, point] = coverage.at(mine.places[row][own, point], own)
+        known = _known((share * mine.stands[row]).sum(axis=1), mine.stands[row].sum(axis=1))
+        surface = (share * mine.surface[row]).sum(axis=1) * mine.count[row] / known
+        found.append(mine.weight[row] * mine.cloud[row].sum(axis=1) + surface)
+    return np.asarray(found[0] - found[1])
 
 
 def _known(seen: np.ndarray, whole: np.ndarray) -> np.ndarray:
@@ -208,9 +253,11 @@ class Asked:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Change:
-    """``loss`` (K,): by how much copies are less likely than their origins; by what points that is told."""
+    """``loss`` (K,): by how much copies are less likely than their origins; ``share`` (K,) of their surface that differs; by what points
+    of the clouds that is told."""
 
     loss: np.ndarray
+    share: np.ndarray
     told: Asked
 
 
@@ -226,21 +273,20 @@ def weigh_change(copies: Copies, clouds: Clouds, base: Evidence, change: Differi
     lost = of[own], point
     was = np.bincount(own, base.surface[lost] * coverage.at(base.places[lost], own), minlength=len(of))
     more = np.where(told.asked, cloud - told.before, 0.0).sum(axis=1) * _each(told)
-    return Change(base.weight[of] * more + surface - was, told)
+    return Change(base.weight[of] * more + surface - was, laid.marked, told)
 
 
-def weigh_again(copies: Copies, origins: Batch, clouds: Clouds, base: Evidence, change: Differing) -> Change:
+def weigh_again(copies: Copies, origins: Copies, clouds: Clouds, base: Evidence, change: Differing) -> Change:
     """The same with as many points on what is gone as on what is new: ``origins`` are the candidates that ``copies.of`` names."""
     of = copies.of
-    own = replace(copies, batch=origins)
     laid, was = (
-        _lay(one.batch, rows, copies.placed, _AROUND, _NEAR, clouds.targets, copies.target)
-        for one, rows in ((copies, change.new), (own, change.gone))
+        _lay(one.batch, rows, one.placed, _AROUND, _NEAR, clouds.targets, copies.target)
+        for one, rows in ((copies, change.new), (origins, change.gone))
     )
     told = _ask(copies, clouds, base, _gone(base, change, len(of)), laid)
     (cloud, surface, _), (cloud_was, surface_was, _) = (_told(one, copies, clouds, told) for one in (laid, was))
     more = np.where(told.asked, cloud - cloud_was, 0.0).sum(axis=1) * _each(told)
-    return Change(base.weight[of] * more + surface - surface_was, told)
+    return Change(base.weight[of] * more + surface - surface_was, np.maximum(laid.marked, was.marked), told)
 
 
 def _each(told: Asked) -> np.ndarray:

@@ -15,6 +15,7 @@ from ..runtime.batch import Batch
 from .states import tables
 
 _MANY = 1 << 32  # more than rows of a site in an object
+_STILL = 1e-9  # metres: what is moved by less was not
 _SMALL = 0.1  # of the surface of all boxes: that of the small primitives together
 
 
@@ -75,8 +76,10 @@ class Differing:
         return found
 
 
-def differing(origins: Batch, copies: Batch, of: np.ndarray) -> Differing:
-    """The primitives of ``copies`` that are not those of the ``origins`` they were made of (``of`` (K,), places among them)."""
+def differing(origins: Batch, copies: Batch, of: np.ndarray, lifted: np.ndarray | None = None) -> Differing:
+    """The primitives of ``copies`` that are not those of the ``origins`` they were made of (``of`` (K,), places among them), by which
+    the copies are ``lifted`` (K, 3)."""
+    lifted = np.zeros((len(of), 3)) if lifted is None else lifted
     new: list[np.ndarray] = []
     copy: list[np.ndarray] = [np.zeros(0, dtype=np.int64)]
     gone: list[np.ndarray] = [np.zeros(0, dtype=np.int64)]
@@ -89,6 +92,9 @@ def differing(origins: Batch, copies: Batch, of: np.ndarray) -> Differing:
         there = base < last
         own = np.minimum(base, max(len(table) - 1, 0))
         same = there & (_same(table, other, own) if len(table) else False)
+        if len(table):
+            off = table.translation[own] - other.translation - lifted[other.owner]
+            same &= (np.abs(off) < _STILL).all(axis=1)
         new.append(~same)
         low, high = (np.searchsorted(table.owner, of, side=side) for side in ("left", "right"))
         many = high - low
@@ -103,9 +109,38 @@ def differing(origins: Batch, copies: Batch, of: np.ndarray) -> Differing:
     return Differing(Rows.of(tables(copies), new), Rows(lost), (np.concatenate(copy), np.concatenate(gone)))
 
 
+def lifted(origins: Batch, copies: Batch, of: np.ndarray) -> np.ndarray:
+    """(K, 3) by how much copies have to be moved so that most of what they share with their origins stands where it stood there: the median
+    of primitives, by the surface of their boxes."""
+    owner, off, size = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 3))], [np.zeros(0)]
+    for table, other in zip(tables(origins), tables(copies), strict=True):
+        if not len(table) or not len(other):
+            continue
+        first, last = (np.searchsorted(table.owner, of[other.owner], side=side) for side in ("left", "right"))
+        base = first + other.rank
+        own = np.minimum(base, len(table) - 1)
+        at = np.flatnonzero((base < last) & _same(table, other, own))
+        low, high = other.boxes()
+        x, y, z = np.moveaxis((high - low)[at], -1, 0)
+        owner.append(other.owner[at])
+        off.append(table.translation[own[at]] - other.translation[at])
+        size.append(x * y + y * z + z * x)
+    of_copy, away, weight = np.concatenate(owner), np.concatenate(off), np.concatenate(size)
+    found = np.zeros((len(of), 3))
+    for axis in range(3):
+        order = np.lexsort((away[:, axis], of_copy))
+        running = np.cumsum(weight[order])
+        begin = np.searchsorted(of_copy[order], np.arange(len(of)))
+        end = np.searchsorted(of_copy[order], np.arange(len(of)), side="right")
+        running = np.concatenate([[0.0], running])
+        middle = np.searchsorted(running[1:], 0.5 * (running[begin] + running[end]))
+        some = end > begin
+        found[some, axis] = away[order[middle[some]], axis]
+    return np.where(np.abs(found) < _STILL, 0.0, found)
+
+
 def _same(table: SiteTable, other: SiteTable, own: np.ndarray) -> np.ndarray:
     same = (table.rotation[own] == other.rotation).all(axis=(1, 2)) & (table.mirror[own] == other.mirror)
-    same &= (table.translation[own] == other.translation).all(axis=1)
     for name, value in table.params.items():
         same &= value[own] == other.params[name]
     return np.asarray(same)

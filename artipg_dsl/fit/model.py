@@ -278,5 +278,14 @@ class Placed:
     def take(self, at: np.ndarray) -> Placed:
         return Placed(self.scale[at], self.shift[at])
 
+    @staticmethod
+    def joined(several: Sequence[Placed]) -> Placed:
+        """Of all candidates of several sets."""
+        return Placed(*(np.concatenate([getattr(one, name) for one in several]) for name in ("scale", "shift")))
+
+    def moved(self, by: np.ndarray) -> Placed:
+        """With candidates moved, ``by`` (K, 3) in their own frame."""
+        return Placed(self.scale, self.shift + self.scale[:, None] * by)
+
     def of(self, points: np.ndarray) -> np.ndarray:
         return self.scale[:, None, None] * points + self.shift[:, None, :]

@@ -23,19 +23,22 @@ _COARSE = 192  # points of a candidate and of a target, where thousands are comp
 class Effort:
     """How much is tried: ``drawn`` candidates, of which ``looked`` at for each target; ``kept`` structures are refined by
     ``first``, ``best`` of them by ``more``, two of these by ``near``. Then every other value of choices and counts is drawn ``lanes`` times, in
-    ``rounds`` at most, and ``tried`` copies of each object are refined by ``part``. What is left is refined by ``last``."""
+    ``rounds`` at most; of each object ``tried`` copies are refined by ``part``, and ``developed`` of those that change much by
+    ``whole``. What is left is refined by ``last``."""
 
     drawn: int = 4000
     looked: int = 500
     kept: int = 24
     best: int = 6
-    rounds: int = 4
+    rounds: int = 6
     lanes: int = 2
-    tried: int = 8
+    tried: int = 12
+    developed: int = 3
     first: Schedule = Schedule(5, 384, (0.06, 0.02))
     more: Schedule = Schedule(6, 512, (0.03, 0.008))
     near: Schedule = Schedule(4, 1024, (0.012, 0.006))
     part: Schedule = Schedule(3, 576, (0.03, 0.008))
+    whole: Schedule = Schedule(4, 1536, (0.012, 0.004))
     last: Schedule = Schedule(8, 1536, (0.012, 0.004))
 
 
@@ -57,9 +60,7 @@ def taken(model: Model, found: Candidates, at: np.ndarray) -> Candidates:
 def united(model: Model, several: list[Candidates]) -> Candidates:
     """All candidates of several sets."""
     batch = model.assembled([(one.batch, np.arange(len(one))) for one in several])
-    placed = Placed(
-        np.concatenate([one.placed.scale for one in several]), np.concatenate([one.placed.shift for one in several])
-    )
+    placed = Placed.joined([one.placed for one in several])
     target, score = (np.concatenate([getattr(one, name) for one in several]) for name in ("target", "score"))
     return Candidates(batch, target, placed, score)
 

@@ -3,7 +3,7 @@ import pytest
 import artipg_dsl as apg
 from artipg_dsl.fit.model import Model
 
-from .helpers import TEXT, N
+from .helpers import BOARD, TEXT, N
 
 
 @pytest.fixture(scope="session")
@@ -14,3 +14,8 @@ def samples() -> apg.Samples:
 @pytest.fixture(scope="session")
 def model(samples: apg.Samples) -> Model:
     return Model(samples.job.sampler)
+
+
+@pytest.fixture(scope="session")
+def boards() -> apg.Samples:
+    return apg.load(BOARD, n=12, seed=1)

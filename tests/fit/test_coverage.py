@@ -8,7 +8,7 @@ import pytest
 import artipg_dsl as apg
 from artipg_dsl.fit.coverage import Coverage, Sight
 from artipg_dsl.fit.decide import decide
-from artipg_dsl.fit.evidence import Clouds, Copies, weigh, weigh_again, weigh_change
+from artipg_dsl.fit.evidence import Clouds, Copies, beside, weigh, weigh_again, weigh_change
 from artipg_dsl.fit.focus import differing
 from artipg_dsl.fit.model import Model
 from artipg_dsl.fit.pose import Frame, pose, targets
@@ -17,7 +17,7 @@ from artipg_dsl.fit.search import Effort
 from artipg_dsl.geometry.nearest import Nearest
 
 from .helpers import N
-from .test_decide import clouds, knobs, still, with_another
+from .test_decide import clouds, knobs, still, with_another, without
 
 
 def without_fronts(samples: apg.Samples) -> Clouds:
@@ -31,14 +31,15 @@ def without_fronts(samples: apg.Samples) -> Clouds:
 
 
 def losses(model: Model, samples: apg.Samples, cloud: Clouds) -> np.ndarray:
-    """What is lost by another number of knobs, and by the right one after that: (coarsely or finely, there or back, object)."""
+    """What is lost by another number of knobs, and by the right one after that: (there or back, coarsely or finely, object)."""
     every, found = np.arange(N), []
     true, wrong = with_another(model, samples)
     for origin, copy in ((true, wrong), (wrong, true)):
         base = weigh(origin.batch, every, still(N), cloud)
         change, copies = differing(origin.batch, copy.batch, every), Copies(copy.batch, every, every, still(N))
-        coarse = weigh_change(copies, cloud, base, change)
-        found.append([coarse.loss, weigh_again(copies, origin.batch, cloud, base, change).loss])
+        own = Copies(origin.batch, every, every, still(N))
+        told = weigh_change(copies, cloud, base, change), weigh_again(copies, own, cloud, base, change)
+        found.append([one.loss for one in told])
     return np.array(found)
 
 
@@ -51,6 +52,31 @@ def test_a_hole_says_little_of_what_lies_in_it(
     monkeypatch.undo()
     there, back = losses(model, samples, clouds(samples))
     assert (there > 12.0).all() and (back < -12.0).all()
+
+
+def test_whole_candidates_are_compared_where_the_cloud_was_seen(
+    boards: apg.Samples, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = Model(boards.job.sampler)
+    has, true, wrong = without(boards, model, "cap")
+    every, right = np.arange(len(has)), model.assembled([(true, has)])
+
+    def loss(kept: float) -> np.ndarray:
+        """Of boards without their caps, by clouds without the uppermost 20 cm or with them."""
+        posed = []
+        for place in boards.points(20_000).position[has]:
+            place = place[place[:, 2] <= place[:, 2].max() - kept]
+            cloud = Cloud(place, None, np.full(len(place), -1), ())
+            posed.append(pose(cloud, Frame(front="x", unit="m"), ".npz", 1.0))
+        cloud = Clouds(targets(posed))
+        was, now = (weigh(one, every, still(len(has)), cloud) for one in (right, wrong))
+        return beside(now, was, every)
+
+    little = loss(0.2)
+    monkeypatch.setattr(Coverage, "at", lambda self, places, of: np.ones(len(places)))
+    assert (np.abs(little) <= 0.05 * np.abs(loss(0.2))).all()
+    monkeypatch.undo()
+    assert (loss(0.0) > 12.0).all()
 
 
 def test_what_lies_in_a_hole_stays(model: Model, samples: apg.Samples) -> None:

@@ -9,11 +9,12 @@ import artipg_dsl as apg
 from artipg_dsl.fit.compare import Candidates
 from artipg_dsl.fit.decide import alternatives, decide
 from artipg_dsl.fit.evidence import Clouds, Copies, weigh, weigh_again, weigh_change
-from artipg_dsl.fit.focus import differing
+from artipg_dsl.fit.focus import differing, lifted
 from artipg_dsl.fit.model import Changes, Model, Placed
 from artipg_dsl.fit.pose import Frame, pose, targets
 from artipg_dsl.fit.reading import Cloud
 from artipg_dsl.fit.search import Effort
+from artipg_dsl.runtime.batch import Batch
 
 from .helpers import N
 
@@ -73,7 +74,8 @@ def test_a_part_that_changes_is_weighed_alone(model: Model, samples: apg.Samples
         base = weigh(origin.batch, every, still(N), cloud)
         change = differing(origin.batch, copy.batch, every)
         copies = Copies(copy.batch, every, every, still(N))
-        for told in (weigh_change(copies, cloud, base, change), weigh_again(copies, origin.batch, cloud, base, change)):
+        own = Copies(origin.batch, every, every, still(N))
+        for told in (weigh_change(copies, cloud, base, change), weigh_again(copies, own, cloud, base, change)):
             assert (sign * told.loss > 12.0).all()
         same = differing(origin.batch, origin.batch, every)
         assert not same.anywhere(N).any()
@@ -109,6 +111,51 @@ def test_every_other_value_is_tried(model: Model, samples: apg.Samples) -> None:
     mine = draw == knobs(model)
     assert (value[mine] != true.batch.state.values[knobs(model)][row[mine]]).all()
     assert set(copy.tolist()) == {0, 1, 2}
+
+
+def test_counts_far_off_are_tried(model: Model, samples: apg.Samples) -> None:
+    true, _ = with_another(model, samples)
+    copy, draw, row, value = alternatives(model, true.batch)
+    counts = true.batch.state.values[knobs(model)]
+    for own in range(N):
+        tried = value[(draw == knobs(model)) & (copy == own)]
+        assert {*tried.tolist(), counts[own]} >= {1.0, 2.0, 3.0}
+
+
+def without(boards: apg.Samples, model: Model, name: str) -> tuple[np.ndarray, Batch, Batch]:
+    """The numbers of the boards that have a part, they all, and those ones without it."""
+    true = model.assembled([(boards.batch, np.arange(12))])
+    number = next(k for k in model.discrete if model.program.draws[k].column.name == name)
+    has = np.flatnonzero(true.state.values[number] == 0.0)
+    assert 0 < len(has) < 12
+    every = np.arange(len(has))
+    return has, true, model.altered(true, has, Changes(every, np.full(len(has), number), has, np.ones(len(has))))
+
+
+def test_what_stands_on_a_new_foot_stays(boards: apg.Samples) -> None:
+    model = Model(boards.job.sampler)
+    has, true, wrong = without(boards, model, "foot")
+    by = lifted(true, wrong, has)
+    assert by.round(9).tolist() == [[0.0, 0.0, 0.05]] * len(has)
+    found = Candidates(wrong, np.arange(len(has)), still(len(has)).moved(by), np.zeros(len(has)))
+    better = decide(model, clouds(boards).targets.take(has), found, Effort(developed=0))
+    assert (model.structures(better.batch) == model.structures(true)[has]).all()
+    assert np.abs(better.placed.shift).max() < 1e-9
+
+
+def test_changes_that_the_rest_does_not_fit_yet_are_developed(boards: apg.Samples) -> None:
+    """A board as high as the true one with its cap has to become lower when it gets one."""
+    model = Model(boards.job.sampler)
+    has, true, wrong = without(boards, model, "cap")
+    (height,) = (k for k in model.smooth if model.program.draws[k].column.name == "height")
+    every = np.arange(len(has))
+    higher = Changes(every, np.full(len(has), height), every, true.state.values[height][has] + 0.02)
+    found = Candidates(model.altered(wrong, every, higher), every, still(len(has)), np.zeros(len(has)))
+    right = []
+    for effort in (Effort(), Effort(developed=0)):
+        better = decide(model, clouds(boards).targets.take(has), found, effort)
+        right.append(int((model.structures(better.batch) == model.structures(true)[has]).sum()))
+    assert right == [len(has), 0]
 
 
 def test_candidates_do_not_depend_on_their_company(model: Model, samples: apg.Samples) -> None:

@@ -1,0 +1,55 @@
+"""Copies of candidates beside what they were made of; and those developed that are less likely only because the rest does not yet fit them.
+
+A casement is less likely than a fixed sash while the frame around it has the size that fits the fixed one. So, where the cloud speaks for no
+change as such, all numbers of the copies that change much are refined, and those of their origin, and whole candidates are compared.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..runtime.batch import Batch
+from .compare import Candidates, Targets
+from .evidence import LARGE, Change, Clouds, Copies, beside, weigh
+from .focus import Differing, differing, lifted
+from .model import Model
+from .refine import refine
+from .search import Effort, taken, united
+
+SURE = 12.0  # natural logarithms by which a change has to be more likely
+
+
+def copied(found: Candidates, batch: Batch, of: np.ndarray) -> Copies:
+    """A ``batch`` of copies of candidates, placed so that most of what they share with these stands where it stood: objects stand on the
+    ground, which a sill or feet push all else up from."""
+    placed = found.placed.take(of)
+    return Copies(batch, of, found.target[of], placed.moved(lifted(found.batch, batch, of)))
+
+
+def apart(found: Candidates, copies: Copies) -> Differing:
+    """Where copies differ from what they were made of, as both are placed."""
+    by = (copies.placed.shift - found.placed.shift[copies.of]) / copies.placed.scale[:, None]
+    return differing(found.batch, copies.batch, copies.of, by)
+
+
+def developed(
+    model: Model, own: Targets, found: Candidates, clouds: Clouds, copies: Copies, change: Change, effort: Effort
+) -> Candidates:
+    """Those of the candidates that become likelier by a change of much of them once all numbers are refined, with this change: the most
+    promising of the ``copies`` of each are looked into, of which ``change`` tells."""
+    mine = np.flatnonzero(np.isin(copies.target, found.target) & (change.share > LARGE))
+    mine = mine[np.lexsort((change.loss[mine], copies.target[mine]))]
+    target = copies.target[mine]
+    mine = mine[np.arange(len(mine)) - np.searchsorted(target, target) < effort.developed]
+    target = copies.target[mine]
+    still = np.flatnonzero(np.isin(found.target, target))
+    if not len(mine):
+        return taken(model, found, still)
+    others = Candidates(model.assembled([(copies.batch, mine)]), target, copies.placed.take(mine), np.zeros(len(mine)))
+    rivals = refine(model, own.first(2048), united(model, [taken(model, found, still), others]), effort.whole)
+    both = [taken(model, rivals, np.arange(len(still))), taken(model, rivals, np.arange(len(still), len(rivals)))]
+    was, now = (weigh(one.batch, one.target, one.placed, clouds) for one in both)
+    loss = beside(now, was, np.searchsorted(both[0].target, target))
+    order = np.lexsort((loss, target))
+    first = order[np.unique(target[order], return_index=True)[1]]
+    return taken(model, both[1], first[loss[first] < -SURE])
