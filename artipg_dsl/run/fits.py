@@ -37,7 +37,7 @@ from .sharing import share
 from .workers import map_each
 
 FITS, PICTURES, VALUES, SUMMARY = "fits", "pictures", "values.jsonl", "fit.json"
-_VERSION = 2
+_VERSION = 3  # of what the search finds, so that nothing that another one found is kept
 _TILE = 320
 _NO_MATCH = "does not fit"
 
