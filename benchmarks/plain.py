@@ -357,7 +357,8 @@ class Loop:
             for own, count in zip(found, size, strict=True):
                 value = own[place]
                 mine += value if isinstance(value, list) else [value] * count
-            off = np.abs(np.array(mine, dtype=np.float64) - column.astype(np.float64))
+            with np.errstate(invalid="ignore"):  # the least of no elements, which is endless in both
+                off = np.abs(np.array(mine, dtype=np.float64) - column.astype(np.float64))
             off = np.where(
                 np.isnan(np.array(mine, dtype=np.float64)) == np.isnan(column.astype(np.float64)),
                 np.nan_to_num(off),

@@ -184,7 +184,7 @@ def test_points_of_another_program_are_refused(samples: apg.Samples) -> None:
         samples.rebind({name: array for name, array in arrays.items() if name != "element"})
     with pytest.raises(UsageError, match="points of 6 objects on a batch of 1"):
         samples.object(0).rebind(samples.points(5))
-    with pytest.raises(UsageError, match="one value for each of"):
+    with pytest.raises(UsageError, match="one for each of"):
         samples.points(5, np.zeros(3))
 
 

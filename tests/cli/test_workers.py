@@ -90,7 +90,7 @@ def test_wrong_counts(apgc: Apgc, tmp_path: Path, count: str) -> None:
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="tells children by /proc, which Linux alone has")
 @pytest.mark.parametrize("kill", [signal.SIGINT, signal.SIGKILL])
 def test_workers_end_with_the_run(tmp_path: Path, kill: signal.Signals) -> None:
-    arguments = ["sample", CHEST, "-n", "4000", "--points", "16", "--format", "urdf", "--workers", "2"]
+    arguments = ["sample", CHEST, "-n", "4000", "--format", "urdf", "--workers", "2"]
     with subprocess.Popen(
         command(*arguments, "-o", tmp_path / "o"), env=environment(), stderr=subprocess.PIPE, start_new_session=True
     ) as run:
