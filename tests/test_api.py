@@ -223,3 +223,13 @@ def test_a_folder_counts_each_object_once(tmp_path: Path) -> None:
     folder = apg.sample("Mug", n=3).to(tmp_path / "out", "tables")
     counts = json.loads((folder / "manifest.json").read_text())["counts"]
     assert counts["objects"] == 3 and counts["first_valid"] <= 3
+
+
+def test_arguments_of_mutations_that_would_change_nothing(chests: apg.Samples) -> None:
+    for arguments, message in (
+        ({"operations": "apa", "strength": 2.0}, "strength applies to the steps of cpa, not to apa"),
+        ({"operations": "cpa", "share": 0.2}, "share applies to the templates and counts of apa and dpa, not to cpa"),
+        ({"one": "width", "only": "lid"}, "one redraws the value that it names, so only cannot be given"),
+    ):
+        with pytest.raises(UsageError, match=message):
+            chests.mutate(**arguments)

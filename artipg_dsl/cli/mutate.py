@@ -162,19 +162,11 @@ def _open_mutants(options: argparse.Namespace, job: Job) -> Job:
 
 def _read_mutation(options: argparse.Namespace, job: Job) -> Mutation:
     """The mutation that the options ask for. Raises UsageError."""
-    from ..sampling.mutate import Mutation, read_operations
+    from ..sampling.mutate import Mutation, read_operations, refuse_idle
 
-    if options.one is not None and options.parts != "*":
-        raise UsageError("--one already names the value, so --parts cannot be given as well")
-    if options.one is not None and any(getattr(options, n) != _USUAL[n] for n in ("ops", "strength", "share")):
-        raise UsageError("--one redraws its value, so --ops, --strength and --share cannot be given as well")
     operations = read_operations(options.ops)
-    for name, what, of in (("strength", "steps", ("cpa",)), ("share", "templates and counts", ("apa", "dpa"))):
-        if getattr(options, name) != _USUAL[name] and not set(of) & set(operations):
-            raise UsageError(
-                f"--{name} applies to the {what} of {' and '.join(of)}, not to {options.ops}",
-                f"leave out --{name}, or add {of[0]} to --ops",
-            )
+    given = {name for name in ("ops", "strength", "share", "parts") if getattr(options, name) != _USUAL[name]}
+    refuse_idle(operations, {f"--{name}" for name in given}, one="--one" if options.one is not None else "")
     return Mutation(
         operations,
         options.variant,

@@ -10,7 +10,7 @@ is kept may give way, too.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -122,6 +122,22 @@ class Mutation:
 def read_operations(names: str | Iterable[str]) -> tuple[str, ...]:
     """``"apa,cpa"``, or a list of these."""
     return tuple(name.strip() for name in (names.split(",") if isinstance(names, str) else names))
+
+
+def refuse_idle(operations: Sequence[str], given: Collection[str], *, one: str = "") -> None:
+    """Raise UsageError where an argument would change nothing: of those ``given``, by their names; ``one`` is that of the argument
+    that names a single value, if it is given."""
+    names = {name.lstrip("-"): name for name in sorted(given)}
+    if one and names:
+        raise UsageError(
+            f"{one} redraws the value that it names, so {' and '.join(names.values())} cannot be given as well"
+        )
+    for name, what, of in (("strength", "steps", ("cpa",)), ("share", "templates and counts", ("apa", "dpa"))):
+        if name in names and not set(of) & set(operations):
+            raise UsageError(
+                f"{names[name]} applies to the {what} of {' and '.join(of)}, not to {','.join(operations)}",
+                f"leave out {names[name]}, or add {of[0]} to the operations",
+            )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

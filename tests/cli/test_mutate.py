@@ -185,7 +185,7 @@ def test_values_that_do_not_fit_are_told(apgc, tmp_path):
 
 def test_replay_in_python():
     batch = apg.sample("Microwave", n=3, seed=5)
-    mutants = batch.mutate("cpa", one="width")
+    mutants = batch.mutate(one="width")
     record = {"object": 1, "source": 1, "steps": [s.plain() for s in mutants.changes(1)]}
     again = batch.replay([record])
     assert again["width"] == mutants["width"][1] and again.numbers.tolist() == [1]
