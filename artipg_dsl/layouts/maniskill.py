@@ -1,8 +1,9 @@
 """ManiSkill: folders of PartNet-Mobility under numbers, and the lists of its tasks that name them.
 
 ``data/partnet_mobility/dataset/<id>/`` is where its loaders look below ``MS_ASSET_DIR``; ``assets/partnet_mobility/meta/`` has the lists in
-place of those in its package; ``objects/`` keeps what each object is in. A list takes an object of which all links that move so are wanted:
-the task chooses among them without looking further, and fails at one without a handle.
+place of those in its package; ``objects/`` keeps what each object is in. A list takes a cabinet of which all links that move so are wanted:
+the task chooses among them without looking further, and fails at one without a handle. It sets all joints of a cabinet, the others too, to
+their lower limits, so each needs one, at which it is shut.
 """
 
 from __future__ import annotations
@@ -47,6 +48,8 @@ def told(pieces: Pieces, files: dict[str, bytes], id: int) -> dict[str, dict[str
     robot, order = pieces.robot, folder_order(pieces.robot)
     frame, parts = folder_frame(robot), pieces.moving()
     mobility = json.loads(files["mobility_v2.json"])
+    shut = all(joint.limited and Shut.of(joint).sign > 0 for joint in robot.joints if urdf_type(joint) != "fixed")
+    handled = {k: any("handle" in part["name"] for part in mobility[n]["parts"]) for n, k in enumerate(order)}
     found: dict[str, dict[str, Any]] = {}
     for kind in ("faucet",) if pieces.term.name == "faucet" else ("cabinet_drawer", "cabinet_door"):
         joints = [joint for joint in robot.joints if urdf_type(joint) in LISTS[kind]]
@@ -55,16 +58,9 @@ def told(pieces: Pieces, files: dict[str, bytes], id: int) -> dict[str, dict[str
             if wanted:
                 labels = {order.index(link): part for link, part in parts.items()}
                 found[kind] = _faucet(files, labels, frame)
-        elif (
-            wanted == joints and joints and all(_pulled(joint, mobility[order.index(joint.child)]) for joint in joints)
-        ):
+        elif wanted == joints and joints and shut and all(handled[joint.child] for joint in joints):
             found[kind] = {"num_target_links": len(joints), "partnet_mobility_id": id, "scale": frame.unit}
     return found
-
-
-def _pulled(joint: RobotJoint, entry: dict[str, Any]) -> bool:
-    """Whether a link has a handle, and opens from its lower limit on, as the tasks have it."""
-    return joint.limited and Shut.of(joint).sign > 0 and any("handle" in part["name"] for part in entry["parts"])
 
 
 def _faucet(files: dict[str, bytes], labels: dict[int, str], frame: DatasetFrame) -> dict[str, Any]:
@@ -122,8 +118,8 @@ def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes]:
         if not taken:
             raise UserError(
                 f"no object of {entry.category} is one that ManiSkill's tasks take",
-                "all its drawers, or all its doors, need handles and open from their lower limit on, and nothing else may slide, or "
-                "turn; more objects (-n), or a --map with other words",
+                "all its drawers, or all its doors, need handles, nothing else may slide, or turn, and all joints open from a lower "
+                "limit on; more objects (-n), or a --map with other words",
             )
     return {name: (json.dumps(held, indent=1) + "\n").encode() for name, held in lists.items()}
 

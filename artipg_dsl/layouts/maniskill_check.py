@@ -77,15 +77,18 @@ def _check_list(place: str, kind: str, told: dict[str, Any], model: dict[str, An
         place, len(wanted) == told["num_target_links"], f"{len(wanted)} links move so, not {told['num_target_links']}"
     )
     found.of(place, str(told["partnet_mobility_id"]) == own.name, "another id")
+    for name, joint in joints.items():
+        limit = joint.find("limit")
+        if joint.attrib["type"] != "fixed" and found.of(
+            place, limit is not None, f"{name} has no limits, of which the task sets it to the lower"
+        ):
+            assert limit is not None
+            low, high = float(limit.attrib["lower"]), float(limit.attrib["upper"])
+            found.of(place, -low <= high, f"{name} is not shut at its lower limit")
     for name in wanted:
         handles = [file for word, file in _visuals(links[name]) if "handle" in word]
         found.of(place, bool(handles), f"{name} has no handle, at which the task fails")
         found.of(place, all(len(_vertices(own / file)) for file in handles), f"the handle of {name} has no mesh")
-        limit = joints[name].find("limit")
-        if found.of(place, limit is not None, f"{name} has no limits"):
-            assert limit is not None
-            low, high = float(limit.attrib["lower"]), float(limit.attrib["upper"])
-            found.of(place, -low <= high, f"{name} is not shut at its lower limit")
 
 
 def _vertices(path: Path) -> np.ndarray:

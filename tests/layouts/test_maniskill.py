@@ -13,6 +13,8 @@ import pytest
 
 from artipg_dsl import sample
 from artipg_dsl.errors import UserError
+from artipg_dsl.layouts.entry import Entry
+from artipg_dsl.layouts.maniskill import subjects
 from artipg_dsl.layouts.registry import LAYOUTS
 
 from .conftest import Lay, faults
@@ -54,6 +56,19 @@ def test_the_tasks_find_a_handle_on_every_link_that_they_may_choose(cabinets: Pa
         id for kind in TYPES for split in ("train", "test") for id in listed(cabinets, kind, split)
     }
     assert not list((cabinets / DATASET).glob("*/point_sample"))
+
+
+def test_what_has_no_lower_limit_is_in_no_list() -> None:
+    """The tasks set all joints of a cabinet to their lower limits, castors too: minus infinity, of which simulators make nan."""
+    layout = LAYOUTS["maniskill"]
+    term = layout.term("StorageFurniture")
+    assert term is not None
+    for support in ("Castors", "Plinth"):
+        batch = sample("StorageFurniture", n=4, seed=7, set={"support": support}, checked=False).batch
+        lists = [told for *_, told, _ in subjects(batch, Entry("StorageFurniture", 7, batch.numbers, term=term))]
+        assert any("cabinet_drawer" in told for told in lists) == (support == "Plinth")
+    with pytest.raises(UserError, match="ManiSkill has no class for WashingMachine"):
+        layout.term("WashingMachine")  # its drum turns without limits
 
 
 @pytest.mark.filterwarnings("ignore:Failed to find system libvulkan")
@@ -129,6 +144,7 @@ def test_what_would_make_a_task_fail_is_found(cabinets: Path, tmp_path: Path) ->
     path.write_text(json.dumps(told))
     urdf = folder / DATASET / first / "mobility_cvx.urdf"
     text = urdf.read_text().replace('name="handle-', 'name="grip-')
+    text = text.replace("</robot>", '<joint name="joint_99" type="continuous"><child link="link_99"/></joint></robot>')
     urdf.write_text(
         text.replace('<limit lower="0"', '<limit lower="-9"').replace('type="prismatic"', 'type="revolute"', 1)
     )
@@ -138,6 +154,7 @@ def test_what_would_make_a_task_fail_is_found(cabinets: Path, tmp_path: Path) ->
     for fault in (
         "has no handle, at which the task fails",
         "is not shut at its lower limit",
+        "link_99 has no limits, of which the task sets it to the lower",
         "links move so, not",
         "in metres differ",
         "is revolute, not prismatic",
