@@ -60,6 +60,7 @@ UNITS: dict[str, tuple[float, Dimension]] = {
     "Ns/m": (1.0, Dimension(mass=1, time=-1)),
     "N*s/m": (1.0, Dimension(mass=1, time=-1)),
     "Nm/rad": (1.0, Dimension(mass=1, length=2, time=-2, angle=-1)),
+    "N*m/rad": (1.0, Dimension(mass=1, length=2, time=-2, angle=-1)),
     "Nms": (1.0, Dimension(mass=1, length=2, time=-1)),
     "N*m*s": (1.0, Dimension(mass=1, length=2, time=-1)),
     "Nms/rad": (1.0, Dimension(mass=1, length=2, time=-1, angle=-1)),

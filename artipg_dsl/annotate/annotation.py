@@ -155,6 +155,8 @@ def _joints(batch: Batch) -> list[list[dict[str, Any]]]:
         columns["pitch"] = _tidy(joints.pitch)  # metres by a turn
     if any(joint.positions is not None for joint in batch.program.joints):
         columns["positions"] = [None if np.isnan(count) else int(count) for count in joints.positions]
+    if any(joint.stiffness is not None for joint in batch.program.joints):
+        columns["stiffness"] = _tidy(joints.stiffness)  # N/m, N m/rad
     if batch.gates is not None:
         columns["enabled_when"] = _enabled_when(batch, batch.gates)
     return _grouped(joints.owner, n, columns)

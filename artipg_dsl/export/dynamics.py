@@ -4,16 +4,17 @@ With the joints at rest, for what a joint carries: its mass m (kg), its inertia 
 mass), and the load L, the most that gravity asks of the joint over its range (N m, for a slide N).
 
 * friction: what runs rubs with a hundredth or two of its weight: ``SLIDING * m g`` on runners, ``PIN * m g`` about a pin. Where
-  gravity pulls the joint off its rest and no limit holds it there (a lid that stands open, the neck of a tap), it holds itself:
-  ``HOLD * L``.
-* damping: a free movement dies away within ``FADE`` seconds: I / FADE.
-* effort: what friction and load take, and half as much again or a push: ``HAND`` newtons at the far edge of what is moved,
+  gravity pulls the joint off its rest and neither a limit nor a spring holds it there (a lid that stands open, the neck of a
+  tap), it holds itself: ``HOLD * L``.
+* damping: a free movement dies away within ``FADE`` seconds: I / FADE. A spring of stiffness k brings the joint back without
+  swinging past: 2 sqrt(k I).
+* effort: what friction, load and spring take, and half as much again or a push: ``HAND`` newtons at the far edge of what is moved,
   ``sqrt(3 I / m)`` from a hinge's axis (exact for a leaf), but no more than carries it, with ``FINGER`` at that edge, over its range
   within ``QUICK``. A key of a gram under the whole force of a hand would be at its other end, and back, before a
   simulator's next step: no controller holds it.
-* armature: what a motor adds to the inertia, so that no effort carries the joint over its range within ``QUICK``, or within ``SWIFT`` where the
-  text states the effort, which is often a guess and far too much for a button. None is needed but where next to nothing is moved, by a few
-  millimetres or against much friction.
+* armature: what a motor adds to the inertia, so that no effort carries the joint over its range within ``QUICK``, or within
+  ``SWIFT`` where the text states the effort, which is often a guess and far too much for a button, or a spring, which brings it to
+  its rest no sooner. None is needed but where next to nothing is moved, by a few millimetres or against much friction.
 * velocity: by kind.
 
 Of joints that move together, by a mimic or round a loop, each feels friction, load and inertia of all, at the rate at which
@@ -94,21 +95,28 @@ def complete_dynamics(
     span = np.nan_to_num(joints.high - joints.low)
     near = 1e-6 + 1e-3 * span
     held = np.where(pull > 0, rest >= joints.high - near, rest <= joints.low + near)
-    hangs = np.where(ball, True, pulled & ~held)
+    stiffness = np.nan_to_num(joints.stiffness)
+    spring = _of_all(stiffness, *together, 2)
+    hangs = np.where(ball, True, pulled & ~held & (spring == 0.0))
     friction = _given(
         joints.friction, np.maximum(weight * np.where(slides, SLIDING, PIN), np.where(hangs, HOLD * load, 0.0))
     )
-    damping = _given(joints.damping, moved / _by_kind(joints, FADE))
     velocity = _given(joints.velocity, _by_kind(joints, VELOCITY))
     way = np.where(span > 0.0, span, 2 * np.pi)  # what has no range turns round
     rubs, taken, moves = (
         _of_all(v, *together, power) for v, power in ((friction, 1), (friction + load, 1), (moved, 2))
     )
+    drawn = spring * np.nan_to_num(np.maximum(rest - joints.low, joints.high - rest))
+    taken = taken + drawn
     edge = np.where(slides, 1.0, np.sqrt(3.0 * moved / np.maximum(m, 1e-12)))  # a lever, where it turns
     push = np.minimum(HAND * edge, (moves + FINGER * edge**2) * 2.0 * way / QUICK**2)
     effort = _given(joints.effort, taken + np.maximum(0.5 * taken, push))
-    least = np.where(np.isnan(joints.effort), QUICK, SWIFT)
-    armature = np.maximum((effort - rubs) * least**2 / (2.0 * way) - moves, 0.0)
+    least = np.where(np.isnan(joints.effort) & (spring == 0.0), QUICK, SWIFT)
+    driven = (effort - rubs - drawn / 2.0) * least**2 / (2.0 * way)  # a spring takes half of its most on the way
+    returned = stiffness * (SWIFT * 2.0 / np.pi) ** 2  # in a quarter of a period
+    armature = np.maximum(np.maximum(driven, returned) - moves, 0.0)
+    settled = 2.0 * np.sqrt(stiffness * (moves + armature))
+    damping = _given(joints.damping, np.maximum(moved / _by_kind(joints, FADE), settled))
     return Dynamics(friction, damping, effort, velocity, armature)
 
 

@@ -157,6 +157,8 @@ class _Model:
             "frictionloss": f"{joint.friction:.9g}",
             "armature": f"{joint.armature:.9g}",
         }
+        if joint.stiffness:
+            entry |= {"stiffness": f"{joint.stiffness:.9g}", "springref": f"{joint.rest:.9g}"}
         made = [entry]
         if joint.traits.advances:
             slide = self.advances[joint.name]

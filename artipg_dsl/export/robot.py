@@ -116,7 +116,8 @@ class RobotJoint:
     ``mimic`` is (name of the leader, multiplier, offset), ``pitch`` a screw's advance by a turn, ``positions`` in how many
     values it catches (0: anywhere), ``gates`` what it waits for: (name of a joint, from, to), -inf and inf where there is no
     such end. ``curve`` is how a joint follows by a formula: values of the leader over its range, and its own at these (k,);
-    ``mimic`` is then the straight line between the ends. Radians and metres.
+    ``mimic`` is then the straight line between the ends. A spring of ``stiffness`` (0: none) draws it back to ``rest``.
+    Radians and metres, N m/rad and N/m.
     """
 
     name: str
@@ -136,6 +137,7 @@ class RobotJoint:
     pitch: float = 0.0
     positions: int = 0
     armature: float = 0.0
+    stiffness: float = 0.0
     gates: tuple[tuple[str, float, float], ...] = ()
     curve: tuple[np.ndarray, np.ndarray] | None = None
 
@@ -429,6 +431,7 @@ class Robots:
                     pitch=_number_or(joints.pitch[j], 0.0),
                     positions=int(_number_or(joints.positions[j], 0.0)),
                     armature=float(self.dynamics.armature[j]),
+                    stiffness=_number_or(joints.stiffness[j], 0.0),
                     gates=self._gates(j),
                     curve=self.curves.get(j),
                 )

@@ -104,6 +104,8 @@ def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
     if joint.limited and kind != "continuous":
         limit = {"lower": f"{joint.low:.9g}", "upper": f"{joint.high:.9g}"} | limit
     dynamics = {"damping": f"{joint.damping:.9g}", "friction": f"{joint.friction:.9g}"}
+    if joint.stiffness:
+        dynamics |= {"spring_reference": f"{joint.rest:.9g}", "spring_stiffness": f"{joint.stiffness:.9g}"}
     mimic = None
     if joint.mimic is not None:  # q = multiplier * (q of the leader - reference) + offset
         leader, multiplier, offset = joint.mimic

@@ -43,6 +43,7 @@ def simple_joints(robot: Robot) -> Robot:
                 velocity=joint.velocity * abs(advance[1]),
                 damping=0.0,
                 friction=0.0,
+                stiffness=0.0,
                 mimic=advance,
                 pitch=0.0,
             )

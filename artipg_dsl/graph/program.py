@@ -210,6 +210,7 @@ class Joint:
     to a joint, multiplier, offset); with a ``curve`` it follows by that formula of ``lead``, the other's value. One instance per row
     of ``scope``. ``clearance``: from its rest value it goes on as far as nothing is in the way, at most to ``high``; ``whatever``: with
     the other joints anywhere, else at rest. It stays at rest unless all ``gates`` are open. It catches at ``positions`` values.
+    A spring of ``stiffness`` draws it back to ``rest``.
     """
 
     path: str
@@ -227,6 +228,7 @@ class Joint:
     curve: Expr | None = None
     damping: Expr | None = None
     friction: Expr | None = None
+    stiffness: Expr | None = None
     effort: Expr | None = None
     velocity: Expr | None = None
     pitch: Expr | None = None

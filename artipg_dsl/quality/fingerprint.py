@@ -62,6 +62,7 @@ class _Observer:
                 joint.rest,
                 joint.damping,
                 joint.friction,
+                joint.stiffness,
                 joint.effort,
                 joint.velocity,
                 joint.pitch,

@@ -284,7 +284,7 @@ class Batch:
             columns["child"].append(self.link_numbers(scope, (joint.child,)))
             columns["origin"].append(self._vectors(joint.origin, scope))
             columns["axis"].append(self._vectors(joint.axis, scope))
-            for name in ("low", "high", "damping", "friction", "effort", "velocity", "pitch", "positions"):
+            for name in ("low", "high", "damping", "friction", "stiffness", "effort", "velocity", "pitch", "positions"):
                 expr = getattr(joint, name)
                 columns[name].append(np.full(size, np.nan) if expr is None else self.read([expr], scope)[0])
             columns["rest"].append(self.read([joint.rest], scope)[0])

@@ -61,6 +61,7 @@ def motion_of(program: Program) -> Iterator[Wanted]:
             joint.rest,
             joint.damping,
             joint.friction,
+            joint.stiffness,
             joint.effort,
             joint.velocity,
             joint.pitch,

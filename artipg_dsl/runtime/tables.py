@@ -58,6 +58,7 @@ class JointTable(Columns):
     offset: np.ndarray
     damping: np.ndarray
     friction: np.ndarray
+    stiffness: np.ndarray
     effort: np.ndarray
     velocity: np.ndarray
     pitch: np.ndarray

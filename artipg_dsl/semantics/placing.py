@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 _UNITS = {  # of what turns, and of what slides
     "damping": (("Nms/rad", "Nms"), ("Ns/m",)),
     "friction": (("Nm",), ("N",)),
+    "stiffness": (("Nm/rad",), ("N/m",)),
     "effort": (("Nm",), ("N",)),
     "velocity": (("rad/s",), ("m/s",)),
 }
@@ -315,7 +316,9 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
             ck.mismatch(pitch.value, given, LENGTH, "the pitch")
     if (positions := _taken(ck, kind, node.positions)) is not None:
         _positions(ck, ctx, node, positions)
-    for physics in (node.damping, node.friction, node.effort, node.velocity):
+    if (stiffness := _taken(ck, kind, node.stiffness)) is not None:
+        _spring(ck, node, stiffness)
+    for physics in (node.damping, node.friction, node.stiffness, node.effort, node.velocity):
         if (number := _taken(ck, kind, physics)) is not None:
             given = ck.infer(ctx, number.value)
             units = _UNITS[number.word][slides]
@@ -345,6 +348,16 @@ def _positions(ck: Checker, ctx: Context, node: ast.JointDecl, positions: ast.Cl
     if node.mimic is not None:
         message = "a joint that follows another has no positions of its own"
         ck.error("unknown-clause", positions.span, message, hint="put `positions` on the joint that leads")
+
+
+def _spring(ck: Checker, node: ast.JointDecl, stiffness: ast.Clause[ast.Expr]) -> None:
+    """What a spring draws back moves by itself and stays nowhere else."""
+    if node.mimic is not None:
+        message = "a joint that follows another has no spring of its own"
+        ck.error("unknown-clause", stiffness.span, message, hint="put `stiffness` on the joint that leads")
+    elif node.positions is not None:
+        message = "a joint that catches in positions stays there, so no spring draws it back"
+        ck.error("unknown-clause", stiffness.span, message, hint="leave out `positions` or `stiffness`")
 
 
 def motion_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, wanted: Type) -> None:

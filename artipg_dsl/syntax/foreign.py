@@ -77,13 +77,7 @@ CLAUSES_ELSEWHERE = {
     ("connect", "weight"): "only alternatives and `prefer` take a weight",
     ("require", "weight"): "for a condition that may be broken, use `prefer`",
     ("prefer", "else"): "for a condition with a message, use `require`",
-    **{
-        (
-            "joint",
-            word,
-        ): "a joint has no spring: `rest` is where it stands, and `friction`, `damping` and `effort` what it costs to move it"
-        for word in ("spring", "stiffness")
-    },
+    ("joint", "spring"): "a spring back to `rest` is told by `stiffness 200N/m`, of a hinge by `stiffness 2Nm/rad`",
     ("joint", "limit"): "write `range low .. high`",
     ("joint", "ratio"): "a joint that follows another is told by `mimic lead * other`",
     ("limit", "range"): "put the range right after the joint: `limit lid.open 0deg .. 20deg`",

@@ -63,14 +63,14 @@ def prove(batch: Batch) -> None:
         (low > high) | (np.abs(low) > _FAR) | (np.abs(high) > _FAR),
         "its range is empty or infinite",
     )
-    physics = np.stack([joints.damping, joints.friction, joints.effort, joints.velocity])
+    physics = np.stack([joints.damping, joints.friction, joints.stiffness, joints.effort, joints.velocity])
     _refuse(
         batch,
         "joint",
         joints.owner,
         joints.name,
         ((physics < 0) | np.isinf(physics)).any(axis=0),
-        "its damping, friction, effort or velocity is negative or infinite",
+        "its damping, friction, stiffness, effort or velocity is negative or infinite",
     )
     few = (joints.positions < 2.0) | (joints.positions != np.rint(joints.positions)) & ~np.isnan(joints.positions)
     _refuse(batch, "joint", joints.owner, joints.name, few, "the number of its positions is not a whole number above 1")

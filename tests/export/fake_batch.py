@@ -267,6 +267,7 @@ class FakeBatch:
             offset=np.zeros(2 * n),
             damping=nan,
             friction=nan,
+            stiffness=nan,
             effort=nan,
             velocity=nan,
             pitch=nan,

@@ -46,7 +46,7 @@ def one(kind: str, axis: list[float], mass: float = 2.0, lifted: float = 0.0, **
         kind=[kind],
         origin=np.zeros((1, 3)),
         axis=np.array([axis]),
-        **({name: nan for name in ("damping", "friction", "effort", "velocity", "positions")} | fields),
+        **({name: nan for name in ("damping", "friction", "stiffness", "effort", "velocity", "positions")} | fields),
     )
     inertia = np.array([np.eye(3), mass * np.diag([5e-7, 0.03, 0.03])])
     turn = np.array([[np.cos(lifted), 0, -np.sin(lifted)], [0, 1, 0], [np.sin(lifted), 0, np.cos(lifted)]])
@@ -131,3 +131,23 @@ def test_what_the_text_gives_stays_and_effort_overcomes_it() -> None:
     assert (found.friction[0], found.damping[0], found.velocity[0]) == (200.0, 3.0, 0.2)
     assert found.effort[0] == pytest.approx(300.0)  # half as much again: more than a hand's push
     assert one("revolute", [0.0, -1.0, 0.0], effort=7.0).effort[0] == 7.0
+
+
+def test_a_spring_holds_a_joint_and_lets_it_return_without_swinging() -> None:
+    plain, sprung = (one("revolute", [0.0, -1.0, 0.0], high=1.2, low=-0.3, stiffness=k) for k in (np.nan, 80.0))
+    inertia = 0.06 + 2.0 * 0.3**2
+    assert plain.friction[0] > 5.0 and sprung.friction[0] == pytest.approx(PIN * 2.0 * GRAVITY)
+    assert sprung.armature[0] == 0.0 and sprung.damping[0] == pytest.approx(2.0 * np.sqrt(80.0 * inertia))
+    most = 80.0 * 0.8  # from 0.5 to -0.3
+    assert sprung.effort[0] > most + 2.0 * GRAVITY * 0.3
+
+
+def test_a_light_key_on_a_stiff_spring_does_not_return_at_once() -> None:
+    """Also where its effort is stated, and far less than the spring takes."""
+    for effort in (np.nan, 0.5):
+        found = one(
+            "prismatic", [1.0, 0.0, 0.0], mass=1e-3, low=0.0, high=1e-3, rest=0.0, stiffness=2000.0, effort=effort
+        )
+        moved = 1e-3 + found.armature[0]
+        assert np.pi / 2 * np.sqrt(moved / 2000.0) >= SWIFT * (1 - 1e-9)
+        assert found.damping[0] == pytest.approx(2.0 * np.sqrt(2000.0 * moved))

@@ -47,6 +47,7 @@ def build_joint(links: Links, part: Component, attachment: Attachment) -> None:
     given = (
         statement.damping,
         statement.friction,
+        statement.stiffness,
         statement.effort,
         statement.velocity,
         statement.pitch,

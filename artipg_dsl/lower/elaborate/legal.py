@@ -257,7 +257,7 @@ def _of_joint(joint: Joint) -> Iterator[Quantity]:
             yield Quantity(
                 f"how far the rest value of {name} lies inside", scope, inside, Legal(-1e-9, 2e4, words, True), place
             )
-    held = (("damping", joint.damping, HELD), ("friction", joint.friction, HELD))
+    held = (("damping", joint.damping, HELD), ("friction", joint.friction, HELD), ("stiffness", joint.stiffness, HELD))
     driven = (("effort", joint.effort, DRIVEN), ("velocity", joint.velocity, DRIVEN))
     for word, value, legal in (*held, *driven):
         if value is not None:

@@ -47,6 +47,7 @@ class JointDecl(Attaching):
     mimic: Clause[Expr] | None = None
     damping: Clause[Expr] | None = None
     friction: Clause[Expr] | None = None
+    stiffness: Clause[Expr] | None = None
     effort: Clause[Expr] | None = None
     velocity: Clause[Expr] | None = None
     pitch: Clause[Expr] | None = None
