@@ -140,9 +140,9 @@ def subjects(batch: Batch, term: Term) -> Iterator[tuple[Subject, list[Frame]]]:
 def files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
     """The views, the meshes and the URDF of each object that has all parts, and what the lists of all need of it."""
     assert entry.term is not None
-    name = entry.term.name
+    name, names = entry.term.name, object_names(entry)
     for subject, frames in subjects(batch, entry.term):
-        token = entry.token(int(batch.numbers[subject.i]))
+        token = names[int(batch.numbers[subject.i])]
         for frame in frames:
             yield f"hdf5/{name}/{token}/{frame.place}.h5", hdf5_bytes(_h5_arrays(frame), pack=True)
         for shape in subject.shapes:
@@ -155,6 +155,15 @@ def files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]
             "frames": [frame.place for frame in frames],
         }
         yield f"render/{name}/{token}/object.json", (json.dumps(known) + "\n").encode()
+
+
+def object_names(entry: Entry) -> dict[int, str]:
+    """The names of objects by their numbers. Loaders know by heart what objects that are not seen in training are called, and training
+    divides by the number of their views, and of the others in ``test``: the first of ``test`` are called so, but not all."""
+    assert entry.term is not None
+    test = entry.numbers[entry.splits()["test"]].tolist()
+    own = {number: entry.token(number) for number in entry.numbers.tolist()}
+    return own | dict(zip(test[:-1], entry.term.data["unseen"], strict=False))
 
 
 def _h5_arrays(frame: Frame) -> dict[str, np.ndarray]:
@@ -200,16 +209,14 @@ def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes]:
     classes: dict[str, tuple[Term, dict[str, Any], dict[str, list[str]]]] = {}
     for entry in entries:
         assert entry.term is not None
-        name = entry.term.name
-        _, known, listed = classes.setdefault(name, (entry.term, {}, {split: [] for split in SPLITS}))
-        before = len(known)
-        for split in SPLITS:
-            for token in entry.tokens(split):
-                place = folder / "render" / name / token / "object.json"
-                if place.exists():
-                    known[token] = json.loads(place.read_text())
-                    listed[split] += [f"hdf5/{name}/{token}/{frame}.h5" for frame in known[token]["frames"]]
-        if len(known) == before:
+        name, known, listed = entry.term.name, dict[str, Any](), {split: list[str]() for split in SPLITS}
+        for number, token in object_names(entry).items():
+            place = folder / "render" / name / token / "object.json"
+            if place.exists():
+                known[token] = json.loads(place.read_text())
+                listed[entry.split(number)] += [f"hdf5/{name}/{token}/{frame}.h5" for frame in known[token]["frames"]]
+        classes[name] = entry.term, known, listed
+        if not known:
             raise UserError(
                 f"no object of {entry.category} has the {entry.term.data['parts']} parts of {name}",
                 "more objects (-n), or a --map whose parts its objects have",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .ancsh import LEAST, Frame, Subject, subjects
+from .ancsh import LEAST, Frame, Subject, object_names, subjects
 from .clouds import norms, similarity_error
 from .entry import SPLITS, Entry
 from .findings import Findings
@@ -28,9 +28,10 @@ def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings)
     factors, corners = (read_plain_pickle(folder / f"pickle/{name}{end}.pkl") for end in ("", "_corners"))
     lists = [folder / f"splits/{name}/{n}/{split}.txt" for n in data["experiments"] for split in SPLITS]
     lines = {line for path in lists for line in path.read_text().splitlines()}
+    names = object_names(entry)
     for subject, frames in subjects(batch, entry.term):
         number = int(batch.numbers[subject.i])
-        token = entry.token(number)
+        token = names[number]
         place = f"{name}/{token}"
         own = set((folder / f"splits/{name}/{data['experiments'][0]}/{entry.split(number)}.txt").read_text().split())
         found.of(place, (folder / "render" / name / token).is_dir(), "no folder in render/, where loaders look for it")

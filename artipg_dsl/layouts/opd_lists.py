@@ -32,7 +32,7 @@ Source = tuple[Path, int, dict[str, Any]]  # where a view's pictures are: file a
 
 
 def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes | Callable[[BinaryIO], None]]:
-    """All lists. Raises UserError where nothing opens in any object of a category, or two categories have come to one id."""
+    """All lists. Raises UserError where nothing opens in any object of a category."""
     objects: dict[str, dict[str, Any]] = {}
     views: dict[str, list[Source]] = {split: [] for split in FOLDERS}
     for entry in entries:
@@ -40,8 +40,6 @@ def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes | Callable[
         for shard in range(len(entry.chunks())):
             path = folder / OBJECTS / f"{entry.category}-{shard}"
             told = json.loads(path.with_suffix(".json").read_bytes())
-            if not objects.keys().isdisjoint(told["objects"]):
-                raise UserError(f"{entry.category} has ids of another category", "choose a folder of its own")
             objects |= told["objects"]
             for row, view in enumerate(told["views"]):
                 views[view["split"]].append((path.with_suffix(".h5"), row, view))

@@ -35,7 +35,8 @@ class Layout:
     ``vocabulary``: a closed one, which has to have a class for the category; ``judge(term)`` says what is wrong with a map
     to it. ``words(program)``: what the index needs of a program beside that. ``needs``: (module, package, extra), ``too`` another.
     ``chunk``: objects that are made together. ``divides``: each point has a class of its own, so words that hold on some of a part
-    count. ``frame``: the shipped one by which objects lie as in the data set, where they do not lie so by themselves.
+    count. ``alone``: names of objects say their class and no more, so two categories of one class need a folder each. ``frame``: the
+    shipped one by which objects lie as in the data set, where they do not lie so by themselves.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Layout:
     chunk: int = 64
     gathers: bool = False
     divides: bool = False
+    alone: bool = False
     frame: str = ""
 
     def entry(
@@ -177,6 +179,7 @@ LAYOUTS: dict[str, Layout] = {
             needs=_H5,
             chunk=4,
             gathers=True,
+            alone=True,
         ),
         Layout(
             "cage",
@@ -199,6 +202,7 @@ LAYOUTS: dict[str, Layout] = {
             needs=_H5,
             chunk=4,
             gathers=True,
+            alone=True,
             frame="partnet",
         ),
         Layout(

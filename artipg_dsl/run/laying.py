@@ -62,6 +62,7 @@ def write_layout(
     others = [known for known in entries(out, layout, refuse=True) if known.category != entry.category]
     if place.exists() and not force:
         raise ExportError(f"{out} already has {entry.category}", "use --force to write it again, or another folder")
+    _check_alone(out, layout, entry, others)
     _clear(out, layout, entry.category, others)
     try:
         _carry_out(job, layout, entry, out, progress, workers)
@@ -83,6 +84,16 @@ def write_layout(
     _write_lists(out, lists)
     write_bytes(place, (json.dumps(record, indent=1) + "\n").encode(), force=True)
     return entry
+
+
+def _check_alone(out: Path, layout: Layout, entry: Entry, others: Iterable[Entry]) -> None:
+    """Where names of objects are those of their class, no other category of the folder is in it. Raises ExportError."""
+    for known in others:
+        if layout.alone and known.term and entry.term and known.term.name == entry.term.name:
+            raise ExportError(
+                f"{out} already has {known.category}, which {layout.name} calls {entry.term.name}, too",
+                "choose a folder of its own",
+            )
 
 
 def _write_lists(out: Path, lists: Mapping[str, Any]) -> None:
