@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import UserError
 from ..export.mesh_obj import Shape
 from ..export.partnet_mobility import DatasetFrame
 from ..export.robot import RobotJoint, Robots
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 _PARTS = ("door", "drawer", "base", "handle", "wheel", "knob", "shelf", "tray")
+MOST = 32  # nodes: CAGE's loader fails at more, SINGAPO's leaves such objects out
 _STILL: dict[str, Any] = {"type": "fixed", "range": [0.0, 0.0], "axis": {"origin": [0.0] * 3, "direction": [0.0] * 3}}
 
 
@@ -150,16 +152,19 @@ def _described(made: Sequence[Node], category: str) -> dict[str, Any]:
                 "children": [c for c, other in enumerate(made) if other.parent == k],
                 "joint": node.joint,
                 "aabb": {"center": _short((low + high) / 2), "size": _short(high - low)},
-                "objs": [f"plys/node-{k}.ply"],
+                "objs": [f"plys/node-{k}.ply"],  # as CAGE calls them
+                "plys": [f"plys/node-{k}.ply"],  # as SINGAPO does
             }
         )
     return {"meta": {"obj_cat": category, "tree_hash": tree_hash([node.parent for node in made])}, "diffuse_tree": tree}
 
 
 def files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
-    """``<category>/<object>/train.json``, the same as ``object.json``, and ``plys/``."""
+    """``<category>/<object>/train.json``, the same as ``object.json``, and ``plys/``, of objects that have no more nodes than loaders take."""
     assert entry.term is not None
     for number, made in zip(batch.numbers.tolist(), nodes(batch, entry.term), strict=True):
+        if len(made) > MOST:
+            continue
         root = f"{entry.term.name}/{entry.token(number)}"
         text = (json.dumps(_described(made, entry.term.name), indent=1) + "\n").encode()
         yield f"{root}/train.json", text
@@ -168,10 +173,28 @@ def files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]
             yield f"{root}/plys/node-{k}.ply", ply_bytes(node.shapes)
 
 
-def index(entries: Sequence[Entry]) -> dict[str, bytes]:
-    """``data_split.json``: the objects of each split."""
-    listed = {s: [f"{e.term.name}/{token}" for e in entries if e.term for token in e.tokens(s)] for s in SPLITS}
-    return {"data_split.json": (json.dumps(listed, indent=1) + "\n").encode()}
+def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes]:
+    """``data_split.json``, the objects of each split, and ``hash_table.json``, by class and form of the tree. Raises UserError where
+    all objects of a category have more nodes than loaders take."""
+    listed: dict[str, list[str]] = {split: [] for split in SPLITS}
+    forms: dict[str, dict[str, list[str]]] = {}
+    for entry in entries:
+        assert entry.term is not None
+        own = forms.setdefault(entry.term.name, {})
+        before = sum(map(len, listed.values()))
+        for split in SPLITS:
+            for name in (f"{entry.term.name}/{token}" for token in entry.tokens(split)):
+                path = folder / name / "train.json"
+                if path.exists():
+                    listed[split].append(name)
+                    own.setdefault(json.loads(path.read_bytes())["meta"]["tree_hash"], []).append(name)
+        if sum(map(len, listed.values())) == before:
+            raise UserError(
+                f"all objects of {entry.category} have more than {MOST} nodes",
+                "more objects (-n), or a --map with fewer parts",
+            )
+    tables = {"data_split.json": listed, "hash_table.json": forms}
+    return {name: (json.dumps(table, indent=1) + "\n").encode() for name, table in tables.items()}
 
 
 def check_term(term: Term) -> str | None:
@@ -186,10 +209,15 @@ def check_term(term: Term) -> str | None:
 def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings) -> None:
     """Read as loaders do, and compare with the model."""
     assert entry.term is not None
-    listed = json.loads((folder / "data_split.json").read_text())
+    listed, forms = (json.loads((folder / f"{name}.json").read_text()) for name in ("data_split", "hash_table"))
     for number, made in zip(batch.numbers.tolist(), nodes(batch, entry.term), strict=True):
         name = f"{entry.term.name}/{entry.token(number)}"
+        if len(made) > MOST:
+            found.of(name, name not in listed[entry.split(number)], f"in a list, with more than {MOST} nodes")
+            continue
         found.of(name, name in listed[entry.split(number)], "not in the list of its split")
+        form = tree_hash([node.parent for node in made])
+        found.of(name, name in forms[entry.term.name].get(form, ()), "not in the table by the form of its tree")
         read = json.loads((folder / name / "train.json").read_text())
         found.of(
             name, read["meta"] == _described(made, entry.term.name)["meta"], "another category or form of the tree"
@@ -209,6 +237,7 @@ def _check_node(name: str, folder: Path, node: dict[str, Any], k: int, ours: Nod
     for what in ("origin", "direction"):
         found.near(name, what, np.array(joint["axis"][what]), np.array(ours.joint["axis"][what]), 1e-6)
     found.near(name, "range", np.array(joint["range"]), np.array(ours.joint["range"]), 1e-6)
+    found.of(name, node["plys"] == node["objs"], "other meshes for SINGAPO")
     corners = np.concatenate([read_ply(folder / obj) for obj in node["objs"]])
     center, size = np.array(node["aabb"]["center"]), np.array(node["aabb"]["size"])
     found.of(name, float(np.abs(center).max() + size.max() / 2) < 2.1, "beyond the raw frame")

@@ -189,6 +189,7 @@ LAYOUTS: dict[str, Layout] = {
             "cage:check",
             "cage",
             "cage:check_term",
+            gathers=True,
             frame="partnet",
         ),
         Layout(

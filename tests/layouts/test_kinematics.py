@@ -90,7 +90,39 @@ def test_the_folder_is_read_back(cage: Path) -> None:
     assert not faults(cage)
 
 
+def test_loaders_find_objects_and_meshes(cage: Path) -> None:
+    """CAGE's predictions take objects from ``hash_table.json`` (``dm.py``), SINGAPO's retrieval meshes by ``plys``."""
+    listed, forms = (json.loads((cage / f"{name}.json").read_text()) for name in ("data_split", "hash_table"))
+    told = {name: form for own in forms.values() for form, names in own.items() for name in names}
+    assert set(forms) == {"StorageFurniture", "Microwave"}
+    assert sorted(told) == sorted(name for names in listed.values() for name in names)
+    for name, form in told.items():
+        file = json.loads((cage / name / "object.json").read_text())
+        assert file["meta"]["tree_hash"] == form
+        assert all((cage / name / ply).is_file() for node in file["diffuse_tree"] for ply in node["plys"])
+
+
+def test_what_has_too_many_nodes_is_left_out(lay: Lay, monkeypatch: pytest.MonkeyPatch) -> None:
+    """CAGE's loader fills arrays of 32 nodes, and fails at the next."""
+    sizes = {name: len(file["diffuse_tree"]) for name, file in _sized(lay("cage", "StorageFurniture", n=3))}
+    monkeypatch.setattr("artipg_dsl.layouts.cage.MOST", sorted(sizes.values())[1])
+    folder = lay("cage", "StorageFurniture", n=3)
+    left = {name for name, _ in _sized(folder)}
+    assert left == {name for name, count in sizes.items() if count <= sorted(sizes.values())[1]} != set(sizes)
+    assert {name for names in json.loads((folder / "data_split.json").read_text()).values() for name in names} == left
+    assert not faults(folder)
+    monkeypatch.setattr("artipg_dsl.layouts.cage.MOST", 0)
+    with pytest.raises(UserError, match="all objects of StorageFurniture have more than 0 nodes"):
+        lay("cage", "StorageFurniture", n=1)
+
+
+def _sized(folder: Path) -> list[tuple[str, dict]]:
+    paths = sorted(folder.glob("*/*/train.json"))
+    return [(str(path.parent.relative_to(folder)), json.loads(path.read_text())) for path in paths]
+
+
 def test_trees_of_one_form_have_one_hash() -> None:
+    assert tree_hash([-1, 0]) == "8a8a4905c9b0f8fd7847dc408134a288"  # as CAGE's own table has it, of networkx 3.1
     assert tree_hash([-1, 0, 0, 1]) == tree_hash([-1, 0, 0, 2]) != tree_hash([-1, 0, 1, 2])
     assert len({tree_hash(parents) for parents in ([-1], [-1, 0], [-1, 0, 0], [-1, 0, 1])}) == 4
 
