@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 ROOT, POINTS, NONE = "GAPartNet_All", 20000, -100
-_FOLDERS = {"train": "train", "val": "val", "test": "test_intra"}
-EVERY = (*_FOLDERS.values(), "test_inter")
+EVERY = ("train", "val", "test_intra", "test_inter")
 STATES = "rest,random:1"
 CAMERAS = Cameras(
     count=2, width=400, height=400, fov=35.0, azimuth=(-60.0, 60.0), elevation=(10.0, 60.0), points=POINTS
@@ -93,12 +92,18 @@ def _labels(
 def files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
     """``pth/``, ``meta/`` (radius and centre) and ``gt/`` (1000 times the class and the instance) of each view."""
     for split, shot in _shots(batch, entry):
-        root = f"{ROOT}/{_FOLDERS[split]}"
+        root = f"{ROOT}/{_folder(entry, split)}"
         kind, instance = shot.arrays[2], shot.arrays[3]
         told = np.where(instance >= 0, 1000 * kind + instance, NONE)
         yield f"{root}/pth/{shot.name}.pth", pth_bytes(shot.arrays)
         yield f"{root}/meta/{shot.name}.txt", _lines("%.17g", [shot.radius, *shot.center.tolist()])
         yield f"{root}/gt/{shot.name}.txt", _lines("%d", told.tolist())
+
+
+def _folder(entry: Entry, split: str) -> str:
+    """The folder of a split. What is tested of a category is ``inter`` where none of it is for training."""
+    test = "test_intra" if entry.shares[0] else "test_inter"
+    return test if split == "test" else split
 
 
 def _lines(form: str, values: Sequence[float]) -> bytes:
@@ -118,7 +123,7 @@ def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings)
     """Read as loaders do, and compare with the model."""
     found.of("nopart.txt", bool((folder / "nopart.txt").read_text().strip()), "empty, which loaders cannot read")
     for split, shot in _shots(batch, entry):
-        root, name = folder / ROOT / _FOLDERS[split], shot.name
+        root, name = folder / ROOT / _folder(entry, split), shot.name
         arrays = read_pth(root / "pth" / f"{name}.pth")
         if not found.of(name, len(arrays) == len(_KINDS), f"{len(arrays)} arrays, not {len(_KINDS)}"):
             continue

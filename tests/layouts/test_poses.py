@@ -55,6 +55,14 @@ def test_views_are_what_the_loader_takes(views: Path) -> None:
     assert (views / "nopart.txt").read_text().split()
 
 
+def test_categories_that_are_not_trained_on_are_inter(lay: Lay) -> None:
+    """``on_validation_epoch_end`` takes the third of the lists of views, ``test_inter``."""
+    folder = lay("gapartnet", "Laptop", n=1, shares=(0, 0, 1))
+    held = {path.name: len(list((path / "pth").iterdir())) for path in (folder / "GAPartNet_All").iterdir()}
+    assert held == {"train": 0, "val": 0, "test_intra": 0, "test_inter": 4}
+    assert not faults(folder)
+
+
 def test_files_name_nothing_that_older_readers_lack(views: Path) -> None:
     names = set()
     for path in list((views / "GAPartNet_All/train/pth").iterdir())[:1]:
