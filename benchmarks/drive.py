@@ -55,7 +55,7 @@ def main() -> None:
 
 def _export(category: str, folder: Path, count: int, seed: int) -> None:
     sample = [sys.executable, "-m", "artipg_dsl", "sample", str(ROOT / "categories" / f"{category}.apg")]
-    options = ["-n", str(count), "--seed", str(seed), "--points", "16", "--format", "urdf,mjcf", "-o", str(folder)]
+    options = ["-n", str(count), "--seed", str(seed), "--format", "urdf,mjcf", "-o", str(folder)]
     subprocess.run([*sample, *options], check=True, stdout=subprocess.DEVNULL)
 
 
