@@ -77,7 +77,7 @@ class MujocoSim:
         mujoco.mj_step(self.model, self.data)
 
     def _push(self, name: str, target: float) -> None:
-        """A drive: gravity made up for, a critically damped pull to the target, and what friction takes away."""
+        """A drive: gravity and springs made up for, a critically damped pull to the target, and what friction takes away."""
         model, data = self.model, self.data
         joint = next(j for j in self.subject.moving if j.name == name)
         drag = sum(j.friction for j in self.subject.moving if j is joint or (j.mimic and j.mimic[0] == name))
@@ -91,7 +91,7 @@ class MujocoSim:
         error = target - data.joint(name).qpos[0]
         pull = (unit @ moved) * (BANDWIDTH**2 * error - 2 * BANDWIDTH * data.qvel[dof])
         near = 0.005 * (joint.high - joint.low)
-        force = unit @ data.qfrc_bias + pull + drag * np.clip(error / near, -1, 1)
+        force = unit @ (data.qfrc_bias - data.qfrc_spring) + pull + drag * np.clip(error / near, -1, 1)
         data.qfrc_applied[dof] = np.clip(force, -joint.effort, joint.effort)
 
     def value(self, joint: str) -> float:
