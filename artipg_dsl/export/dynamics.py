@@ -4,8 +4,8 @@ With the joints at rest, for what a joint carries: its mass m (kg), its inertia 
 mass), and the load L, the most that gravity asks of the joint over its range (N m, for a slide N).
 
 * friction: what runs rubs with a hundredth or two of its weight: ``SLIDING * m g`` on runners, ``PIN * m g`` about a pin. Where
-  gravity pulls the joint off its rest and neither a limit nor a spring holds it there (a lid that stands open, the neck of a
-  tap), it holds itself: ``HOLD * L``.
+  gravity pulls the joint off its rest and no limit holds it there (a lid that stands open, the neck of a tap), it holds itself:
+  ``HOLD * L``; beside a spring, too, which not every format has.
 * damping: a free movement dies away within ``FADE`` seconds: I / FADE. A spring of stiffness k brings the joint back without
   swinging past: 2 sqrt(k I).
 * effort: what friction, load and spring take, and half as much again or a push: ``HAND`` newtons at the far edge of what is moved,
@@ -95,9 +95,7 @@ def complete_dynamics(
     span = np.nan_to_num(joints.high - joints.low)
     near = 1e-6 + 1e-3 * span
     held = np.where(pull > 0, rest >= joints.high - near, rest <= joints.low + near)
-    stiffness = np.nan_to_num(joints.stiffness)
-    spring = _of_all(stiffness, *together, 2)
-    hangs = np.where(ball, True, pulled & ~held & (spring == 0.0))
+    hangs = np.where(ball, True, pulled & ~held)
     friction = _given(
         joints.friction, np.maximum(weight * np.where(slides, SLIDING, PIN), np.where(hangs, HOLD * load, 0.0))
     )
@@ -106,6 +104,8 @@ def complete_dynamics(
     rubs, taken, moves = (
         _of_all(v, *together, power) for v, power in ((friction, 1), (friction + load, 1), (moved, 2))
     )
+    stiffness = np.nan_to_num(joints.stiffness)
+    spring = _of_all(stiffness, *together, 2)
     drawn = spring * np.nan_to_num(np.maximum(rest - joints.low, joints.high - rest))
     taken = taken + drawn
     edge = np.where(slides, 1.0, np.sqrt(3.0 * moved / np.maximum(m, 1e-12)))  # a lever, where it turns

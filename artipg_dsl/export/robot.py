@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +35,7 @@ from .write import ExportError
 if TYPE_CHECKING:
     from ..details.dressing import Dressing
     from ..runtime.batch import Batch
+    from ..runtime.tables import JointTable
 
 SMALLEST_MASS = 1e-6  # kg
 
@@ -116,8 +117,8 @@ class RobotJoint:
     ``mimic`` is (name of the leader, multiplier, offset), ``pitch`` a screw's advance by a turn, ``positions`` in how many
     values it catches (0: anywhere), ``gates`` what it waits for: (name of a joint, from, to), -inf and inf where there is no
     such end. ``curve`` is how a joint follows by a formula: values of the leader over its range, and its own at these (k,);
-    ``mimic`` is then the straight line between the ends. A spring of ``stiffness`` (0: none) draws it back to ``rest``.
-    Radians and metres, N m/rad and N/m.
+    ``mimic`` is then the straight line between the ends. A spring of ``stiffness`` (0: none) draws it back to ``rest``;
+    ``unsprung`` is its damping and its effort where a format has no springs. Radians and metres, N m/rad and N/m.
     """
 
     name: str
@@ -138,6 +139,7 @@ class RobotJoint:
     positions: int = 0
     armature: float = 0.0
     stiffness: float = 0.0
+    unsprung: tuple[float, float] | None = None  # None: the same
     gates: tuple[tuple[str, float, float], ...] = ()
     curve: tuple[np.ndarray, np.ndarray] | None = None
 
@@ -274,13 +276,23 @@ class Robots:
     @cached_property
     def dynamics(self) -> Dynamics:
         """Friction, damping, effort and velocity of all joints, as given or as their kind and what they move ask for."""
+        return self._complete(self.joints)
+
+    @cached_property
+    def unsprung(self) -> Dynamics:
+        """The same for formats without springs."""
+        if np.isnan(self.joints.stiffness).all():
+            return self.dynamics
+        return self._complete(replace(self.joints, stiffness=np.full_like(self.joints.stiffness, np.nan)))
+
+    def _complete(self, joints: JointTable) -> Dynamics:
         if not self.physics:
-            return Dynamics(*(np.zeros(len(self.joints.owner)) for _ in fields(Dynamics)))
-        first, rest = self.link_start[self.joints.owner], self.batch.settle(self.joints.rest)
+            return Dynamics(*(np.zeros(len(joints.owner)) for _ in fields(Dynamics)))
+        first, rest = self.link_start[joints.owner], self.batch.settle(joints.rest)
         center = self.mass.center + self.origins
         together = find_mechanisms(self.batch)
         return complete_dynamics(
-            self.joints, rest, first, self.mass.mass, center, self.mass.inertia, self.batch.pose(), together
+            joints, rest, first, self.mass.mass, center, self.mass.inertia, self.batch.pose(), together
         )
 
     @cached_property
@@ -432,6 +444,7 @@ class Robots:
                     positions=int(_number_or(joints.positions[j], 0.0)),
                     armature=float(self.dynamics.armature[j]),
                     stiffness=_number_or(joints.stiffness[j], 0.0),
+                    unsprung=(float(self.unsprung.damping[j]), float(self.unsprung.effort[j])),
                     gates=self._gates(j),
                     curve=self.curves.get(j),
                 )

@@ -2,7 +2,7 @@
 
 A screw is a hinge and a slide on one axis that follows it. A ball is three hinges through one point: the tilt that its
 value is (see ``runtime.motion.freedoms``), the tilt about the third direction, and the twist about its own axis. What follows
-another by a formula follows by the straight line between its ends. An object
+another by a formula follows by the straight line between its ends. A spring is left out. An object
 of one link gets a second one, of next to no mass and fixed to the first: SAPIEN takes no file without a joint for an articulation.
 """
 
@@ -26,7 +26,7 @@ def simple_joints(robot: Robot) -> Robot:
     links, joints = list(robot.links), []
     link_names = Names(link.name for link in robot.links)
     names = Names(joint.name for joint in robot.joints)
-    for joint in (replace(joint, curve=None) for joint in robot.joints):
+    for joint in (_unsprung(replace(joint, curve=None)) for joint in robot.joints):
         kind = "revolute" if joint.limited else "continuous"
         if joint.traits.advances:
             advance = (joint.name, joint.pitch / (2.0 * np.pi), 0.0)
@@ -43,7 +43,6 @@ def simple_joints(robot: Robot) -> Robot:
                 velocity=joint.velocity * abs(advance[1]),
                 damping=0.0,
                 friction=0.0,
-                stiffness=0.0,
                 mimic=advance,
                 pitch=0.0,
             )
@@ -64,6 +63,13 @@ def simple_joints(robot: Robot) -> Robot:
         links.append(_mark(links[0]))
         joints.append(_fixed_joint(links[0].name + MARK))
     return replace(robot, links=tuple(links), joints=tuple(joints))
+
+
+def _unsprung(joint: RobotJoint) -> RobotJoint:
+    if joint.unsprung is None:
+        return joint
+    damping, effort = joint.unsprung
+    return replace(joint, stiffness=0.0, damping=damping, effort=effort, unsprung=None)
 
 
 def _mark(root: RobotLink) -> RobotLink:
