@@ -153,13 +153,13 @@ class Piece:
     numbers: np.ndarray
 
     def write(self, job: Job) -> list[str]:
-        """The names of what is written; nothing is, where an object is refused. Raises UserError."""
+        """The names of what is written; nothing is, where an object is refused or the work is interrupted. Raises UserError."""
         names: list[str] = []
         try:
             for name, data in LAYOUTS[self.layout].files(job.batch(self.numbers), self.entry, self.shard):
                 names.append(name)
                 write_bytes(self.out / name, data, force=True)
-        except UserError:
+        except BaseException:
             _remove(self.out, names)
             raise
         return names

@@ -122,6 +122,25 @@ def test_an_object_that_is_refused_midway_leaves_nothing(tmp_path: Path, monkeyp
     assert not (tmp_path / "cage").exists()
 
 
+def test_what_is_interrupted_midway_is_not_found_by_loaders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They take all files of a folder, those of an object that is no longer asked for, too."""
+    layout = LAYOUTS["shapenet55"]
+    whole = layout.files
+
+    def interrupt(*asked: object) -> Iterator[tuple[str, bytes]]:
+        yield next(iter(whole(*asked)))
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as broken:
+        broken.setattr(type(layout), "files", lambda self, *asked: interrupt(*asked))
+        with pytest.raises(KeyboardInterrupt):
+            sample("Laptop", n=2, seed=1).lay_out(tmp_path, "shapenet55")
+    sample("Laptop", n=2).lay_out(tmp_path, "shapenet55")
+    assert {path.name for path in (tmp_path / "shapenet_pc").iterdir()} == {
+        f"03642806-Laptop0n00000{k}.npy" for k in range(2)
+    }
+
+
 def test_a_category_that_is_written_again_is_in_no_list_meanwhile(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
