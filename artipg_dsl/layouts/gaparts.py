@@ -37,6 +37,7 @@ CLASSES = (
 )
 FINE = Resolution(tolerance=2e-4)
 _LONG = 1.5  # a fixed handle this many times as long as wide is a line
+_BEHIND = 0.25  # of what carries it: a handle further than that behind its middle is on its back
 _HINGED = ("hinge_door", "hinge_lid")
 _TURNED = ("hinge_knob", "revolute_handle")
 _PRESSED = ("slider_button",)
@@ -124,7 +125,7 @@ class _Object:
         out = center - self.middle
         if carrier is not None:
             side = (center - carrier.center) @ carrier.axes[2]
-            out = carrier.axes[2] * (1.0 if side >= 0 else -1.0)
+            out = carrier.axes[2] * (-1.0 if side < -_BEHIND * carrier.size[2] else 1.0)
         z = nearest(frame, out, frame[:, int(extent.argmax())])
         axes = facing(frame, z, corners)
         size = np.ptp(corners @ axes.T, axis=0)

@@ -55,6 +55,19 @@ def test_views_are_what_the_loader_takes(views: Path) -> None:
     assert (views / "nopart.txt").read_text().split()
 
 
+def test_handles_beside_a_lid_face_as_it_does() -> None:
+    """The long handle of a pressure cooker's lid lies in the plane of its middle, a little above or below it."""
+    term = LAYOUTS["gapartnet"].term("KitchenPot")
+    assert term is not None
+    found = 0
+    for parts in gaparts(sample("KitchenPot", n=4, set={"kind": "pressure"}, checked=False).batch, term):
+        (lid,) = (part for part in parts if CLASSES[part.kind] == "slider_lid")
+        for part in (part for part in parts if part.link == lid.link and part.instance >= 0):
+            found += 1
+            assert part.axes[2] @ lid.axes[2] == pytest.approx(1)
+    assert found >= 4
+
+
 def test_categories_that_are_not_trained_on_are_inter(lay: Lay) -> None:
     """``on_validation_epoch_end`` takes the third of the lists of views, ``test_inter``."""
     folder = lay("gapartnet", "Laptop", n=1, shares=(0, 0, 1))
