@@ -4,7 +4,7 @@ In: a batch and what its files are to hold (``content``). Out: bytes by path; th
 ``registry``, which lists the formats, then ``robot``, from which most of them are written.
 
     registry, content                   the formats, and the optional content of files
-    robot, solids, colliders, hulls     links with their meshes, mass and convex pieces
+    robot, primitives, solids, colliders, hulls    links with their meshes, mass and convex pieces
     dressed                             meshes in the details of real surfaces
     dynamics, mechanisms, adjacent      physics of joints, what moves together, what may touch
     decimals                            rows of numbers as text

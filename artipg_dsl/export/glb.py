@@ -15,7 +15,8 @@ import numpy as np
 from ..runtime.motion import perpendicular_to
 from .materials import to_linear
 from .pose import open_values, rest_values
-from .robot import Robot, RobotJoint, SeenMaterial
+from .primitives import SeenMaterial
+from .robot import Robot, RobotJoint
 
 FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
 VERTICES, INDICES = 34962, 34963

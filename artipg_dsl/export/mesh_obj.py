@@ -14,7 +14,8 @@ from .naming import Names
 from .pose import rest_poses
 
 if TYPE_CHECKING:
-    from .robot import Robot, RobotLink, SeenMaterial, Visual
+    from .primitives import SeenMaterial, Visual
+    from .robot import Robot, RobotLink
 
 _LIBRARY = "object.mtl"
 _FEW = 1024  # faces, up to which their text is kept

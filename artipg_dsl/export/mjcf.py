@@ -18,7 +18,8 @@ from .adjacent import find_adjacent
 from .mesh_obj import link_meshes
 from .naming import Names
 from .pose import link_poses, rest_values
-from .robot import Collider, Robot, RobotJoint, RobotLink
+from .primitives import Collider
+from .robot import Robot, RobotJoint, RobotLink
 from .write import ExportError
 
 if TYPE_CHECKING:

@@ -26,7 +26,8 @@ from .write import ExportError
 if TYPE_CHECKING:
     from jinja2 import Template
 
-    from .robot import Collider, Robot, RobotJoint, Robots, SeenMaterial
+    from .primitives import Collider, SeenMaterial
+    from .robot import Robot, RobotJoint, Robots
 
 _POINTS = 10000
 _LEAVES = 1 << 32  # more than there are parts of an object

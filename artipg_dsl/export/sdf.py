@@ -11,7 +11,8 @@ from ..annotate.frames import euler
 from .decimals import numbers
 from .mesh_obj import Shape, link_meshes, obj_bytes
 from .pose import link_poses
-from .robot import Collider, Robot, RobotJoint, RobotLink
+from .primitives import Collider
+from .robot import Robot, RobotJoint, RobotLink
 from .write import ExportError
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ from ..annotate.frames import euler
 from .adjacent import find_adjacent
 from .decimals import numbers
 from .mesh_obj import Shape, link_meshes, obj_bytes
-from .robot import Collider, Robot, RobotJoint, RobotLink
+from .primitives import Collider
+from .robot import Robot, RobotJoint, RobotLink
 from .substitute import simple_joints
 from .write import ExportError
 

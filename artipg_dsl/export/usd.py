@@ -19,8 +19,9 @@ from .adjacent import find_adjacent
 from .decimals import numbers
 from .materials import to_linear
 from .pose import rest_poses
+from .primitives import Collider, Visual
 from .principal import find_principal
-from .robot import Collider, Robot, RobotClosure, RobotJoint, Robots, Visual
+from .robot import Robot, RobotClosure, RobotJoint, Robots
 from .write import ExportError
 
 if TYPE_CHECKING:
