@@ -212,7 +212,6 @@ def _members(
     order = folder_order(robot)
     ids = {k: n for n, k in enumerate(order)}
     program, first = robots.batch.program, int(robots.link_start[i])
-    said = program.vocabularies.get("semantic", ())
     heavy = sum(robots.weights[first : first + len(robot.links)].tolist()) > LIFTED
     members = []
     node = 1  # 0 is the object's own
@@ -222,8 +221,7 @@ def _members(
             word, kind, label = ("heavy" if heavy else "free"), "fixed", root_label(program.name)
         else:
             word, kind = _words(robot, joint)
-            named = int(robots.links.semantic[first + k])
-            meant = said[named] if named else link.path.split(".")[-1]
+            meant = robots.batch.link_words[first + k] or link.path.split(".")[-1]
             label = link_label(program.name, meant, joint.kind)
         pivot = np.zeros(3) if joint is None else frame.points(robot.links[k].origin)
         parent = None if joint is None else ids[joint.parent]

@@ -62,7 +62,7 @@ def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
     words = robots.batch.program.vocabularies.get("semantic", ())
     name, bodies = Names()(robot.name), Names("Looks", "joints")
     link_names = [bodies(link.name) for link in robot.links]
-    named = robots.links.semantic[int(robots.link_start[i]) :].tolist()
+    named = robots.batch.link_words[int(robots.link_start[i]) :]
     links = [
         _link(robot, k, pose, words, named[k]) | {"name": link_names[k]} for k, pose in enumerate(rest_poses(robot))
     ]
@@ -120,13 +120,13 @@ def _looks(robot: Robot) -> list[dict[str, str]]:
 
 
 def _link(
-    robot: Robot, k: int, pose: tuple[np.ndarray, np.ndarray], words: tuple[str, ...], named: int
+    robot: Robot, k: int, pose: tuple[np.ndarray, np.ndarray], words: tuple[str, ...], named: str
 ) -> dict[str, Any]:
     """A body. Its class is the word of the part that it is, else that of the first mesh that has one."""
     link, names = robot.links[k], Names("colliders")
     pieces = Names()
     meshes = [_mesh(visual, link.origin, words) | {"name": names(visual.name)} for visual in link.visuals]
-    labels = [*([words[named]] if named else []), *(mesh["label"] for mesh in meshes if mesh["label"])]
+    labels = [label for label in (named, *(mesh["label"] for mesh in meshes)) if label]
     return {
         "title": link.name,
         "label": labels[0] if labels else "",

@@ -88,8 +88,7 @@ def object_parts(batch: Batch, points: Points, levels: Levels) -> Iterator[Parts
         held: list[tuple[int, str]] = []
         leaf = np.zeros(len(rows), dtype=np.int64)
         for k, (link, instance, element, word, site) in enumerate(rows.tolist()):
-            named = int(links.semantic[link_start[i] + link])
-            on = to_snake_case(semantic[named]) if link in above[i] and named else ""
+            on = to_snake_case(batch.link_words[link_start[i] + link]) if link in above[i] else ""
             text = parts.name[part_start[i] + instance]
             coarse = words.path(to_snake_case(semantic[word] if word else text.split(".")[-1]), on, text)
             path = levels.refine(coarse, last[site])

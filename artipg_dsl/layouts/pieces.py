@@ -57,8 +57,7 @@ class Pieces:
 
     def link_word(self, link: int) -> str:
         """The word of the part that a link is, else the first that something on it bears."""
-        k = int(self.robots.links.semantic[int(self.robots.link_start[self.i]) + link])
-        said = self._words[k] if k else ""
+        said = self.robots.batch.link_words[int(self.robots.link_start[self.i]) + link]
         return said or next((self.word(instance) for instance, _ in self.of(link) if self.word(instance)), "")
 
     def moving(self) -> dict[int, str]:

@@ -48,7 +48,8 @@ def write_dataset(
     is then what each may take.
     """
     out, numbers, shard = place_of(out), job.request.objects, output.shard
-    manifest = make_ready(out, wanted := manifests.build_manifest(job.program, job.request, output, out=out), force)
+    wanted = manifests.build_manifest(job.program, job.request, output, out=out)
+    manifest = make_ready(out, wanted, force)
     if isinstance(out, Remote) and out.private:
         if workers > 1 or cluster:
             raise UsageError(

@@ -9,7 +9,7 @@ columns, at rest and in motion. Knows neither text nor solids. Begin with ``plan
     laws, newton              distributions; roots of equations
     tables, referred, rooted  instances as columns, references between them, chains that end
     columns                   how tables show themselves
-    tags                      names as files take them
+    tags, words               names as files take them; what parts and links are called
     batch, motion, loops      objects; where links are for given joint values; closed loops
     fields                    formulas of labels and grasps as functions of points
     repairs                   what was moved to make an object valid, as columns

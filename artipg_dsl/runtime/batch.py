@@ -13,11 +13,12 @@ import numpy as np
 
 from ..geometry.sites import SiteTable
 from ..graph.expr import Expr, Scope
-from ..graph.program import Draw, Link, Program
+from ..graph.program import Program
 from ..graph.reference import Reference
 from . import motion
 from .curves import add_curves
 from .detents import rest_caught
+from .draws import to_plain
 from .gates import Gates, gates_of
 from .kernels import State
 from .loops import Loops, loops_of
@@ -28,6 +29,7 @@ from .repairs import Repairs
 from .rooted import lead_by_heads, root_joints
 from .tables import Instances, JointTable, LinkTable, PartTable, Rowmap
 from .tags import make_distinct
+from .words import words_of_link, words_of_parts
 
 _UNLIKE = np.array([1.0, 2.0])  # turns and axis of a part that is like itself only as it stands
 
@@ -152,16 +154,7 @@ class Batch:
     @cached_property
     def _words(self) -> list[np.ndarray]:
         """For each part (rows of its scope,) the place of its word in the vocabulary ``semantic``, 0 where it has none."""
-        words = self.program.vocabularies.get("semantic", ())
-        found = []
-        for part in self.program.parts:
-            said = np.zeros(self.rowmap.rows(part.scope).size, dtype=np.int64)
-            for (word, _), holds in zip(
-                part.semantic, self.read([p for _, p in part.semantic], part.scope), strict=True
-            ):
-                said = np.where(holds, words.index(word), said)
-            found.append(said)
-        return found
+        return words_of_parts(self.program, self.rowmap, self.read)
 
     def _meant(self, number: int, scope: Scope) -> tuple[np.ndarray, np.ndarray]:
         """For each row of a scope within that of a part: the number in its object of the nearest part at or above that
@@ -231,7 +224,7 @@ class Batch:
                 rotation, translation = np.tile(np.eye(3), (size, 1, 1)), np.zeros((size, 3))
             rotations.append(rotation)
             translations.append(translation)
-            words.append(self._link_words(link))
+            words.append(words_of_link(self.program, self.rowmap, self._words, link))
             names.append(self.rowmap.names(link.scope, link.path))
         return LinkTable(
             made.owner,
@@ -243,17 +236,11 @@ class Batch:
             made.sort(words, dtype=np.int64),
         )
 
-    def _link_words(self, link: Link) -> np.ndarray:
-        """For each row of a link's scope the place of the word of the part that it is, whichever of its alternatives that is."""
-        parts, found = self.program.parts, np.zeros(self.rowmap.rows(link.scope).size, dtype=np.int64)
-        path = parts[link.part].path if link.part >= 0 else None
-        for words, part in zip(self._words, parts, strict=True):
-            if part.path == path and part.scope.within(link.scope):
-                found[self.rowmap.across(part.scope, link.scope)] = words
-            elif part.path == path and link.scope.within(part.scope):
-                found = words[self.rowmap.across(link.scope, part.scope)]
-        usual = parts[link.part].word if link.part >= 0 else ""
-        return np.where(found == 0, self.program.vocabularies["semantic"].index(usual) if usual else 0, found)
+    @cached_property
+    def link_words(self) -> list[str]:
+        """The word of each link (L,), "" where it has none."""
+        words = self.program.vocabularies.get("semantic", ())
+        return [words[k] if k else "" for k in self.links().semantic.tolist()]
 
     def joints(self) -> JointTable:
         """The joints, each the one above its child link."""
@@ -432,11 +419,6 @@ class Batch:
     def values(self) -> dict[str, np.ndarray]:
         """Each drawn column by its address: one value per row of its table (choices as indices)."""
         return {draw.address: self.state.values[k] for k, draw in enumerate(self.program.draws)}
-
-
-def to_plain(draw: Draw, value: float) -> Any:
-    """A value as people and files know it."""
-    return draw.options[int(value)] if draw.kind == "choice" else int(value) if draw.kind == "count" else float(value)
 
 
 # behind those that say which joint it is, before `curves`

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..graph.program import Draw
 from ..random import key, uniform
 from .kernels import Kept, Rows, State, full
 from .laws import (
@@ -314,3 +315,8 @@ def _other_option(kept: Kept, rows: Rows, table: np.ndarray) -> np.ndarray:
     swap = kept.swap[at] & (others > 0.0).any(axis=0)
     keep = ~swap & (alone > 0.0).any(axis=0)
     return np.where(known & swap, others, np.where(known & keep, alone, table))
+
+
+def to_plain(draw: Draw, value: float) -> Any:
+    """A value as people and files know it."""
+    return draw.options[int(value)] if draw.kind == "choice" else int(value) if draw.kind == "count" else float(value)

@@ -22,7 +22,8 @@ from ..graph.expr import Scope
 from ..graph.program import Draw
 from ..random import mix
 from ..runtime import repairs
-from ..runtime.batch import Batch, to_plain
+from ..runtime.batch import Batch
+from ..runtime.draws import to_plain
 from ..runtime.kernels import Kept
 from ..runtime.repairs import HOW, Repairs
 from ..shapes import Misfit, Rule, fit

@@ -156,6 +156,7 @@ def program() -> Program:
     )
 
 
+LINK_WORDS = ["body", "door", "button"]
 LINKS = (("base", 0), ("door", 5), ("button", 7))
 
 
@@ -246,8 +247,12 @@ class FakeBatch:
             **table,
             rotation=np.broadcast_to(np.eye(3), (3 * self.n, 3, 3)),
             translation=translation,
-            semantic=np.tile([SEMANTIC.index(word) for word in ("body", "door", "button")], self.n),
+            semantic=np.tile([SEMANTIC.index(word) for word in LINK_WORDS], self.n),
         )
+
+    @property
+    def link_words(self) -> list[str]:
+        return LINK_WORDS * self.n
 
     def joints(self) -> JointTable:
         n = self.n
