@@ -84,7 +84,8 @@ def _port(lowering: Lowering, parts: dict[str, Component], wanted: str) -> Itera
     }
     if part is None or not ports:
         return
-    found = members.declared(Evaluator(part.env), reference(part), name, frozenset(ports))
+    without = frozenset(instance.symbol for instance in part.instances if instance.symbol not in ports)
+    found = members.declared(Evaluator(part.env), reference(part), name, without)
     on = carriers(found, part.env.scope) if found is not None else ()
     links = named(lowering.links, lowering.links.carried(on, part.span))
     through = " and ".join(dict.fromkeys(f"`{part_of(one).path}`" for one in on))

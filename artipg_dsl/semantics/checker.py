@@ -140,15 +140,15 @@ class Checker:
     def mean_member(self, node: ast.MemberExpr, meaning: Meaning) -> None:
         """Notes what a member is. In a function it has to be the same for whatever calls hand in."""
         before = self.meanings.setdefault(id(node), meaning)
-        if isinstance(before, Inner) and isinstance(meaning, Inner):
-            self.meanings[id(node)] = before.joined(meaning)
         if before != meaning:
-            self.error(
-                "wrong-type",
-                node.name_span,
-                f"`{node.name}` is declared for the argument of one call, and a member of every box or place for that of another",
-                hint="write one function for each of them",
-            )
+            said = "is declared for the argument of one call, and a member of every box or place for that of another"
+        elif isinstance(before, Inner) and isinstance(meaning, Inner) and not before.alike(meaning):
+            said = f"is {before.kind} for the argument of one call, and {meaning.kind} for that of another"
+        else:
+            if isinstance(before, Inner) and isinstance(meaning, Inner):
+                self.meanings[id(node)] = replace(meaning, without=before.without | meaning.without)
+            return
+        self.error("wrong-type", node.name_span, f"`{node.name}` {said}", hint="write one function for each of them")
 
     def infer(self, ctx: Context, expr: ast.Expr) -> Type:
         """The type of an expression, recorded; errors are reported once per place."""

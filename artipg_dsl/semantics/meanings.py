@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from ..language import Form
 from .symbols import Symbol
+from .types import UNKNOWN, Type, sort_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,17 +79,18 @@ class Feature(Meaning):
 class Inner(Meaning):
     """What stands after a dot and is declared: by the template or primitive of a part, in the body of an element.
 
-    ``among``: the alternatives that there may be here, where one that there may not be declares something else by this name.
+    ``without``: alternatives that there are not here and that declare something else by this name. ``kind``: what it is here, of an
+    alternative's own; in a function, for the argument of the call that was looked at last.
     """
 
     name: str
-    among: frozenset[Symbol] | None = field(default=None, compare=False)
+    without: frozenset[Symbol] = field(default=frozenset(), compare=False)
+    kind: Type = field(default=UNKNOWN, compare=False)
 
-    def joined(self, other: Inner) -> Inner:
-        """The meaning for several uses of one text."""
-        if self.among is None or other.among is None:
-            return Inner(self.name)
-        return Inner(self.name, self.among | other.among)
+    def alike(self, other: Inner) -> bool:
+        """Whether one text may mean both: where either leaves alternatives out, what is left has to be of one sort."""
+        left_out, known = self.without | other.without, UNKNOWN not in (self.kind, other.kind)
+        return not left_out or not known or sort_of(self.kind) == sort_of(other.kind)
 
 
 @dataclass(frozen=True, slots=True)

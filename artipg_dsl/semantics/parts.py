@@ -34,6 +34,7 @@ from .types import (
     Type,
     VecType,
     named,
+    sort_of,
 )
 
 if TYPE_CHECKING:
@@ -102,27 +103,17 @@ def part_member(ck: Checker, ctx: Context, part: PartType, word: str, span: Span
     return _common(ck, found, word, span, path)
 
 
-def left_of_clash(ck: Checker, part: PartType, word: str) -> frozenset[Symbol] | None:
-    """The alternatives that are left of a part, where one that is not has something else under ``word``: no value could be either's."""
+def clashing(ck: Checker, part: PartType, word: str) -> frozenset[Symbol]:
+    """The alternatives of a part that are not left and have something else under ``word`` than those that are: no value could be either's."""
     left = {v.symbol for v in part.variants if v.symbol is not None}
     kinds = {
         symbol: _symbol_member(ck, symbol, word)
         for v in part.domain
         if v is not None and (symbol := v.symbol) is not None
     }
-    sorts = {_sort(kind) for symbol, kind in kinds.items() if symbol in left}
-    clash = any(kind is not None and _sort(kind) not in sorts for symbol, kind in kinds.items() if symbol not in left)
-    return frozenset(left) if clash else None
-
-
-def _sort(kind: Type | None) -> object:
-    """What types have in common whose values can be those of one member, each of an alternative."""
-    match kind:
-        case VecType(size=size):
-            return VecType, size
-        case ScalarType() | PartType() | ElementType():
-            return type(kind)
-    return kind
+    sorts = {sort_of(kind) for symbol, kind in kinds.items() if symbol in left}
+    gone = ((symbol, kind) for symbol, kind in kinds.items() if symbol not in left and kind is not None)
+    return frozenset(symbol for symbol, kind in gone if sort_of(kind) not in sorts)
 
 
 def _of_instance(part: PartType, symbol: Symbol, kind: Type) -> Type:

@@ -28,7 +28,7 @@ from .meanings import (
     OwnBox,
     Previous,
 )
-from .parts import BOX_MEMBERS, box_member, left_of_clash, listed, part_member, place_member, place_names
+from .parts import BOX_MEMBERS, box_member, clashing, listed, part_member, place_member, place_names
 from .presence import declared, guarded, of_element, optional
 from .scope import BodyScope, Entry, Variant
 from .symbols import Symbol
@@ -254,11 +254,16 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
     word, span = expr.name, expr.name_span
     if obj != UNKNOWN:
         declared_there = isinstance(obj, PartType) and word not in BOX_MEMBERS or _in_element(obj, word)
-        among = left_of_clash(ck, obj, word) if isinstance(obj, PartType) else None
-        ck.mean_member(expr, Inner(word, among) if declared_there else Feature(word))
+        if not declared_there:
+            ck.mean_member(expr, Feature(word))
+        elif not isinstance(obj, PartType):
+            ck.mean_member(expr, Inner(word))
     match obj:
         case PartType():
-            return part_member(ck, ctx, obj, word, span, expr.obj.span.words)
+            kind = part_member(ck, ctx, obj, word, span, expr.obj.span.words)
+            if declared_there:
+                ck.mean_member(expr, Inner(word, clashing(ck, obj, word), kind))
+            return kind
         case ElementType():
             return _element_member(ck, ctx, obj, word, span, expr.obj.span.words)
         case SlotType():

@@ -275,6 +275,16 @@ def dimension_of(kind: Type) -> Dimension | None:
     return LENGTH_DIM if kind == PLANE else kind.dimension if isinstance(kind, VecType) else None
 
 
+def sort_of(kind: Type | None) -> object:
+    """What types have in common whose values can be those of one member, each of an alternative."""
+    match kind:
+        case VecType(size=size):
+            return VecType, size
+        case ScalarType() | PartType() | ElementType():
+            return type(kind)
+    return kind
+
+
 def fits(given: Type, wanted: Type) -> bool:
     """Whether a value of ``given`` may stand where ``wanted`` is expected."""
     if UNKNOWN in (given, wanted) or given == wanted:

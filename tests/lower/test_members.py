@@ -143,3 +143,36 @@ def test_one_name_for_different_things_of_alternatives() -> None:
     pads = [{"Thick": one.get("cover.pad"), "Padded": 0.01, "Offset": 0.02}[one["cover"]] for one in drawn]
     assert {one["cover"] for one in drawn} == {"Thick", "Padded", "Offset"}
     np.testing.assert_allclose(found.translation[:, 1], 0.095 + np.array(pads))
+
+
+HANDED = """apg 1
+use primitives { Cuboid }
+role Back { inherit size : length[3] }
+template Oval : Back { param lean : length in 1cm .. 2cm  part leaf : Cuboid(size = size) }
+template Round : Back { let lean = [1cm, 2cm, 3cm]  part leaf : Cuboid(size = size) }
+template Knob { let lean = 3mm  part ball : Cuboid(size = [1cm, 1cm, 1cm]) }
+category Chair {
+  let twice(b) = 2 * b.lean
+  root part seat : Cuboid(size = [40cm, 40cm, 4cm])
+  part back : Back(size = [4cm, 40cm, 40cm]) = Oval | Round
+  connect back.bottom on seat.top
+  part knob : Knob
+  connect knob.top on seat.bottom at center
+  part first : Cuboid(size = [twice(knob), 1cm, 1cm])
+  connect first.right on seat.left
+  when back is Oval {
+    part second : Cuboid(size = [twice(back), 1cm, 1cm])
+    connect second.left on seat.right
+  }
+}
+"""
+
+
+def test_a_function_of_a_part_whose_other_alternatives_have_something_else() -> None:
+    batch = Session.of_text(HANDED).sampler.batch(np.arange(16), seed=1)
+    sizes = {site.path: site for site in batch.sites()}
+    assert (sizes["first"].params["size.x"] == 0.006).all()
+    second = sizes["second"]
+    leans = [batch.drawn(k).get("back.lean") for k in second.owner.tolist()]
+    assert 0 < len(second.owner) < 16
+    np.testing.assert_allclose(second.params["size.x"], 2 * np.array(leans))

@@ -120,9 +120,9 @@ class Component:
             columns.append(E.col(column))
         return columns[0], columns[1], columns[2]
 
-    def member(self, name: str, own: bool = False, among: frozenset[Symbol] | None = None) -> Value | None:
-        """A declared member in the frame of its environment (``own``: in its own frame), of any alternative or ``among`` some."""
-        value = self.own(name, among)
+    def member(self, name: str, own: bool = False, without: frozenset[Symbol] = frozenset()) -> Value | None:
+        """A declared member in the frame of its environment (``own``: in its own frame), of the alternatives ``without`` some."""
+        value = self.own(name, without)
         if value is None:
             return None
         if isinstance(value, Ports):
@@ -147,13 +147,13 @@ class Component:
         alone = self.role is None and len(self.options) == 1  # then what it says is what is handed in
         return self.inputs.get(name) if alone or not said else None
 
-    def own(self, name: str, among: frozenset[Symbol] | None = None) -> Value | None:
+    def own(self, name: str, without: frozenset[Symbol] = frozenset()) -> Value | None:
         """A declared member in the part's own frame, in the table of its environment where alternatives differ."""
         if (handed := self.handed(name)) is not None:
             return handed
         found: list[tuple[Scope, Value]] = []
         for instance in self.instances:
-            value = instance.member(name) if among is None or instance.symbol in among else None
+            value = None if instance.symbol in without else instance.member(name)
             if value is not None:
                 found.append((instance.scope, value))
         if not found:

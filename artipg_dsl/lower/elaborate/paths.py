@@ -98,7 +98,7 @@ def _inner_values(ref: Ref, meaning: Inner) -> list[Reached]:
     for branch in ref.branches:
         for part, _ in branch.members:
             for instance in part.instances:
-                if meaning.among is not None and instance.symbol not in meaning.among:
+                if instance.symbol in meaning.without:
                     continue
                 if name in instance.bindings:
                     found.extend(instance.bound(name))

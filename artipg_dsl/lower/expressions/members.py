@@ -136,7 +136,7 @@ def inner(ev: Evaluator, value: Value, meaning: Inner, span: Span) -> Value | No
     """What the template of a part or the body of an element declares."""
     match value:
         case Ref():
-            return declared(ev, value, meaning.name, meaning.among)
+            return declared(ev, value, meaning.name, meaning.without)
         case Element():
             found = within(ev, value, span).env.declared(meaning.name)
             return None if found is None else _from_env(ev, value.env, found)
@@ -258,14 +258,14 @@ def lift(ev: Evaluator, value: Value, scope: Scope | None) -> Value:
     return value
 
 
-def declared(ev: Evaluator, ref: Ref, name: str, among: frozenset[Symbol] | None = None) -> Value | None:
-    """What the templates of a reference declare under a name: of whichever alternative exists, or ``among`` some."""
+def declared(ev: Evaluator, ref: Ref, name: str, without: frozenset[Symbol] = frozenset()) -> Value | None:
+    """What the templates of a reference declare under a name: of whichever alternative exists, ``without`` some."""
     results: list[tuple[Scope | None, Value]] = []
     for branch in ref.branches:
         if len(branch.members) != 1:
             continue
         part, outer = branch.members[0]
-        found = part.member(name, ref.own, among)
+        found = part.member(name, ref.own, without)
         if found is not None:
             results.append((branch.scope, moved(found, outer)))
     if not results or name == "size" and len(results) < len(ref.branches):
