@@ -198,7 +198,9 @@ def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes]:
 
 
 def check_term(term: Term) -> str | None:
-    """What is wrong with a map, if anything: it names a part that there is not."""
+    """What is wrong with a map, if anything: it names no part, or one that there is not."""
+    if not term.parts:
+        return "no word of it is a part"
     unknown = [part for part in term.parts.values() if part not in _PARTS]
     return f"there is no part `{unknown[0]}`: the parts are {', '.join(_PARTS)}" if unknown else None
 

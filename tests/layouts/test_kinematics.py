@@ -151,3 +151,5 @@ def test_what_cage_lacks_is_refused() -> None:
     assert "the nearest is StorageFurniture" in (refused.value.hint or "")
     with pytest.raises(UserError, match="there is no part `leaf`"):
         LAYOUTS["cage"].term("Door", {"Door": {"class": "StorageFurniture", "parts": {"leaf/revolute": "leaf"}}})
+    with pytest.raises(UserError, match="no word of it is a part"):
+        LAYOUTS["cage"].term("Door", {"Door": {"class": "StorageFurniture"}})
