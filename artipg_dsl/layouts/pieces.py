@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..export.mesh_obj import Shape
+from ..export.partnet_mobility import link_word
 from ..export.robot import RobotJoint, Robots
 from .words import Term
 
@@ -55,14 +56,12 @@ class Pieces:
         row = int(self.robots.link_start[self.i]) + link
         return self.robots.batch.program.links[int(self.robots.links.definition[row])].part
 
-    def link_word(self, link: int) -> str:
-        """The word of the part that a link is, else the first that something on it bears."""
-        said = self.robots.batch.link_words[int(self.robots.link_start[self.i]) + link]
-        return said or next((self.word(instance) for instance, _ in self.of(link) if self.word(instance)), "")
-
     def moving(self) -> dict[int, str]:
         """The links that move in a way that has a class, and that class."""
-        named = {j.child: self.term.parts.get(f"{self.link_word(j.child)}/{j.kind}") for j in self.robot.joints}
+        named = {
+            j.child: self.term.parts.get(f"{link_word(self.robots, self.i, j.child)}/{j.kind}")
+            for j in self.robot.joints
+        }
         return {link: name for link, name in named.items() if name}
 
     def apart(self, link: int) -> list[int]:

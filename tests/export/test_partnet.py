@@ -236,6 +236,17 @@ def test_the_part_tree_is_in_the_words_of_partnet(name: str) -> None:
             assert text.count('"name": "cabinet_door"') + text.count('"name": "drawer"') == len(doors)
 
 
+@pytest.mark.parametrize(
+    ("name", "labels"), [("Faucet", {"switch", "spout", "outlet", "knob"}), ("Oven", {"door", "dial", "tray"})]
+)
+def test_a_link_without_a_class_has_that_of_what_is_on_it(name: str, labels: set[str]) -> None:
+    """Hubs and grips of levers, racks: readers look for the words of the category."""
+    batch = sample(name, 4, seed=7, checked=False).batch
+    for i in range(4):
+        rows = partnet_files(Robots(batch), i, points=False)["semantics.txt"].decode().splitlines()[:-1]
+        assert {row.split()[2] for row in rows} <= labels | {"drawer", "button"}, rows
+
+
 def test_the_urdf_is_as_the_data_set_writes_it(folder: Folder) -> None:
     urdf = ElementTree.parse(folder.path / "mobility.urdf").getroot()
     assert urdf.attrib["name"].startswith("partnet_") and [link.attrib["name"] for link in urdf.findall("link")] == [
