@@ -44,7 +44,7 @@ from artipg_dsl.geometry.resolution import SMOOTH
 from artipg_dsl.run.job import Job, open_job
 from artipg_dsl.run.request import read_request
 from artipg_dsl.run.resume import reopen
-from artipg_dsl.sampling.mutate import Mutation, read_operations
+from artipg_dsl.sampling.mutation import Mutation, read_operations
 from artipg_dsl.view.camera import look_at, place_lights
 from artipg_dsl.view.png import png_bytes, srgb
 from artipg_dsl.view.scene import make_scene

@@ -25,7 +25,7 @@ from artipg_dsl.graph.program import Pose, Program
 from artipg_dsl.lower.values.vectors import compose, direct, place, rotation_about
 from artipg_dsl.run.job import prepare
 from artipg_dsl.run.request import Request
-from artipg_dsl.sampling.mutate import Mutation
+from artipg_dsl.sampling.mutation import Mutation
 from artipg_dsl.sampling.sample import Sampler
 
 OBJECTS, POINTS = 48, 8192

@@ -20,7 +20,7 @@ from artipg_dsl.fit.pose import Frame
 from artipg_dsl.run.bindings import Binding, write_bindings
 from artipg_dsl.run.fits import Asked, write_fits
 from artipg_dsl.run.job import open_program
-from artipg_dsl.sampling.mutate import Mutation
+from artipg_dsl.sampling.mutation import Mutation
 
 from .clouds import Clouds
 from .ours import STATES, motion_clouds

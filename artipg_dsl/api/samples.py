@@ -68,17 +68,9 @@ class Samples(Files):
         templates and counts to change, ``strength`` scales the steps of cpa. ``one`` names a single value to change
         and no other draw (if that is impossible, the object is kept). Raises NoObject, UsageError.
         """
-        from ..sampling.mutate import OPERATIONS, Mutation, read_operations, refuse_idle
+        from ..sampling.mutation import Mutation, read_operations
 
-        chosen = read_operations(operations)
-        given = {
-            "operations": chosen != OPERATIONS,
-            "strength": strength != 1.0,
-            "share": share != 0.5,
-            "only": only != "*",
-        }
-        refuse_idle(chosen, {name for name, other in given.items() if other}, one="" if one is None else "one")
-        step = Mutation(chosen, variant, strength, share, one or only, one is not None)
+        step = Mutation(read_operations(operations), variant, strength, share, only).focused(one)
         return Samples(self.job.mutated(step))
 
     def changes(self, number: int) -> list[Step]:

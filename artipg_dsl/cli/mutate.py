@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,19 +23,20 @@ from .wanted import read_strength
 if TYPE_CHECKING:
     from ..run.job import Job
     from ..run.output import Output
-    from ..sampling.mutate import Mutation
+    from ..sampling.mutation import Mutation
     from ..sampling.trace import Step
 
 _TOLD = ("trace", "correspondence")
-_USUAL = {"ops": "apa,dpa,cpa", "strength": 1.0, "share": 0.5, "parts": "*", "one": None, "variant": 0, "number": None}
-"""What a mutation is made by, where nothing is said of it."""
-_MADE = {"folder": None, "only": None, "params": None, "replay": None, "format": None, "points": None, "details": None}
+_CALLED = {"operations": "ops", "variant": "variant", "strength": "strength", "share": "share", "only": "parts"}
+"""Fields of a mutation, and the options that tell of them."""
+_MUTATING = (*_CALLED.values(), "one", "number")
+_MAKING = ("folder", "only", "params", "replay", "format", "points", "details", *_MUTATING, "distinct")
 _SHOWN = 12  # differences of one object that are told without --all
 
 
 def run(options: argparse.Namespace) -> int:
     if options.diff:
-        _refuse_idle(options, _MADE | _USUAL | {"distinct": False}, "--diff compares what is there and makes nothing")
+        _refuse_idle(options, _MAKING, "--diff compares what is there and makes nothing")
         return _compare(*options.diff, everything=options.all)
     if options.all:
         raise UsageError("--all applies to what --diff shows", "add --diff A B, or leave out --all")
@@ -44,10 +45,11 @@ def run(options: argparse.Namespace) -> int:
     return _write(options)
 
 
-def _refuse_idle(options: argparse.Namespace, usual: Mapping[str, Any], why: str) -> None:
-    """Refuse options that would change nothing: those that differ from what is ``usual``. Raises UsageError."""
-    for name, value in usual.items():
-        if getattr(options, name) != value:
+def _refuse_idle(options: argparse.Namespace, names: Iterable[str], why: str) -> None:
+    """Refuse options that would change nothing. Raises UsageError."""
+    for name in names:
+        value = getattr(options, name)
+        if value is not None and value is not False:
             said = options.folder if name == "folder" else "-n" if name == "number" else f"--{name}"
             raise UsageError(f"{why}, so {said} does not apply", f"leave out {said}")
 
@@ -64,7 +66,7 @@ def _write(options: argparse.Namespace) -> int:
 
     begun = time.monotonic()
     if options.replay is not None:
-        _refuse_idle(options, _USUAL, "a trace already says which mutants there are")
+        _refuse_idle(options, _MUTATING, "a trace already says which mutants there are")
     for name, why in (("replay", "a trace already says which mutants there are"), ("one", "its groups are complete")):
         if options.distinct and getattr(options, name) is not None:
             raise UsageError(f"--distinct does not apply with --{name}: {why}", "leave out --distinct")
@@ -162,21 +164,13 @@ def _open_mutants(options: argparse.Namespace, job: Job) -> Job:
 
 def _read_mutation(options: argparse.Namespace, job: Job) -> Mutation:
     """The mutation that the options ask for. Raises UsageError."""
-    from ..sampling.mutate import Mutation, read_operations, refuse_idle
+    from ..sampling.mutation import Mutation, read_operations
 
-    operations = read_operations(options.ops)
-    given = {name for name in ("ops", "strength", "share", "parts") if getattr(options, name) != _USUAL[name]}
-    refuse_idle(operations, {f"--{name}" for name in given}, one="--one" if options.one is not None else "")
-    return Mutation(
-        operations,
-        options.variant,
-        options.strength,
-        options.share,
-        options.one or options.parts,
-        options.one is not None,
-        options.number or 1,
-        job.request.numbers,
-    )
+    told = {field: getattr(options, name) for field, name in _CALLED.items() if getattr(options, name) is not None}
+    if options.ops is not None:
+        told["operations"] = read_operations(options.ops)
+    asked = Mutation(**told, each=options.number or 1, sources=job.request.numbers)
+    return asked.focused(options.one, {field: f"--{name}" for field, name in _CALLED.items()} | {"one": "--one"})
 
 
 # ---------------------------------------------------------------- comparing

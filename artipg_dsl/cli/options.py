@@ -231,7 +231,6 @@ def _add_mutate(to: argparse.ArgumentParser) -> None:
     )
     to.add_argument(
         "--ops",
-        default="apa,dpa,cpa",
         metavar="LIST",
         help="operations, always applied in this order: apa (swap templates), dpa (change counts), cpa (perturb parameters) (default: all)",
     )
@@ -241,24 +240,19 @@ def _add_mutate(to: argparse.ArgumentParser) -> None:
     )
     to.add_argument(
         "--parts",
-        default="*",
         metavar="LIST",
         help="what may change, separated by commas: parts, values or patterns, such as door,handle*",
     )
-    to.add_argument("--strength", type=amount, default=1.0, metavar="X", help="scale of the steps of cpa (default: 1)")
+    to.add_argument("--strength", type=amount, metavar="X", help="scale of the steps of cpa (default: 1)")
     to.add_argument(
-        "--share",
-        type=fraction,
-        default=0.5,
-        metavar="X",
-        help="share of the templates and counts that change (default: 0.5)",
+        "--share", type=fraction, metavar="X", help="share of the templates and counts that change (default: 0.5)"
     )
     to.add_argument(
         "--one",
         metavar="NAME",
         help="write groups that differ in this value alone: each object, followed by its mutants",
     )
-    to.add_argument("--variant", type=whole, default=0, metavar="K", help="make other mutants (default: 0)")
+    to.add_argument("--variant", type=whole, metavar="K", help="make other mutants (default: 0)")
     to.add_argument(
         "--distinct", action="store_true", help="leave out mutants nearly the same as another of their original"
     )

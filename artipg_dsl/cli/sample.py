@@ -127,7 +127,7 @@ def bared(formats: list[Format], options: argparse.Namespace) -> list[Format]:
 def _open_job(options: argparse.Namespace) -> Job:
     """The job: objects that are drawn, or those of a file of values, or mutants of them. Raises UsageError, UserError."""
     from ..run import job as jobs
-    from ..sampling.mutate import Mutation, read_operations
+    from ..sampling.mutation import Mutation, read_operations
 
     if is_folder(options.program):
         return _open_folder(options)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..quality.duplicates import Ranges, find_near_duplicates, find_ranges
 from ..quality.graphs import find_graphs
-from ..sampling.mutate import Mutation
+from ..sampling.mutation import Mutation
 from .job import Job
 from .sharing import share
 from .workers import map_each

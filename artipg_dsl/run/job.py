@@ -15,7 +15,8 @@ from ..graph.turn import turn
 from ..resources import COMPILED
 from ..runtime.kernels import TooMany
 from ..sampling.known import evaluate_again
-from ..sampling.mutate import Mutation, Names
+from ..sampling.mutate import Names
+from ..sampling.mutation import Mutation
 from ..sampling.sample import Sampler
 from ..sampling.statistics import Exhausted, Statistics
 from ..sampling.trace import Replay

@@ -13,7 +13,8 @@ import numpy as np
 
 from ..errors import UsageError
 from ..export.remote import Place, Remote
-from ..sampling.mutate import OPERATIONS, Mutation
+from ..sampling.mutate import OPERATIONS
+from ..sampling.mutation import Mutation
 from ..sampling.prior import CANDIDATES, MOST_CANDIDATES
 from ..sampling.trace import Replay
 from ..shapes import Rule

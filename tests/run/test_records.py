@@ -27,7 +27,7 @@ from artipg_dsl.run.output import Output, Written, read_content
 from artipg_dsl.run.prior import Prior
 from artipg_dsl.run.request import Drawn, Made, Request, read_numbers, read_request, read_sampling
 from artipg_dsl.run.schema import expand, read_titles, to_runs
-from artipg_dsl.sampling.mutate import Mutation
+from artipg_dsl.sampling.mutation import Mutation
 from artipg_dsl.sampling.trace import Replay
 from artipg_dsl.session import Session
 
