@@ -167,8 +167,13 @@ def name_values(batch: Batch, named: Iterable[tuple[str, float, str]]) -> np.nda
 
 def _parse_state(batch: Batch, text: str) -> np.ndarray:
     """Joint values (J,) such as ``door=45deg+drawer=5cm``."""
-    pieces = [read for piece in text.split("+") if (read := _CHOSEN.fullmatch(piece.strip()))]
-    return name_values(batch, [(name, float(number), unit) for name, number, unit in (p.groups() for p in pieces)])
+    named = []
+    for piece in text.split("+"):
+        read = _CHOSEN.fullmatch(piece.strip())
+        assert read is not None  # as it was read
+        name, number, unit = read.groups()
+        named.append((name, float(number), unit))
+    return name_values(batch, named)
 
 
 def draw_values(batch: Batch, k: int) -> np.ndarray:

@@ -100,7 +100,8 @@ def sole_kind(ck: Checker, path: ast.Expr, joint: JointType) -> bool:
     """Whether a path names joints of one kind; an error where alternatives bring several, with values in units of their own."""
     if joint == SEVERAL:
         said = f"`{path.span.words}` is a joint of several kinds, whose values have units of their own"
-        hint = "put this under a guard that leaves one, such as `when door is SideDoor { }`"
+        owner = path.obj.span.words if isinstance(path, ast.MemberExpr) else "PART"
+        hint = f"put this under `when {owner} is TEMPLATE {{ }}`, which leaves one of them"
         ck.error("wrong-type", path.span, said, hint=hint)
     return joint != SEVERAL
 

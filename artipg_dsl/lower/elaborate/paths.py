@@ -141,6 +141,6 @@ def joints(links: Links, env: Env, node: ast.Expr) -> list[int]:
                 "wrong-dimension",
                 node.span,
                 f"the joint `{joint.path}` is {joint.kind}, so its value is {given}, but it is taken for {wanted} here",
-                hint="put this under a guard that leaves joints of one kind, such as `when sash is Sliding { }`",
+                hint="put this under `when PART is TEMPLATE { }`, which leaves joints of one kind",
             )
     return found
