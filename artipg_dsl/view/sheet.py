@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..annotate.frames import rotate
+from ..errors import UsageError
 from ..export.robot import Robots
 from ..export.write import ExportError, write_bytes
 from ..geometry.resolution import SMOOTH, Resolution
@@ -38,7 +39,7 @@ BACKDROP = "eaedf1"
 def make_renderer(name: str, size: int) -> Any:
     """A renderer by name, or with ``auto`` the first of ``RENDERERS`` that works on this machine."""
     if name != "auto" and name not in RENDERERS:
-        raise ExportError(f"unknown renderer {name!r}", f"the renderers are auto, {', '.join(RENDERERS)}")
+        raise UsageError(f"unknown renderer {name!r}", f"the renderers are auto, {', '.join(RENDERERS)}")
     reasons = []
     for candidate in RENDERERS if name == "auto" else (name,):
         try:
@@ -76,7 +77,7 @@ def draw_sheet(
     details: Dressing | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> np.ndarray:
-    """The picture (height, width, 3) uint8 of all objects of a batch, ``tile`` pixels each (16 to 4096). Raises ExportError.
+    """The picture (height, width, 3) uint8 of all objects of a batch, ``tile`` pixels each (16 to 4096). Raises ExportError, UsageError.
 
     ``colour``: "part", "material" or "affordance", which has a row below with the words that hold somewhere.
     ``states``: "rest", "open", or "alternate": even tiles at rest, odd ones opened. ``view``: where one looks from, one of
@@ -84,11 +85,11 @@ def draw_sheet(
     ``resolution`` of the meshes, but for those of affordances; ``details`` that they wear.
     """
     if colour not in COLOURINGS:
-        raise ExportError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
+        raise UsageError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
     if states not in _STATES:
-        raise ExportError(f"unknown states {states!r}", f"objects are drawn {', '.join(_STATES)}")
+        raise UsageError(f"unknown states {states!r}", f"objects are drawn {', '.join(_STATES)}")
     if not _TILES[0] <= tile <= _TILES[1]:
-        raise ExportError(f"a tile is {tile} pixels wide", f"give a number from {_TILES[0]} to {_TILES[1]}")
+        raise UsageError(f"a tile is {tile} pixels wide", f"give a number from {_TILES[0]} to {_TILES[1]}")
     if not len(batch):
         raise ExportError("there is no object to draw", "sample at least one")
     acting = colour == "affordance"
@@ -96,7 +97,7 @@ def draw_sheet(
         raise ExportError(f"{batch.program.name} has no label of `affordance`", "say where one acts: see `label`")
     draw, said = make_renderer(which, tile), set[str]()
     if acting and details is not None:
-        raise ExportError("affordances are drawn on the structure, not on its details", "leave out the details")
+        raise UsageError("affordances are drawn on the structure, not on its details", "leave out the details")
     robots = Robots(batch, resolution=resolution, physics=False, details=details)
     poses = {"rest": batch.pose(), "open": batch.pose(open_values(batch))}
     azimuth, elevation = read_direction(view)
@@ -129,7 +130,7 @@ def draw_sheet(
 
 
 def read_direction(view: str | tuple[float, float] | None) -> tuple[float, float]:
-    """Azimuth and elevation (degrees) of a view: a name, two numbers, or the text of two numbers. Raises ExportError."""
+    """Azimuth and elevation (degrees) of a view: a name, two numbers, or the text of two numbers. Raises UsageError."""
     if view is None or isinstance(view, str) and view in VIEWS:
         return VIEWS[view or "iso"]
     try:
@@ -138,7 +139,7 @@ def read_direction(view: str | tuple[float, float] | None) -> tuple[float, float
         azimuth = elevation = np.nan
     if not (np.isfinite(azimuth) and -90 <= elevation <= 90):
         hint = "an elevation lies between -90 and 90 degrees, as in 120,30"
-        raise ExportError(f"unknown view {view!r}: there are {', '.join(VIEWS)}, or an azimuth and an elevation", hint)
+        raise UsageError(f"unknown view {view!r}: there are {', '.join(VIEWS)}, or an azimuth and an elevation", hint)
     return azimuth, elevation
 
 

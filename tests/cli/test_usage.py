@@ -35,6 +35,8 @@ from .helpers import CHEST, Apgc, command, environment
         (f"export {CHEST} --format obj -o -", "- means standard output, but a folder is needed", ""),
         ("mutate out -o -", "- means standard output, but a folder is needed", ""),
         (f"render {CHEST} -o -", "- means standard output, but a picture needs a file", ""),
+        (f"render {CHEST} -n 1 --view 200", "unknown view '200'", "an elevation lies between"),
+        (f"render {CHEST} -n 1 --tile 8", "a tile is 8 pixels wide", "from 16 to 4096"),
         ("report Door --html - --json", "--html - writes the page to standard output", "name"),
         (f"sample {CHEST} --mutate cpa --variant {10**30}", "the variant is 1000000", ""),
         ("new 3D", "`3D` cannot name", "a name such as DeskLamp"),

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from export.fake_batch import FakeBatch
 
+from artipg_dsl.errors import UsageError
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.write import ExportError
 from artipg_dsl.session import Session
@@ -104,14 +105,14 @@ def test_one_may_look_from_any_side() -> None:
     assert (sheets.draw_sheet(FakeBatch(1), tile=48, which="numpy", view="180,0") == seen["back"]).all()
     assert (sheets.draw_sheet(FakeBatch(1), tile=48, which="numpy", view=(0.0, 90.0)) == seen["top"]).all()
     for wrong in ("sideways", "10", "10,200", "nan,0", (1.0,)):
-        with pytest.raises(ExportError) as caught:
+        with pytest.raises(UsageError) as caught:
             sheets.draw_sheet(FakeBatch(1), view=wrong)  # type: ignore[arg-type]
         assert "back" in caught.value.args[0]
 
 
 @pytest.mark.parametrize("wrong", [{"tile": 8}, {"tile": 100_000}, {"states": "opened"}])
 def test_tiles_and_states_that_cannot_be_are_told(wrong: dict[str, Any]) -> None:
-    with pytest.raises(ExportError, match="a tile is|unknown states"):
+    with pytest.raises(UsageError, match="a tile is|unknown states"):
         sheets.draw_sheet(FakeBatch(1), which="numpy", **wrong)
     assert sheets.draw_sheet(FakeBatch(1), which="numpy", tile=16).shape == (16, 16, 3)
 
@@ -251,7 +252,7 @@ def test_a_sheet_is_written_whole_and_not_over_another(tmp_path: Path) -> None:
 
 def test_wrong_options_are_answered_in_words() -> None:
     for options, words in (({"which": "opengl"}, "moderngl"), ({"colour": "mass"}, "material")):
-        with pytest.raises(ExportError) as caught:
+        with pytest.raises(UsageError) as caught:
             sheets.draw_sheet(FakeBatch(1), **options)  # type: ignore[arg-type]
         assert words in caught.value.hint
     with pytest.raises(ExportError):
