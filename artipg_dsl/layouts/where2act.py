@@ -1,6 +1,6 @@
 """Where2Act and Where2Explore: views of an object as it stands, and what came of leading a hand at a point of each.
 
-``<split>/<object>_<category>_<state>_<primitive>_<trial>/`` is one trial, as ``collect_data.py`` writes it and loaders read it.
+``<split>/<object>_<category>_<state>_<primitive>_0/`` is one trial, as ``collect_data.py`` writes it and loaders read it.
 World: z up, the front to -x, the half diagonal of the object 1; the camera is 5 from its middle, its axes are x forward, y left, z up.
 What comes of a trial is computed in SAPIEN (``hand``), or said by the annotations (``foretold``).
 """
@@ -229,9 +229,9 @@ def _files(subject: Subject, entry: Entry) -> Iterator[tuple[str, bytes]]:
             "interaction_mask.png": png_bytes(mask_of(view)),
             "rgb.png": png_bytes(view.picture.rgb),
         }
-        for count, (pixel, primitive, trial, forward, toward) in enumerate(aims(subject, view)):
+        for pixel, primitive, trial, forward, toward in aims(subject, view):
             out = subject.arena.run(trial, known)
-            place = f"{entry.split(number)}/{name_of(entry, number, k, primitive, count)}"
+            place = f"{entry.split(number)}/{name_of(entry, number, k, primitive)}"
             for name, data in seen.items():
                 yield f"{place}/{name}", data
             yield f"{place}/viz_target_pose.png", png_bytes(_with_finger(subject, view, pixel, toward))
@@ -239,9 +239,10 @@ def _files(subject: Subject, entry: Entry) -> Iterator[tuple[str, bytes]]:
             yield f"{place}/result.json", (json.dumps(result) + "\n").encode()
 
 
-def name_of(entry: Entry, number: int, state: int, primitive: str, count: int) -> str:
-    """Of a trial's folder: five words, as loaders part them by ``_``."""
-    return f"{entry.token(number)}_{entry.category.replace('_', '')}_{state}_{primitive}_{count}"
+def name_of(entry: Entry, number: int, state: int, primitive: str) -> str:
+    """Of a trial's folder: five words, as loaders part them by ``_``. The last counts trials alike, of which there is one: training begins
+    with those below 5."""
+    return f"{entry.token(number)}_{entry.category.replace('_', '')}_{state}_{primitive}_0"
 
 
 def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes]:

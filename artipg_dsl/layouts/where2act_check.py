@@ -48,8 +48,8 @@ def _check(folder: Path, entry: Entry, subject: Subject, found: Findings) -> Non
     due = []
     for k, known, values in subject.states() if (subject.joint >= 0).any() else ():
         view = subject.view(k, known, values)
-        for count, (pixel, primitive, trial, forward, toward) in enumerate(aims(subject, view)):
-            name = name_of(entry, number, k, primitive, count)
+        for pixel, primitive, trial, forward, toward in aims(subject, view):
+            name = name_of(entry, number, k, primitive)
             due.append(name)
             place = f"{split.name}/{name}"
             if not found.of(place, name in own, f"not in {LIST}"):
