@@ -196,6 +196,7 @@ def test_doors_open_the_way_that_they_have_room() -> None:
     assert not ours["both"][length == 0.0].any()
 
 
+@pytest.mark.slow
 def test_a_prior_draws_the_categories_that_it_speaks_of() -> None:
     """Of tables nearly all have something that moves by it, half of them as declared; laptops are drawn as declared."""
     known = ("Laptop", "Table")

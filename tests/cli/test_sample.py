@@ -232,6 +232,8 @@ def test_wrong_render(apgc: Apgc, tmp_path: Path) -> None:
     code, _, err = apgc("render", tmp_path / "o", "--only", "9", "-o", tmp_path / "s.png")
     assert code == 1 and "there is no object 9" in err
     assert apgc("render", tmp_path / "o", "--seed", "9", "-o", tmp_path / "s.png")[0] == 2
+    code, _, err = apgc("render", tmp_path / "o", "--view", "below", "-o", tmp_path / "s.png")
+    assert code == 2 and "left, right, top" in err
     assert apgc("render", CHEST, "-o", "/proc/s.png", "-n", 1, "--tile", 16)[0] == 1
 
 
