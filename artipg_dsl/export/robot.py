@@ -84,7 +84,7 @@ class RobotJoint:
     positions: int = 0
     armature: float = 0.0
     stiffness: float = 0.0
-    unsprung: tuple[float, float] | None = None  # None: the same
+    unsprung: tuple[float, float] | None = None  # None: without a spring
     gates: tuple[tuple[str, float, float], ...] = ()
     curve: tuple[np.ndarray, np.ndarray] | None = None
 
@@ -389,7 +389,9 @@ class Robots:
                     positions=int(_number_or(joints.positions[j], 0.0)),
                     armature=float(self.dynamics.armature[j]),
                     stiffness=_number_or(joints.stiffness[j], 0.0),
-                    unsprung=(float(self.unsprung.damping[j]), float(self.unsprung.effort[j])),
+                    unsprung=None
+                    if np.isnan(joints.stiffness[j])
+                    else (float(self.unsprung.damping[j]), float(self.unsprung.effort[j])),
                     gates=self._gates(j),
                     curve=self.curves.get(j),
                 )

@@ -152,7 +152,7 @@ def test_a_closed_vocabulary_refuses_and_says_what_would_serve() -> None:
         LAYOUTS["shapenetpart"].term("Kettle")
     hint = refused.value.hint or ""
     assert (
-        "Chair, Knife, Laptop, Mug, Table have one" in hint
+        "Chair, Knife, Lamp, Laptop, Mug, Table have one" in hint
         and "nearest is Mug" in hint
         and "partnet-seg takes any" in hint
     )
