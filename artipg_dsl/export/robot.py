@@ -84,7 +84,7 @@ class RobotJoint:
     positions: int = 0
     armature: float = 0.0
     stiffness: float = 0.0
-    unsprung: tuple[float, float] | None = None  # None: without a spring
+    unsprung: tuple[float, float] | None = None  # None: the object has no springs
     gates: tuple[tuple[str, float, float], ...] = ()
     curve: tuple[np.ndarray, np.ndarray] | None = None
 
@@ -390,7 +390,7 @@ class Robots:
                     armature=float(self.dynamics.armature[j]),
                     stiffness=_number_or(joints.stiffness[j], 0.0),
                     unsprung=None
-                    if np.isnan(joints.stiffness[j])
+                    if self.unsprung is self.dynamics
                     else (float(self.unsprung.damping[j]), float(self.unsprung.effort[j])),
                     gates=self._gates(j),
                     curve=self.curves.get(j),
