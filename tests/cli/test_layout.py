@@ -26,6 +26,7 @@ def test_laid_out_and_checked(apgc: Apgc, tmp_path: Path) -> None:
     assert code == 1 and "1 numbers of parts differ from the model" in shown and "1 fault" in said
 
 
+@pytest.mark.slow
 def test_workers_write_the_same(apgc: Apgc, tmp_path: Path) -> None:
     for name, more in (("one", ()), ("two", ("--workers", 2))):
         assert apgc("export", "Laptop", "-n", 70, "--format", "shapenetpart", "-o", tmp_path / name, *more)[0] == 0

@@ -43,6 +43,7 @@ def test_the_program_in_the_manifest_is_the_declared_one(apgc: Apgc, tmp_path: P
     assert drawn(tmp_path / "plain") != drawn(tmp_path / "other")
 
 
+@pytest.mark.slow
 def test_the_same_files_by_any_number_of_workers(apgc: Apgc, tmp_path: Path) -> None:
     arguments = ["sample", CHEST, "-n", 300, "--points", 8, "--format", "points,annotation,urdf", "--stats"]
     arguments += ["--prior", prior(tmp_path)]

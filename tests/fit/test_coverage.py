@@ -54,6 +54,7 @@ def test_a_hole_says_little_of_what_lies_in_it(
     assert (there > 12.0).all() and (back < -12.0).all()
 
 
+@pytest.mark.slow
 def test_whole_candidates_are_compared_where_the_cloud_was_seen(
     boards: apg.Samples, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -132,6 +132,7 @@ def without(boards: apg.Samples, model: Model, name: str) -> tuple[np.ndarray, B
     return has, true, model.altered(true, has, Changes(every, np.full(len(has), number), has, np.ones(len(has))))
 
 
+@pytest.mark.slow
 def test_what_stands_on_a_new_foot_stays(boards: apg.Samples) -> None:
     model = Model(boards.job.sampler)
     has, true, wrong = without(boards, model, "foot")

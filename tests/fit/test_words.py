@@ -99,6 +99,7 @@ def test_a_wrong_word_is_as_far_off_as_what_is_not_there(samples: apg.Samples, m
     assert np.abs(right - score({})).max() < 1e-3 and (swapped > right + 0.03).all()
 
 
+@pytest.mark.slow
 def test_knobs_in_noise_are_counted_by_their_labels(samples: apg.Samples, model: Model):
     """Their 2 cm are hidden by 1 cm of noise."""
     posed = labelled(samples, model, 0.01)

@@ -58,6 +58,7 @@ def test_no_more_is_looked_at_than_before(category: str) -> None:
     assert few["pairs"] < many["pairs"] <= 2.4 * few["pairs"], "the work goes with the number of objects"
 
 
+@pytest.mark.slow
 def test_overlaps_are_measured_where_bounds_do_not_decide(monkeypatch) -> None:
     measured = []
     monkeypatch.setattr(Touching, "measured", lambda *_: measured.append(1))
