@@ -167,13 +167,13 @@ def follow(scene: Scene, link: np.ndarray, point: np.ndarray, lead: np.ndarray) 
         waits = np.zeros(len(joints.owner), dtype=bool)
         waits[batch.gates.joint[batch.gates.held(state)]] = True
         driver = np.where(waits[driver], -1, driver)
+    below, above = np.where(driver >= 0, below, 0.0), np.where(driver >= 0, above, 0.0)
     rubs, weighs = scene.rubs[driver] / scene.stiff, scene.weighs[driver] / scene.stiff
     gone, steps = np.zeros(driver.shape), np.zeros((*driver.shape, 3))
     for _ in range(_SWEEPS if driver.shape[1] > 1 else 1):
         for d in range(driver.shape[1]):
             rest = lead - steps.sum(axis=1) + steps[:, d]
-            there = (driver[:, d] >= 0).astype(float)
-            room = below[:, d] * there, above[:, d] * there
+            room = below[:, d], above[:, d]
             gone[:, d], steps[:, d] = _nearest(turn[:, d], speed[:, d], *room, rest, rubs[:, d], weighs[:, d])
     return Paths(driver, gone, steps.sum(axis=1))
 
