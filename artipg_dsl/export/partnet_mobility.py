@@ -221,7 +221,7 @@ def _members(
             word, kind, label = ("heavy" if heavy else "free"), "fixed", root_label(program.name)
         else:
             word, kind = _words(robot, joint)
-            label = link_label(program.name, link_word(robots, i, k) or link.path.split(".")[-1], joint.kind)
+            label = link_label(program.name, robots.link_word(i, k) or link.path.split(".")[-1], joint.kind)
         pivot = np.zeros(3) if joint is None else frame.points(robot.links[k].origin)
         parent = None if joint is None else ids[joint.parent]
         limit = None if joint is None else _limit(joint, frame)
@@ -236,15 +236,6 @@ def _members(
             node += 1
         members.append(member)
     return members
-
-
-def link_word(robots: Robots, i: int, link: int) -> str:
-    """The class of the part that a link is, else the first that something to be seen on it has, "" for none."""
-    words = robots.batch.program.vocabularies.get("semantic", ("",))
-    parts = (int(v.item.group.table.instance[v.item.row]) for v in robots.robot(i).links[link].visuals)
-    seen = (int(robots.parts.semantic[int(robots.part_start[i]) + part]) for part in parts)
-    own: str = robots.batch.link_words[int(robots.link_start[i]) + link]
-    return own or next((words[number] for number in seen if number), "")
 
 
 def _words(robot: Robot, joint: RobotJoint) -> tuple[str, str]:

@@ -279,6 +279,13 @@ class Robots:
         """Names of all part instances, unique within an object and fit for file names: ``handle.post_1``."""
         return [re.sub(r"[^\w.-]", "_", re.sub(r"\[(\d+)\]", r"_\1", name)) for name in self.parts.name]
 
+    def link_word(self, i: int, link: int) -> str:
+        """The class of the part that a link of object ``i`` is, else the first that something to be seen on it has, "" for none."""
+        words = self.batch.program.vocabularies.get("semantic", ("",))
+        parts = (int(v.item.group.table.instance[v.item.row]) for v in self.robot(i).links[link].visuals)
+        seen = (int(self.parts.semantic[int(self.part_start[i]) + part]) for part in parts)
+        return self.batch.link_words[int(self.link_start[i]) + link] or next((words[k] for k in seen if k), "")
+
     def robot(self, i: int) -> Robot:
         """Object ``i`` of the batch; asked for again for the next format, it is the same one."""
         if self._latest is None or self._latest[0] != i:

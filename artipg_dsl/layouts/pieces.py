@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..export.mesh_obj import Shape
-from ..export.partnet_mobility import link_word
 from ..export.robot import RobotJoint, Robots
 from .words import Term
 
@@ -59,7 +58,7 @@ class Pieces:
     def moving(self) -> dict[int, str]:
         """The links that move in a way that has a class, and that class."""
         named = {
-            j.child: self.term.parts.get(f"{link_word(self.robots, self.i, j.child)}/{j.kind}")
+            j.child: self.term.parts.get(f"{self.robots.link_word(self.i, j.child)}/{j.kind}")
             for j in self.robot.joints
         }
         return {link: name for link, name in named.items() if name}
