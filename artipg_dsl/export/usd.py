@@ -202,24 +202,28 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
     elif joint.traits.moves:
         angular = not joint.traits.slides
         unit = _DEGREES if angular else 1.0
-        drive = "drive:angular:physics" if angular else "drive:linear:physics"
+        degree = "angular" if angular else "linear"
+        drive, physx = f"drive:{degree}:physics", f"physxJointAxis:{degree}"
+        armature, velocity = f"{joint.armature:.9g}", f"{joint.velocity * unit:.9g}"
         lines.append(f'uniform token physics:axis = "{letter}"')
-        if not joint.traits.endless and joint.low is not None and joint.high is not None:
-            lines += [
-                f"float physics:lowerLimit = {joint.low * unit:.9g}",
-                f"float physics:upperLimit = {joint.high * unit:.9g}",
-            ]
+        if (limits := _limits(joint)) is not None:
+            words = ("lower", "upper")
+            lines += [f"float physics:{w}Limit = {end * unit:.9g}" for w, end in zip(words, limits, strict=True)]
         lines += [
             f'uniform token {drive}:type = "force"',
             f"float {drive}:damping = {joint.damping / unit:.9g}",
             f"float {drive}:maxForce = {joint.effort:.9g}",
             f"float {drive}:stiffness = {joint.stiffness / unit:.9g}",
             *([f"float {drive}:targetPosition = {joint.rest * unit:.9g}"] if joint.stiffness else []),
-            f"float physxJoint:armature = {joint.armature:.9g}",
-            f"float physxJoint:jointFriction = {joint.friction:.9g}",
-            f"float physxJoint:maxJointVelocity = {joint.velocity * unit:.9g}",
+            f"float physxJoint:armature = {armature}",
+            f"float physxJoint:maxJointVelocity = {velocity}",
+            # the axis has precedence where it is read, so it says all; physxJoint:jointFriction is no force but a coefficient
+            f"float {physx}:armature = {armature}",
+            f"float {physx}:dynamicFrictionEffort = {joint.friction:.9g}",
+            f"float {physx}:maxJointVelocity = {velocity}",
+            f"float {physx}:staticFrictionEffort = {joint.friction:.9g}",
         ]
-        schemas = ["PhysicsDriveAPI:angular" if angular else "PhysicsDriveAPI:linear", "PhysxJointAPI"]
+        schemas = [f"PhysicsDriveAPI:{degree}", "PhysxJointAPI", f"PhysxJointAxisAPI:{degree}"]
         if joint.traits.advances:
             lines.append(f"custom double artipg:screw:pitch = {joint.pitch:.17g}")
         if joint.positions:
@@ -234,6 +238,13 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
         "schemas": quoted,
         "lines": lines,
     }
+
+
+def _limits(joint: RobotJoint) -> tuple[float, float] | None:
+    """The ends of what is not endless, in radians or metres."""
+    if joint.traits.endless or joint.low is None or joint.high is None:
+        return None
+    return joint.low, joint.high
 
 
 def _closure(closure: RobotClosure, name: str, links: list[str]) -> dict[str, Any]:
@@ -265,18 +276,17 @@ def _mimic(
         f"custom double artipg:mimic:multiplier = {multiplier:.17g}",
         f"custom double artipg:mimic:offset = {offset:.17g}",
     ]
-    if joint.traits.tilts or led.traits.tilts:
-        return told
+    if any(j.traits.tilts or not (j.traits.slides or _limits(j)) for j in (joint, led)):
+        return told  # PhysX couples slides, and hinges with limits
     own, other = (1.0 if j.traits.slides else _DEGREES for j in (joint, led))
-    sort, led_sort = ("trans" if j.traits.slides else "rot" for j in (joint, led))
-    schemas.append(f"PhysxMimicJointAPI:{sort}{letter}")
-    physx = f"physxMimicJoint:{sort}{letter}"
+    schemas.append(f"PhysxMimicJointAPI:rot{letter}")  # slides, too: other instances are not read
+    physx = f"physxMimicJoint:rot{letter}"
     return [
         *told,
         f"float {physx}:gearing = {-multiplier * own / other:.9g}",
         f"float {physx}:offset = {-offset * own:.9g}",
         f"rel {physx}:referenceJoint = {leader}",
-        f'uniform token {physx}:referenceJointAxis = "{led_sort}{frame_of(led.axis)[0]}"',
+        f'uniform token {physx}:referenceJointAxis = "rot{frame_of(led.axis)[0]}"',
     ]
 
 

@@ -148,7 +148,15 @@ def test_limits_are_degrees_and_drives_know_their_bounds(opened: Opened) -> None
         drive = UsdPhysics.DriveAPI(prim, "angular" if angular else "linear")
         assert drive.GetMaxForceAttr().Get() == pytest.approx(joint.effort)
         assert drive.GetDampingAttr().Get() * unit == pytest.approx(joint.damping)
-        assert prim.GetAttribute("physxJoint:maxJointVelocity").Get() == pytest.approx(joint.velocity * unit)
+        axis = f"physxJointAxis:{'angular' if angular else 'linear'}"
+        assert f"PhysxJointAxisAPI:{axis.split(':')[1]}" in prim.GetPrimTypeInfo().GetAppliedAPISchemas()
+        told = {"armature": joint.armature, "maxJointVelocity": joint.velocity * unit}
+        for word, value in told.items():
+            for place in ("physxJoint", axis):
+                assert prim.GetAttribute(f"{place}:{word}").Get() == pytest.approx(value)
+        assert not prim.HasAttribute("physxJoint:jointFriction")  # a coefficient, not a force
+        for word in ("staticFrictionEffort", "dynamicFrictionEffort"):
+            assert prim.GetAttribute(f"{axis}:{word}").Get() == pytest.approx(joint.friction)
 
 
 def test_mass_center_and_inertia(opened: Opened) -> None:
@@ -221,13 +229,25 @@ def test_a_follower_names_its_leader() -> None:
     assert prim.GetAttribute("artipg:mimic:multiplier").Get() == multiplier
     assert prim.GetAttribute("artipg:mimic:offset").Get() == offset
     (schema,) = [s for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if s.startswith("PhysxMimicJointAPI")]
+    assert joint.kind == "prismatic" and schema[-4:] in ("rotX", "rotY", "rotZ")  # of slides, too
     physx = f"physxMimicJoint:{schema.split(':')[1]}"
+    assert prim.GetAttribute(f"{physx}:referenceJointAxis").Get() in ("rotX", "rotY", "rotZ")
     led = next(other for other in opened.robot.joints if other.name == leader)
     own, other = (180 / np.pi if j.kind != "prismatic" else 1.0 for j in (joint, led))
     value = 0.3  # of the leader, in its unit: the constraint of PhysX holds where the follower is
     follower = (multiplier * value + offset) * own
     gearing, shift = (prim.GetAttribute(f"{physx}:{word}").Get() for word in ("gearing", "offset"))
     assert follower + gearing * value * other + shift == pytest.approx(0, abs=1e-5)
+
+
+def test_physx_is_told_of_no_follower_of_what_has_no_limits(monkeypatch: pytest.MonkeyPatch) -> None:
+    robots = Robots(FakeBatch(1, mimic=True))
+    robot = robots.robot(0)
+    leader = next(joint.mimic[0] for joint in robot.joints if joint.mimic)
+    joints = tuple(replace(j, kind="continuous", low=None, high=None) if j.name == leader else j for j in robot.joints)
+    monkeypatch.setattr(robots, "robot", lambda _: replace(robot, joints=joints))
+    text = usd_files(robots, 0)["object.usda"].decode()
+    assert "artipg:mimic:joint" in text and "PhysxMimicJointAPI" not in text
 
 
 def test_joints_of_other_kinds(monkeypatch: pytest.MonkeyPatch) -> None:
