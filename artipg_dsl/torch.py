@@ -22,6 +22,7 @@ except ImportError as missing:
     raise UserError("PyTorch is not installed", "pip install 'artipg_dsl[torch]'") from missing
 
 from . import loaders
+from .arguments import read_whole
 from .errors import UsageError
 from .loaders import Drop, Jitter, Normalise, Occlude, Scale, Turn, View
 
@@ -49,8 +50,8 @@ class Stream(IterableDataset[Batch]):
         self._epoch = torch.zeros((), dtype=torch.int64).share_memory_()
 
     def set_epoch(self, epoch: int) -> None:
-        """Before the loop over the DataLoader begins."""
-        self._epoch.fill_(epoch)
+        """Before the loop over the DataLoader begins. Raises UsageError."""
+        self._epoch.fill_(read_whole("epoch", epoch, 0))
 
     def __len__(self) -> int:
         return len(self.source) // self.world if self.world > 1 else len(self.source)
@@ -75,8 +76,8 @@ class Stored(Dataset[Batch]):
         self._epoch = torch.zeros((), dtype=torch.int64).share_memory_()
 
     def set_epoch(self, epoch: int) -> None:
-        """Before the loop over the DataLoader begins."""
-        self._epoch.fill_(epoch)
+        """Before the loop over the DataLoader begins. Raises UsageError."""
+        self._epoch.fill_(read_whole("epoch", epoch, 0))
 
     def __len__(self) -> int:
         return len(self.source)

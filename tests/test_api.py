@@ -41,6 +41,7 @@ def test_an_object_is_one_of_the_samples(chests: apg.Samples) -> None:
 def test_values_are_set_with_units_or_in_si() -> None:
     a = apg.sample(CHEST, n=3, set={"width": "45cm", "wood": "pine", "knobs": 2})
     b = apg.sample(CHEST, n=3, set={"width": 0.45, "wood": "pine", "knobs": "2"})
+    assert (apg.sample(CHEST, set={"width": np.float32(0.5), "knobs": np.int64(2)})["width"] == 0.5).all()
     assert (a["width"] == 0.45).all() and (a["wood"] == "pine").all()
     assert a.points(8).position.tobytes() == b.points(8).position.tobytes()
 
@@ -191,7 +192,12 @@ def test_points_and_views_in_several_states(chests: apg.Samples, tmp_path: Path)
     [
         (lambda: apg.sample(CHEST, n=2.5), "n is 2.5"),
         (lambda: apg.sample(CHEST, n="3"), "n is '3'"),
+        (lambda: apg.sample(CHEST, n=True), "n is True"),
         (lambda: apg.sample(CHEST, seed="a"), "seed is 'a'"),
+        (lambda: apg.sample(CHEST, checked="no"), "checked is 'no'"),
+        (lambda: apg.sample(CHEST, repair=1), "repair is 1"),
+        (lambda: apg.sample(CHEST, prior=3), "a prior is a name, a file"),
+        (lambda: apg.sample(CHEST, frame=90), "a frame is a name or a file"),
         (lambda: apg.sample(CHEST, numbers=[1.5]), "are whole numbers, not"),
         (lambda: apg.sample(CHEST, set="width=45cm"), "it maps names to values"),
         (lambda: apg.sample(CHEST, set={"width": float("nan")}), "cannot be nan"),
@@ -199,6 +205,12 @@ def test_points_and_views_in_several_states(chests: apg.Samples, tmp_path: Path)
         (lambda: apg.load("chest.apg"), "takes the text of a program"),
         (lambda: apg.sample(CHEST).joint_values(3), "states are text"),
         (lambda: apg.sample(CHEST)[3], "batch.object"),
+        (lambda: apg.sample(CHEST).points(8, np.full_like(apg.sample(CHEST).rest(), np.nan)), "values are finite"),
+        (lambda: apg.sample(CHEST).grasps(0), "values is 0"),
+        (lambda: apg.sample(CHEST).annotations(gripper=3), "a gripper is text or a Gripper"),
+        (lambda: apg.sample(CHEST).views(1.5), "number of views is 1.5"),
+        (lambda: apg.sample(CHEST).meshes(triangles=99.5), "triangles is 99.5"),
+        (lambda: apg.sample(CHEST).replay([]), "no record to repeat"),
         (lambda: apg.sample(CHEST).sheet("sheet.jpg"), "written as PNG"),
         (lambda: apg.sample(CHEST).points(8, detail_strength=0.5), "detail_strength scales details"),
         (lambda: apg.sample(CHEST).to("unused", "annotation", motion=True), "motion applies to points"),
@@ -229,6 +241,11 @@ def test_arguments_of_mutations_that_would_change_nothing(chests: apg.Samples) -
     for arguments, message in (
         ({"operations": "apa", "strength": 2.0}, "strength applies to the steps of cpa, not to apa"),
         ({"operations": "cpa", "share": 0.2}, "share applies to the templates and counts of apa and dpa, not to cpa"),
+        ({"operations": []}, "no operation is given"),
+        ({"strength": float("nan")}, "strength is nan"),
+        ({"strength": "2"}, "strength is '2'"),
+        ({"share": 1.5}, "share is 1.5"),
+        ({"variant": 0.5}, "variant is 0.5"),
         ({"one": "width", "only": "lid"}, "one redraws the value that it names, so only cannot be given"),
     ):
         with pytest.raises(UsageError, match=message):

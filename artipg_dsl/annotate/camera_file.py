@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import read_whole
 from ..errors import UsageError, UserError
 from .cameras import Cameras
 
@@ -47,7 +48,7 @@ def cameras_of(views: int | str | Path | Mapping[str, Any], **more: Any) -> Came
         if not more:
             return found
         views = found.plain()
-    described = {"views": views} if isinstance(views, int | np.integer) else dict(views)
+    described = dict(views) if isinstance(views, Mapping) else {"views": read_whole("the number of views", views)}
     described |= {k: list(v) if isinstance(v, tuple) else v for k, v in more.items()}
     return cameras_from({k: int(v) if isinstance(v, np.integer) else v for k, v in described.items()})
 

@@ -91,6 +91,8 @@ def read_gripper(text: str | Gripper) -> Gripper | None:
     """
     if isinstance(text, Gripper):
         return text
+    if not isinstance(text, str):
+        raise UsageError(f"a gripper is text or a Gripper, not {text!r}", "such as stroke=8cm,width=2cm, or any")
     if text.strip() in ("any", "standard"):
         return STANDARD if text.strip() == "standard" else None
     names, found = [f.name for f in fields(Gripper)], {}

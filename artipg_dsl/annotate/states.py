@@ -107,6 +107,8 @@ def read_values(batch: Batch, states: str | np.ndarray | None, *, several: bool 
         )
     if found.ndim == 2 and not several:
         raise UsageError(f"{len(found)} states, where one is shown at a time", "give the values (J,) of one of them")
+    if not np.isfinite(found).all():
+        raise UsageError("joint values are finite: some of the states are not", "`rest()` has a value for every joint")
     return found
 
 

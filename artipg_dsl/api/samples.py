@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from ..arguments import read_whole
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError
 from .files import Files
@@ -80,10 +81,12 @@ class Samples(Files):
         return trace_objects(self.object(number).batch)[0]
 
     def replay(self, records: Iterable[Mapping[str, Any]]) -> Samples:
-        """Repeat recorded mutations (lines of ``trace-*.jsonl``) on these objects. Raises NoObject, UserError."""
+        """Repeat recorded mutations (lines of ``trace-*.jsonl``) on these objects. Raises NoObject, UsageError, UserError."""
         from ..sampling.trace import Replay, check_record
 
         made = {record["object"]: record for record in map(check_record, records)}
+        if not made:
+            raise UsageError("there is no record to repeat", "give lines of trace-*.jsonl")
         return Samples(self.job.mutated(Replay(made), sorted(made)))
 
     def repairs(self) -> Repairs:
@@ -269,11 +272,12 @@ class Samples(Files):
         """Grasps of all objects, each family at ``values`` steps of its parameter; frames at joint values 0.
 
         Only those that the ``gripper`` can execute with the joints at ``states`` (J,), by default at rest; "any" keeps all.
+        Raises UsageError.
         """
         from ..annotate.grasps import sample_grasps
         from ..annotate.gripper import judge, read_gripper
 
-        found, hand = sample_grasps(self.batch, values), read_gripper(gripper)
+        found, hand = sample_grasps(self.batch, read_whole("values", values, 1)), read_gripper(gripper)
         shown = self._values(states, several=False)
         return found if hand is None else found.take(np.flatnonzero(judge(self.batch, found, hand, shown) == 0))
 

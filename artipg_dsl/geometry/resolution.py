@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arguments import read_whole
 from ..errors import UsageError
 from ..graph.primitive import Primitive
 from .patches import Params, grid, position_split, rows_of, tangent_split
@@ -44,8 +45,8 @@ class Resolution:
     def __post_init__(self) -> None:
         if self.tolerance is not None and not FINEST <= self.tolerance <= COARSEST:
             raise UsageError(f"tolerance={self.tolerance} is not a distance from {FINEST} to {COARSEST} metres")
-        if self.triangles is not None and self.triangles < 1:
-            raise UsageError(f"triangles={self.triangles} is not a number above 0")
+        if self.triangles is not None:
+            read_whole("triangles", self.triangles, 1)
 
     @property
     def by_error(self) -> bool:

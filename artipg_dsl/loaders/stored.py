@@ -12,14 +12,14 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arguments import read_whole
 from ..errors import UserError
 from ..run.manifest import Manifest
-from ..run.request import read_whole
 from ..run.resume import read_folder_manifest
 from .classes import find_classes
 from .draws import Draws
 from .tasks import DTYPES, Arrays, find_task, stack_words
-from .transforms import Transform
+from .transforms import Transform, read_transforms
 
 _WORD = "affordance."
 _MOVED = ("points", "normals", "motion")  # these differ from state to state
@@ -43,7 +43,7 @@ class Stored:
         transforms: Iterable[Transform] = (),
     ):
         self.folders = [Path(f) for f in ([folders] if isinstance(folders, str | Path) else folders)]
-        self.task, self.seed, self.transforms = find_task(task), read_whole("seed", seed), list(transforms)
+        self.task, self.seed, self.transforms = find_task(task), read_whole("seed", seed), read_transforms(transforms)
         manifests = [read_folder_manifest(str(folder)) for folder in self.folders]
         self.categories = [manifest["category"] for manifest in manifests]
         self.words, self._tables = _common_words(self.folders, manifests, classes)
@@ -53,8 +53,12 @@ class Stored:
         return sum(self._sizes)
 
     def take(self, items: Sequence[int] | np.ndarray, epoch: int = 0) -> Arrays:
-        """The arrays of the items of the given numbers; ``epoch`` makes new numbers for the transforms."""
-        item = np.asarray(items, dtype=np.int64)
+        """The arrays of the items of the given numbers; ``epoch`` makes new numbers for the transforms.
+
+        Raises IndexError, UsageError, UserError.
+        """
+        item = np.asarray([read_whole("an item", number) for number in items], dtype=np.int64)
+        read_whole("epoch", epoch, 0)
         if item.size and not (0 <= item.min() and item.max() < len(self)):
             raise IndexError(f"there are {len(self)} items, no item {item.min() if item.min() < 0 else item.max()}")
         found = {name: array[item] for name, array in self._arrays.items()}

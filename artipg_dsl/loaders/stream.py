@@ -15,19 +15,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..annotate.cloud import Dress
+from ..arguments import read_flag, read_whole
 from ..details.dressing import refuse_idle_strength
-from ..errors import UsageError
+from ..errors import SettingError, UsageError
 from ..run.job import Job, open_job, open_program, prepare
 from ..run.prior import PriorFile, read_prior
-from ..run.request import read_request, read_whole
+from ..run.request import read_request
 from ..run.settings import Value
 from .classes import find_classes
 from .draws import Draws
 from .tasks import Arrays, find_task, make_arrays, state_of
-from .transforms import Transform
+from .transforms import Transform, read_transforms
 
 if TYPE_CHECKING:
     from ..graph.program import Program
+    from ..run.request import Request
     from ..runtime.batch import Batch
 
 
@@ -36,7 +38,8 @@ class Stream:
 
     ``categories``: a name, a file, or several, in turn. ``task``: see ``TASKS``. ``size``: objects an epoch; ``batch``: objects a
     batch; ``points``: of each cloud. ``states``: "rest", "open", "random", or joints by name, ``lid=20%``. ``set``, ``checked`` and
-    ``frame`` as in ``sample``, and ``prior``; of several categories, those that a file of priors does not speak of are drawn as declared.
+    ``frame`` as in ``sample``, and ``prior``; with several categories, ``set`` holds for all of them, or has for each its own,
+    ``{"Door": {"width": "90cm"}}``, and those that a file of priors does not speak of are drawn as declared.
     ``fresh``: other objects in each epoch; otherwise the same objects and points, while random states and transforms are new.
     ``classes``: classes of one's own, by the words of `semantic`, ``{"door": "door", "drawer": "door", "*": "body"}``.
     ``transforms`` are applied in their order. ``view``: the camera of ``partial``, as in camera files. ``details``: a
@@ -54,7 +57,7 @@ class Stream:
         points: int = 2048,
         seed: int = 0,
         states: str = "rest",
-        set: Mapping[str, Value] | None = None,
+        set: Mapping[str, Value] | Mapping[str, Mapping[str, Value]] | None = None,
         checked: bool = True,
         prior: str | Path | Mapping[str, Any] | None = None,
         frame: str | Path | None = None,
@@ -67,25 +70,32 @@ class Stream:
     ):
         self.sources = [str(c) for c in ([categories] if isinstance(categories, str | Path) else categories)]
         self.task = find_task(task)
-        for name, number in {"size": size, "batch": batch, "points": points}.items():
-            if not isinstance(number, int) or number < 1:
-                raise UsageError(f"{name} is {number!r}", "give a whole number from 1")
         if not self.sources:
             raise UsageError("there is no category to make objects of", 'name one, such as Stream("Microwave")')
         if view is not None and not self.task.partial:
             raise UsageError(f"{self.task.name} has no camera to look through", "leave out `view`, or take completion")
         refuse_idle_strength(details, detail_strength)
-        self.size, self.each, self.points, self.seed = size, batch, points, read_whole("seed", seed)
-        self.states, self.fresh, self.view = states, fresh, dict(view or {})
-        self.transforms, self._chosen = list(transforms), None if classes is None else dict(classes)
-        self._settings, self._checked = set, checked
+        counts = {"size": size, "batch": batch, "points": points}
+        self.size, self.each, self.points = (read_whole(name, number, 1) for name, number in counts.items())
+        self.seed = read_whole("seed", seed)
+        self.states, self.fresh, self.view = states, read_flag("fresh", fresh), dict(view or {})
+        self.transforms, self._chosen = read_transforms(transforms), None if classes is None else dict(classes)
+        self._nested, self._checked = (
+            isinstance(set, Mapping) and any(isinstance(v, Mapping) for v in set.values()),
+            checked,
+        )
+        each: Mapping[str, Any] = (
+            self._by_source("settings", set or {}) if self._nested else dict.fromkeys(self.sources, set)
+        )
+        self._settings = each
         self._details, self._strength = self._read_details(details), float(detail_strength)
         self._prior = None if prior is None else read_prior(prior)
         self._frame = frame
         self.words  # noqa: B018  # what is wrong with the arguments is told here, not in a worker
         if self._prior is not None and all(job.request.prior is None for job in self._jobs):
             raise UsageError(f"{self._prior.name} says nothing of {', '.join(self.categories)}", "leave out `prior`")
-        state_of(self._jobs[0].of([0]).batch(), states, 0)
+        for job in self._jobs:
+            state_of(job.of([0]).batch(), states, 0)
         self._dresses  # noqa: B018
 
     def __len__(self) -> int:
@@ -100,14 +110,28 @@ class Stream:
         return [self._open(source) for source in self.sources]
 
     def _open(self, source: str) -> Job:
-        request = read_request(
-            source, seed=self.seed, n=1, settings=self._settings, checked=self._checked, frame=self._frame
-        )
+        settings = self._settings.get(source)
+        request = read_request(source, seed=self.seed, n=1, settings=settings, checked=self._checked, frame=self._frame)
+        try:
+            return self._open_request(source, request)
+        except SettingError as wrong:
+            if len(self.sources) == 1 or self._nested:
+                raise
+            raise SettingError(wrong.message, f'set={{"{source}": {{...}}}} is for one of the categories') from None
+
+    def _open_request(self, source: str, request: Request) -> Job:
         if not isinstance(self._prior, PriorFile) or len(self.sources) == 1:
             return open_job(replace(request, prior=self._prior))
         sampler, name = open_program(source)
         known = sampler.program.name in self._prior.categories
         return prepare(sampler, replace(request, source=name, prior=self._prior if known else None))
+
+    def _by_source(self, what: str, given: Mapping[str, Any]) -> dict[str, Any]:
+        """What is given for each source by its name. Raises UsageError."""
+        for name in given:
+            if str(name) not in self.sources:
+                raise UsageError(f"there are {what} for {name}, which is not streamed", f"name {self.sources[0]}")
+        return {str(name): value for name, value in given.items()}
 
     def _read_details(self, details: str | Path | Mapping[str, str | Path] | None) -> dict[str, str]:
         """The folder of details of each source that has one. Raises UsageError."""
@@ -118,10 +142,7 @@ class Stream:
             )
         if not isinstance(details, Mapping):
             return {} if details is None else dict.fromkeys(self.sources, str(details))
-        for name in details:
-            if str(name) not in self.sources:
-                raise UsageError(f"there are details for {name}, which is not streamed", f"name {self.sources[0]}")
-        return {str(name): str(folder) for name, folder in details.items()}
+        return {name: str(folder) for name, folder in self._by_source("details", details).items()}
 
     @cached_property
     def _dresses(self) -> list[Dress | None]:
@@ -164,8 +185,9 @@ class Stream:
     def batch(self, k: int, epoch: int = 0) -> Arrays:
         """Batch ``k`` of an epoch: the arrays of the task, with ``object`` (B,), its number, and ``category`` (B,).
 
-        Raises NoObject, UserError.
+        Raises NoObject, IndexError, UsageError, UserError.
         """
+        read_whole("epoch", epoch, 0)
         if not 0 <= k < len(self):
             raise IndexError(f"there are {len(self)} batches, no batch {k}")
         item = np.arange(k * self.each, min((k + 1) * self.each, self.size))

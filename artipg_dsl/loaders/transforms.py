@@ -7,11 +7,12 @@ the task has it, on the points and all that is known of them where it has not.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..arguments import read_amount, read_whole
 from ..errors import UsageError
 from .draws import Draws
 from .tasks import Arrays
@@ -24,11 +25,25 @@ _PER_BATCH = ("object", "category")
 _AXES = {"x": 0, "y": 1, "z": 2}
 
 
+def read_transforms(given: Iterable[Transform]) -> list[Transform]:
+    """Functions, in their order. Raises UsageError."""
+    if not isinstance(given, Iterable):
+        raise UsageError(f"transforms is {given!r}", f"give a list: [{given!r}]")
+    found = list(given)
+    for one in found:
+        if not callable(one) or isinstance(one, type):
+            raise UsageError(f"{one!r} is not a transform", "give functions, such as Jitter()")
+    return found
+
+
 @dataclass(frozen=True, slots=True)
 class Normalise:
     """Moves the middle of the box of ``points`` to 0 and scales to a radius of 1; ``by="partial"`` measures what is seen."""
 
     by: str = "points"
+
+    def __post_init__(self) -> None:
+        _check(self.by in _PLACES, f"{self.by!r} are not places to normalise by", f"these are {', '.join(_PLACES)}")
 
     def __call__(self, arrays: Arrays, draws: Draws) -> Arrays:
         if self.by not in arrays:
@@ -52,6 +67,7 @@ class Turn:
     axis: str = "z"
 
     def __post_init__(self) -> None:
+        read_amount("degrees", self.degrees)
         _check(self.axis in _AXES, f"there is no axis {self.axis!r}", "the axes are x, y, z")
 
     def __call__(self, arrays: Arrays, draws: Draws) -> Arrays:
@@ -77,6 +93,8 @@ class Scale:
     high: float = 1.25
 
     def __post_init__(self) -> None:
+        read_amount("low", self.low)
+        read_amount("high", self.high)
         _check(0 < self.low <= self.high, f"{self.low} to {self.high} is not a range of factors", "0 < low <= high")
 
     def __call__(self, arrays: Arrays, draws: Draws) -> Arrays:
@@ -90,6 +108,10 @@ class Jitter:
 
     sigma: float = 0.01
     clip: float = 0.05
+
+    def __post_init__(self) -> None:
+        read_amount("sigma", self.sigma)
+        read_amount("clip", self.clip)
 
     def __call__(self, arrays: Arrays, draws: Draws) -> Arrays:
         name = _shown(arrays)
@@ -142,7 +164,8 @@ class View:
     depth: float = 0.05
 
     def __post_init__(self) -> None:
-        _check(self.pixels >= 1, f"a picture of {self.pixels} pixels shows nothing", "give 1 or more")
+        read_whole("pixels", self.pixels, 1)
+        read_amount("depth", self.depth)
 
     def __call__(self, arrays: Arrays, draws: Draws) -> Arrays:
         name = _shown(arrays)
@@ -187,4 +210,5 @@ def _check(holds: bool, wrong: str, hint: str) -> None:
 
 
 def _check_share(share: float) -> None:
+    read_amount("share", share)
     _check(0 <= share < 1, f"{share} of the points cannot be taken away", "give a share from 0 to below 1")

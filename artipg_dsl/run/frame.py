@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Annotated, NotRequired, TypedDict
 
 from ..diagnostics.suggest import did_you_mean
-from ..errors import UserError
+from ..errors import UsageError, UserError
 from ..shapes import Misfit, Rule, fit
 
 TURNS = Rule("0, 90, -90 or 180 degrees", lambda value: value in (0, 90, -90, 180))
@@ -52,7 +52,11 @@ def list_frames() -> list[str]:
 
 
 def read_frame(given: str | Path) -> Frame:
-    """A frame: ``own``, the name of a shipped one, or a file. Raises UserError."""
+    """A frame: ``own``, the name of a shipped one, or a file. Raises UsageError, UserError."""
+    if not isinstance(given, str | Path):
+        raise UsageError(
+            f"a frame is a name or a file, not {given!r}", f"the frames are {', '.join([OWN, *list_frames()])}"
+        )
     if given == OWN:
         return Frame({}, OWN, shipped=True)
     path = Path(given)

@@ -105,6 +105,8 @@ def read_prior(given: str | Path | Mapping[str, Any]) -> Prior | PriorFile:
         if "draws" in given and isinstance(given["draws"], Mapping):
             return PriorFile(_GIVEN, _checked(_plain(given), _GIVEN)["draws"])
         return Prior(_plain(given))
+    if not isinstance(given, str | Path):
+        raise UsageError(f"a prior is a name, a file or what is said of each draw, not {given!r}", _FORM)
     if not str(given).strip():
         raise UsageError(
             "the name of the prior is empty", f"give a file, or a shipped one: {', '.join(list_shipped())}"

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from operator import index
 from pathlib import Path
 from typing import Annotated, Any, NotRequired, TypedDict
 
 import numpy as np
 
+from ..arguments import read_flag, read_whole
 from ..errors import UsageError
 from ..export.remote import Place, Remote
 from ..sampling.mutate import OPERATIONS
@@ -206,9 +206,9 @@ def read_request(
         read_whole("seed", seed),
         asked,
         settings or {},
-        checked,
+        read_flag("checked", checked),
         read_sampling(sampling),
-        repair and given is None,
+        read_flag("repair", repair) and given is None,
         given,
         prior=None if prior is None else read_prior(prior),
         turned=0 if frame is None else read_frame(frame),
@@ -236,14 +236,6 @@ def _candidates(text: str) -> int | None:
         return 0
     counted = re.fullmatch(rf"{PRIOR}:([1-9][0-9]{{0,6}})", text)
     return int(counted[1]) if counted and 2 <= int(counted[1]) <= MOST_CANDIDATES else None
-
-
-def read_whole(name: str, value: Any) -> int:
-    """A whole number, of Python's or NumPy's types. Raises UsageError."""
-    try:
-        return index(value)
-    except TypeError:
-        raise UsageError(f"{name} is {value!r}: a whole number is needed") from None
 
 
 def read_numbers(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> Runs:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping
+from numbers import Real
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
@@ -70,7 +71,7 @@ def read_setting(draw: Draw, value: Value, *, anywhere: bool = False) -> tuple[f
     """
     if draw.kind == "choice":
         return _option(draw, value)
-    number = value if isinstance(value, int | float) and not isinstance(value, bool) else _number(draw, str(value))
+    number = float(value) if isinstance(value, Real) and not isinstance(value, bool) else _number(draw, str(value))
     if math.isnan(number):
         raise SettingError(f"`{draw.column.name}` cannot be nan: a number is needed")
     if draw.kind == "count" and math.isfinite(number) and number != int(number):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..arguments import read_amount, read_whole
 from ..errors import UsageError, UserError
 from ..runtime.batch import Batch
 from .mutate import OPERATIONS, SHARE, mutate
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from .statistics import Statistics
 
 _MOST_VARIANTS = 2**31
+_STRONGEST = 1e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +45,12 @@ class Mutation:
 
     def __post_init__(self) -> None:
         unknown = [name for name in self.operations if name not in OPERATIONS]
-        if unknown:
-            raise UsageError(f"there is no operation `{unknown[0]}`", f"the operations are {', '.join(OPERATIONS)}")
+        if unknown or not self.operations:
+            wrong = f"there is no operation `{unknown[0]}`" if unknown else "no operation is given"
+            raise UsageError(wrong, f"the operations are {', '.join(OPERATIONS)}")
+        read_amount("strength", self.strength, 0, _STRONGEST)
+        read_amount("share", self.share, 0, 1)
+        read_whole("variant", self.variant)
         if not abs(self.variant) < _MOST_VARIANTS:
             raise UsageError(f"the variant is {self.variant}, but must be a number below {_MOST_VARIANTS}")
 

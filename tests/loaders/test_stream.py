@@ -8,7 +8,7 @@ import pytest
 
 import artipg_dsl as apg
 from artipg_dsl.errors import UserError
-from artipg_dsl.loaders import Stream
+from artipg_dsl.loaders import Jitter, Stream
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +33,12 @@ def test_the_last_batch_is_shorter_and_there_is_no_other(stream: Stream) -> None
     assert [len(stream.batch(k)["object"]) for k in range(len(stream))] == [4, 4, 2]
     with pytest.raises(IndexError, match="3 batches"):
         stream.batch(3)
+
+
+def test_epochs_count_from_0(stream: Stream) -> None:
+    for wrong in (-1, 0.5):
+        with pytest.raises(UserError, match="epoch is"):
+            stream.batch(0, wrong)  # type: ignore[arg-type]
 
 
 def test_another_epoch_has_other_objects_unless_it_is_to_have_the_same(stream: Stream, chest: Path) -> None:
@@ -90,6 +96,10 @@ def test_it_travels_to_another_process(stream: Stream) -> None:
         ({"size": 0}, "size is 0"),
         ({"batch": 2.5}, "batch is 2.5"),
         ({"states": "random:4"}, "4 states"),
+        ({"batch": True}, "batch is True"),
+        ({"fresh": "no"}, "fresh is 'no'"),
+        ({"transforms": Jitter()}, "give a list"),
+        ({"transforms": [Jitter]}, "is not a transform"),
         ({"states": "ajar"}, "not a joint state"),
         ({"set": {"widht": "50cm"}}, "width"),
         ({"prior": {"knbos": {"1": 1}}}, "knobs"),
@@ -100,6 +110,32 @@ def test_it_travels_to_another_process(stream: Stream) -> None:
 def test_what_is_wrong_is_said_at_once(chest: Path, options: dict[str, object], message: str) -> None:
     with pytest.raises(UserError, match=message):
         Stream(chest, **options)  # type: ignore[arg-type]
+
+
+def test_what_is_wrong_with_any_category_is_said_at_once(chest: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.apg"
+    other.write_text(chest.read_text().replace("joint open", "joint lift").replace("Chest", "Other"))
+    with pytest.raises(UserError, match="Other has no joint `open`"):
+        Stream([chest, other], states="open=30deg")
+
+
+def test_values_are_set_of_all_categories_or_of_each(chest: Path, box: Path, tmp_path: Path) -> None:
+    options: dict[str, object] = {"size": 4, "batch": 4, "points": 32}
+
+    def widths(set: object) -> list[float]:
+        made = Stream([chest, box], set=set, **options).batch(0)["points"]  # type: ignore[arg-type]
+        return np.round(np.ptp(made[..., 1], axis=1).astype(np.float64), 1).tolist()
+
+    assert widths({"width": "60cm"}) == [0.6] * 4
+    assert widths({str(chest): {"width": "60cm"}, str(box): {"width": "40cm"}}) == [0.6, 0.4, 0.6, 0.4]
+    plain, one = widths(None), widths({str(box): {"width": "60cm"}})
+    assert one[0::2] == plain[0::2] and one[1::2] == [0.6] * 2
+    other = tmp_path / "other.apg"
+    other.write_text(chest.read_text().replace("width", "breadth"))
+    with pytest.raises(UserError, match="is for one of the categories"):
+        Stream([chest, other], set={"width": "60cm"})
+    with pytest.raises(UserError, match="settings for Door, which is not streamed"):
+        Stream([chest, box], set={"Door": {"width": "60cm"}})
 
 
 def test_classes_have_to_be_numbered_alike(chest: Path, tmp_path: Path) -> None:

@@ -35,6 +35,13 @@ def test_any_number_of_workers_gives_the_same_batches(stream: Stream, chest: Pat
         np.testing.assert_array_equal(made[2]["points"].numpy(), source.batch(2, epoch)["points"])
 
 
+def test_an_epoch_is_a_whole_number(stream: Stream, folders: list[Path]) -> None:
+    for data in (stream, Stored(folders)):
+        for wrong in (-1, 0.5):
+            with pytest.raises(UsageError, match="epoch is"):
+                data.set_epoch(wrong)  # type: ignore[arg-type]
+
+
 def test_ranks_share_the_batches_out(chest: Path) -> None:
     ranks = [Stream(chest, size=12, batch=2, points=32, rank=r, world=4) for r in range(4)]
     assert [len(list(one)) for one in ranks] == [1, 1, 1, 1]

@@ -112,7 +112,26 @@ def test_of_partial_clouds_the_whole_stays(arrays: Arrays, draws: Draws) -> None
     assert [len(np.unique(cloud, axis=0)) for cloud in made["partial"]] == [25] * B
 
 
+WRONG = (
+    lambda: Jitter(-0.01),
+    lambda: Jitter(clip=float("nan")),
+    lambda: Turn(float("inf")),
+    lambda: Scale(1, float("inf")),
+    lambda: View(8, depth=-0.1),
+    lambda: View(8.5),  # type: ignore[arg-type]
+    lambda: Drop("0.5"),  # type: ignore[arg-type]
+    lambda: Normalise("normals"),
+)
+
+
 def test_wrong_measures() -> None:
-    for make in (lambda: Drop(1), lambda: Occlude(-0.1), lambda: Turn(axis="w"), lambda: Scale(2, 1), lambda: View(0)):
+    for make in (
+        lambda: Drop(1),
+        lambda: Occlude(-0.1),
+        lambda: Turn(axis="w"),
+        lambda: Scale(2, 1),
+        lambda: View(0),
+        *WRONG,
+    ):
         with pytest.raises(UsageError):
             make()
