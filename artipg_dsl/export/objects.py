@@ -14,7 +14,7 @@ from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
 from ..geometry.resolution import Resolution
 from .registry import Format
 from .remote import Place, Remote
-from .write import refuse_existing, replacing_folder, write_remote
+from .write import is_there, refuse_existing, replacing_folder, write_remote
 
 if TYPE_CHECKING:
     from ..details.dressing import Dressing
@@ -30,7 +30,7 @@ def object_folder(out: Place, number: int) -> Place:
 
 def find_lacking(folder: Place, formats: Sequence[Format]) -> list[Format]:
     """Those of the formats whose files an object's folder does not hold. Folders appear whole, so one file tells."""
-    return [entry for entry in formats if not (folder / entry.mark).exists()]
+    return [entry for entry in formats if not is_there(folder / entry.mark)]
 
 
 def write_objects(

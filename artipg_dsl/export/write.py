@@ -58,8 +58,15 @@ def ensure_folder(path: Place) -> Place:
     return path
 
 
+def is_there(path: Place) -> bool:
+    """Whether a file or folder is there. An empty file is not: none that is written whole is empty."""
+    if isinstance(path, Remote) or not path.is_file():
+        return path.exists()
+    return path.stat().st_size > 0
+
+
 def refuse_existing(path: Place, force: bool) -> None:
-    if not force and (path.exists() or path.is_symlink()):
+    if not force and (is_there(path) or path.is_symlink()):
         raise ExportError(f"{path} exists", "remove it, choose another name, or use --force to replace it")
 
 

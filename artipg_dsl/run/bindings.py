@@ -21,9 +21,9 @@ from ..details.record import VERSION, to_arrays
 from ..details.report import report
 from ..errors import UserError
 from ..export.containers import npz_bytes
-from ..export.write import ensure_folder, sweep_unfinished, write_bytes
+from ..export.write import ensure_folder, is_there, sweep_unfinished, write_bytes
 from ..fit.real import check_record, closed, read_real
-from .fits import FITS, SUMMARY, mark
+from .fits import FITS, SUMMARY, mark, read_record
 from .job import Job, ProgramChanged
 from .resume import reopen
 from .sharing import share
@@ -32,6 +32,9 @@ from .workers import map_each
 _SUMMARY = "bind.json"
 _NAMED = 3  # files that a message names
 _HINT = "apgc fit CATEGORY FILES -o fitted writes such a folder"
+
+
+Item = tuple[int, Mapping[str, Any], Path]  # the number of an object, what was fitted, and its file
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +68,7 @@ def write_bindings(
 ) -> dict[str, Any]:
     """Bind the details of fitted objects and write the folder; what its summary says. ``real``: the files that were fitted, where they are
     not where they were. Raises UserError."""
-    summary = _read(asked.fitted / SUMMARY)
+    summary = read_record(asked.fitted / SUMMARY)
     if summary is None:
         raise UserError(f"{asked.fitted} is not a folder of fitted objects", _HINT)
     good = [one for one in summary["objects"] if one["object"] is not None]
@@ -84,9 +87,11 @@ def write_bindings(
     marked = {mark(path): path for path in real}
     work: list[Item] = []
     for one in good:
-        record = _read(asked.fitted / FITS / f"{one['name']}.json") or {}
+        record = read_record(asked.fitted / FITS / f"{one['name']}.json") or {}
         path = marked.get(record.get("file", ""), Path(one["source"])) if real else Path(one["source"])
         work.append((int(one["object"]), record | {"name": one["name"]}, path))
+    if not force:
+        _refuse_others(asked.out, work)
     left = [item for item in work if force or not _done(asked, options, item[1])]
     done = len(work) - len(left)
     if progress:
@@ -96,6 +101,22 @@ def write_bindings(
         if progress:
             progress(done, len(work))
     return _summarize(asked, summary, options, [record["name"] for _, record, _ in work])
+
+
+def _refuse_others(out: Path, work: Sequence[Item]) -> None:
+    """Refuse a folder of details of other files that are still there: they would be gone from its summary. Raises UserError."""
+    files, sources = {record.get("file") for _, record, _ in work}, {path.resolve() for _, _, path in work}
+    others = []
+    for one in (read_record(out / _SUMMARY) or {}).get("objects", ()):
+        record = read_record(out / f"{one['name']}.json") or {}
+        path = Path(record.get("source", ""))
+        if record.get("file") not in files and path.resolve() not in sources and path.is_file():
+            others.append(str(path))
+    if others:
+        raise UserError(
+            f"{out} holds details of {others[0]}" + (f" and {len(others) - 1} more" if others[1:] else ""),
+            "choose another folder with -o, or use --force to leave them out",
+        )
 
 
 def _fit_again(source: str, folder: Path, summary: Mapping[str, Any]) -> str:
@@ -120,7 +141,6 @@ def _fit_again(source: str, folder: Path, summary: Mapping[str, Any]) -> str:
     )
 
 
-Item = tuple[int, Mapping[str, Any], Path]
 _theirs: tuple[Job, Binding] | None = None  # what this worker works for
 
 
@@ -172,17 +192,17 @@ def _bind_one(job: Job, asked: Binding, item: Item) -> str:
 
 
 def _done(asked: Binding, options: Mapping[str, Any], record: Mapping[str, Any]) -> bool:
-    found = _read(asked.out / f"{record['name']}.json")
+    found = read_record(asked.out / f"{record['name']}.json")
     if found is None or "failed" in found or found.get("options") != options:
         return False
     same = all(found.get(key) == record.get(key) for key in ("file", "to_object", "joints"))
-    return same and (asked.out / f"{record['name']}.npz").exists()
+    return same and is_there(asked.out / f"{record['name']}.npz")
 
 
 def _summarize(
     asked: Binding, fitted: Mapping[str, Any], options: Mapping[str, Any], names: Sequence[str]
 ) -> dict[str, Any]:
-    records = [found for name in names if (found := _read(asked.out / f"{name}.json")) is not None]
+    records = [found for name in names if (found := read_record(asked.out / f"{name}.json")) is not None]
     objects = [
         {
             "object": r["object"],
@@ -208,14 +228,6 @@ def _summarize(
     summary = {"category": fitted["category"], "options": options, "objects": objects, "failed": failed}
     write_bytes(asked.out / _SUMMARY, _to_text(summary), force=True)
     return summary
-
-
-def _read(path: Path) -> dict[str, Any] | None:
-    try:
-        found = json.loads(path.read_bytes())
-    except (OSError, ValueError):
-        return None
-    return found if isinstance(found, dict) else None
 
 
 def _to_text(record: Mapping[str, Any]) -> bytes:

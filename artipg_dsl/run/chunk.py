@@ -18,7 +18,7 @@ from ..export.content import Content
 from ..export.objects import find_lacking, object_folder, write_objects
 from ..export.registry import Format
 from ..export.remote import Place
-from ..export.write import ExportError, write_bytes
+from ..export.write import ExportError, is_there, write_bytes
 from ..geometry import facts
 from ..sampling.statistics import Statistics
 from .memory import Room
@@ -60,9 +60,9 @@ class Chunk:
 
     def write(self, job: Job, room: Room, progress: ReportProgress | None = None) -> None:
         """Write what is missing, as many objects at a time as there is room for; ``progress(done, of)`` hears of objects with files."""
-        missing = [e for e in self.formats if e.shard and not shard_path(self.out, e, self.shard).exists()]
+        missing = [e for e in self.formats if e.shard and not is_there(shard_path(self.out, e, self.shard))]
         absent = self.numbers if self.force and self.each else self.absent()
-        uncounted = self.counts and not (self.out / self.counts).exists()
+        uncounted = self.counts and not is_there(self.out / self.counts)
         numbers = self.numbers if uncounted or missing else absent
         parts: dict[str, list[Any]] = {entry.name: [] for entry in missing}
         job, done = job.fresh(), 0

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UserError
+from ..export.write import is_there
 from .chunk import Chunk
 from .job import Job
 from .memory import Room
@@ -53,7 +54,7 @@ def write_on_cluster(job: Job, address: str, workers: int, chunks: list[Chunk], 
                     "workers of the cluster died one after the other, perhaps for lack of memory",
                     "use less --memory, or smaller shards; the same command completes what is missing",
                 ) from None
-            if chunk.counts and not (chunk.out / chunk.counts).exists():
+            if chunk.counts and not is_there(chunk.out / chunk.counts):
                 raise UserError(f"the workers of the cluster write to another {chunk.out} than is seen here", _SHARED)
             tasks.extend(submit(1))
             yield chunk

@@ -33,6 +33,7 @@ from .dataset import write_dataset
 from .job import prepare
 from .output import Output
 from .request import read_request
+from .resume import clear
 from .sharing import share
 from .workers import map_each
 
@@ -107,6 +108,8 @@ def write_fits(
     """Fit the files and write the folder; what the summary says. Raises UserError."""
     if (asked.out / manifests.NAME).exists() and not (asked.out / SUMMARY).exists():
         raise UserError(f"{asked.out} holds samples that were not fitted", "choose another folder with -o")
+    if not force:
+        _refuse_others(asked.out, paths)
     items = _name_files(paths)
     for folder in (FITS, PICTURES):
         sweep_unfinished(ensure_folder(asked.out / folder))
@@ -121,6 +124,18 @@ def write_fits(
         if progress:
             progress(done, len(items))
     return _summarize(sampler, asked, options, items)
+
+
+def _refuse_others(out: Path, paths: Sequence[Path]) -> None:
+    """Refuse a folder of fits of other files that are still there: what it says of them would be gone. Raises UserError."""
+    old, named = read_record(out / SUMMARY) or {}, {path.resolve() for path in paths}
+    sources = [Path(one["source"]) for key in ("objects", "failed") for one in old.get(key, ())]
+    others = [str(path) for path in sources if path.exists() and path.resolve() not in named]
+    if others:
+        raise UserError(
+            f"{out} holds fits of {others[0]}" + (f" and {len(others) - 1} more" if others[1:] else ""),
+            "name all its files, choose another folder with -o, or use --force to leave them out",
+        )
 
 
 def _each(sampler: Sampler, asked: Asked, groups: list[list[Item]], workers: int) -> Iterator[list[Item]]:
@@ -217,12 +232,17 @@ def _to_text(record: Mapping[str, Any]) -> bytes:
     return (json.dumps(record, indent=1, ensure_ascii=False) + "\n").encode()
 
 
-def _record(asked: Asked, item: Item) -> dict[str, Any] | None:
+def read_record(path: Path) -> dict[str, Any] | None:
+    """What a file of a run says, None where it cannot be read."""
     try:
-        found = json.loads((asked.out / FITS / f"{item.name}.json").read_bytes())
+        found = json.loads(path.read_bytes())
     except (OSError, ValueError):
         return None
     return found if isinstance(found, dict) else None
+
+
+def _record(asked: Asked, item: Item) -> dict[str, Any] | None:
+    return read_record(asked.out / FITS / f"{item.name}.json")
 
 
 def _done(asked: Asked, options: Mapping[str, Any], item: Item) -> bool:
@@ -265,4 +285,6 @@ def _summarize(sampler: Sampler, asked: Asked, options: Mapping[str, Any], items
         request = read_request(asked.source, seed=asked.seed, checked=asked.checked, values=[r["drawn"] for r in good])
         written = Output.of(choose_formats("annotation"), Content())
         write_dataset(prepare(sampler, request), asked.out, written, force=True)
+    elif (old := manifests.read_manifest(asked.out)) is not None:
+        clear(asked.out, old)
     return summary

@@ -59,7 +59,7 @@ def make_ready(out: Place, manifest: Manifest, force: bool) -> Manifest:
         if not changed and not force:
             sweep_all(out)
             return old
-        _clear(out, old)
+        clear(out, old)
     elif not force and (out / OBJECTS).exists() and any((out / OBJECTS).iterdir()):
         raise ExportError(
             f"{out / OBJECTS} holds objects, but there is no {manifests.NAME} that describes them",
@@ -86,7 +86,7 @@ def sweep_all(out: Place) -> None:
             sweep_unfinished(place)
 
 
-def _clear(out: Place, old: Manifest) -> None:
+def clear(out: Place, old: Manifest) -> None:
     """Remove what an earlier run with the manifest ``old`` wrote, and nothing else."""
     try:
         (out / manifests.NAME).unlink()  # first, so that a half-cleared folder does not pass for a whole one

@@ -13,6 +13,44 @@ import artipg_dsl as apg
 from .helpers import CHEST, Apgc, tree
 
 
+def fit_one(folder: Path, number: int) -> Path:
+    """A folder as ``apgc fit`` writes it, of one chest whose file is `object.npz`."""
+    from artipg_dsl.export.content import Content
+    from artipg_dsl.export.registry import choose_formats
+    from artipg_dsl.run.dataset import write_dataset
+    from artipg_dsl.run.fits import mark
+    from artipg_dsl.run.output import Output
+
+    samples = apg.sample(CHEST, numbers=[number], seed=4)
+    samples = apg.sample(CHEST, values=[samples.object(number).drawn])
+    write_dataset(samples.job, folder, Output.of(choose_formats("annotation"), Content()))
+    points = samples.points(3000, surface="outside")
+    file = folder / "object.npz"
+    np.savez(file, points=points.position[0], normals=points.normal[0])
+    frame = {"up": "z", "front": "x", "unit": "m"}
+    record = {"name": "object", "frame": frame, "to_object": np.eye(4).tolist(), "file": mark(file)}
+    (folder / "fits").mkdir()
+    (folder / "fits" / "object.json").write_text(json.dumps(record))
+    objects = [{"object": 0, "name": "object", "source": str(file), "verdict": "fits"}]
+    (folder / "fit.json").write_text(json.dumps({"category": "Chest", "objects": objects}))
+    return folder
+
+
+def test_details_of_other_objects_are_not_lost(apgc: Apgc, tmp_path: Path) -> None:
+    one, other, out = fit_one(tmp_path / "one", 0), fit_one(tmp_path / "other", 1), tmp_path / "bound"
+    asked = ("-o", out, "--points", 500)
+    assert apgc("bind", one, *asked)[0] == 0
+    before = tree(out)
+    code, _, err = apgc("bind", other, *asked)
+    assert code == 1 and f"holds details of {one / 'object.npz'}" in err and tree(out) == before
+    assert apgc("bind", one, *asked)[0] == 0 and tree(out) == before
+    (one / "object.npz").rename(tmp_path / "moved.npz")
+    assert apgc("bind", one, tmp_path / "moved.npz", *asked, "--visible")[0] == 0  # the same file elsewhere
+    assert apgc("bind", other, *asked, "--force")[0] == 0
+    (out / "object.npz").write_bytes(b"")  # emptied by hand
+    assert apgc("bind", other, *asked)[0] == 0 and (out / "object.npz").stat().st_size > 0
+
+
 @pytest.fixture(scope="module")
 def fitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder as ``apgc fit`` writes it, of two chests whose values are known; beside it the files."""

@@ -74,6 +74,26 @@ def test_a_word_that_is_none(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     assert code == 2 and "no word of `semantic`" in err and "did you mean `handle`?" in err
 
 
+def test_fits_of_other_files_are_not_lost(apgc: Apgc, real: Path, tmp_path: Path) -> None:
+    files = [tmp_path / side / "object.npz" for side in "ab"]
+    for k, file in enumerate(files):
+        file.parent.mkdir()
+        file.write_bytes((real / f"chest{k}.npz").read_bytes())
+    out = tmp_path / "fitted"
+    asked = ("-o", out, "--front", "x", "--plain")
+    assert apgc("fit", CHEST, files[0], *asked)[0] == 0
+    before = tree(out)
+    code, _, err = apgc("fit", CHEST, files[1], *asked)
+    assert code == 1 and f"holds fits of {files[0]}" in err and tree(out) == before
+    assert apgc("fit", CHEST, files[1], *asked, "--force")[0] == 0
+    files[1].write_bytes(b"nothing")  # no object fits now: what was made of it before is no sample of this folder
+    code, said, _ = apgc("fit", CHEST, files[1], *asked)
+    assert code == 1 and "not read" in said and not (out / "manifest.json").exists()
+    assert not list(out.glob("annotation-*"))
+    files[1].unlink()  # of what is not there any more nothing is kept
+    assert apgc("fit", CHEST, files[0], *asked)[0] == 0
+
+
 def test_samples_are_not_written_over(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     apgc("sample", CHEST, "-n", 1, "--points", 8, "-o", tmp_path)
     before = tree(tmp_path)

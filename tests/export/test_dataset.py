@@ -139,6 +139,20 @@ def test_a_second_run_completes_what_is_missing_and_nothing_else(tmp_path: Path)
     assert asked == [2, 3, 4]
 
 
+def test_files_that_were_emptied_are_missing(tmp_path: Path) -> None:
+    write(tmp_path / "o")
+    before = tree(tmp_path / "o")
+    for name in (
+        "points-00001.npz",
+        "annotation-00000.jsonl",
+        "objects/000004/object.urdf",
+        "objects/000000/object.glb",
+    ):
+        (tmp_path / "o" / name).write_bytes(b"")
+    write(tmp_path / "o")
+    assert tree(tmp_path / "o") == before
+
+
 def test_an_interrupted_run_leaves_only_whole_things(tmp_path: Path) -> None:
     def interrupted(numbers: np.ndarray) -> FakeBatch:
         if numbers[-1] == 4:  # of the third shard, however many are made at a time: that is a matter of memory
