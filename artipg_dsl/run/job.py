@@ -144,7 +144,15 @@ class Job:
         return replace(self, request=replace(self.request, numbers=to_runs(numbers)), statistics=Statistics())
 
     def mutated(self, step: Mutation | Replay, numbers: Sequence[int] | np.ndarray | None = None) -> Job:
-        """The job of mutants of this one's objects, ``numbers`` of them. Raises UsageError for names that mean nothing."""
+        """The job of mutants of this one's objects, ``numbers`` of them. Raises UsageError for names that mean nothing, or nothing
+        that the operations change."""
+        if isinstance(step, Mutation) and not Names.unknown(step.only, self.program):
+            if not Names.changed(step.only, self.program, step.operations):
+                what = self.program.name if step.only == "*" else step.only
+                raise UsageError(
+                    f"there is nothing in {what} that {' or '.join(step.operations)} changes",
+                    "apa changes templates and choices, dpa counts, cpa other numbers",
+                )
         asked = self.request.numbers if numbers is None else to_runs(numbers)
         return self.but(mutations=(*self.request.mutations, step), numbers=asked)
 

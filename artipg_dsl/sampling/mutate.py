@@ -125,6 +125,18 @@ class Names:
             p for p, names in plain.items() if not names.everything and not any(map(names.pattern.fullmatch, drawn))
         ]
 
+    @staticmethod
+    def changed(only: str, program: Program, operations: Sequence[str]) -> bool:
+        """Whether any of the operations has a value of the program to change among those that a list means."""
+        names, parts = Names(re.sub(r"\[\d+\]", "", only)), find_structural(program)
+        kinds = [_KIND[operation] for operation in operations]
+        return any(
+            draw.kind in kinds
+            and (names.everything or names.pattern.fullmatch(draw.column.name) is not None)
+            and (draw.kind != "choice" or (len(draw.options) > 1 and (number in parts or not names.everything)))
+            for number, draw in enumerate(program.draws)
+        )
+
     def of(self, batch: Batch, draw: Draw) -> np.ndarray:
         """The rows of a draw that are meant, as a mask."""
         size = batch.rowmap.rows(draw.column.scope).size
