@@ -56,6 +56,8 @@ def run(options: argparse.Namespace) -> int:
         progress.stage("comparing", 0, len(real))
         found = measure_likeness(batch, real, words, progress)
     print(json.dumps(_plain(found, names, failed), indent=1) if options.json else _text(found, names, failed))
+    if words and not any(label in words for labels in seen for label in labels):
+        say(f"no real object has a label that {options.map} names")
     if out is not None:
         _write_prior(batch, seen, words, out, options)
     say(f"{batch.program.name}: {plural(len(batch), 'sample')} beside {plural(len(real), 'real object')}")

@@ -256,7 +256,7 @@ def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes]:
         found[f"{split}/{LIST}"] = "".join(f"{name}\n" for name in listed).encode()
     if lacking:
         raise UserError(
-            f"where2act has no trial of {', '.join(sorted(lacking))}: nothing that a hand is led at moves and is seen",
+            f"there is no trial of {', '.join(sorted(lacking))}: nothing that a hand is led at moves and is seen",
             "take more objects, or a category with hinges or sliders",
         )
     return found

@@ -150,8 +150,9 @@ class Request:
     def from_manifest(cls, drawn: Drawn, source: str, folder: Place) -> Request:
         """The request that made a folder, with what its manifest calls the program. Raises UserError."""
         made, beside = drawn["made"], None if isinstance(folder, Remote) else folder / source
+        own = beside is not None and (beside.is_file() or Path(source).suffix != "")  # a program of the user's
         return cls(
-            source=str(beside) if beside is not None and beside.is_file() else source,  # a program of the user's
+            source=str(beside) if own else source,
             seed=drawn["seed"],
             numbers=tuple((first, last) for first, last in drawn["numbers"]),
             settings=drawn["settings"],

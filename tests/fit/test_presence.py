@@ -167,3 +167,11 @@ def test_a_prior_is_written_and_can_be_sampled_by(apgc: Apgc, real: Path, tmp_pa
 def test_what_is_refused_early(apgc: Apgc, real: Path, more: list[str], words: str) -> None:
     code, _, err = apgc("compare", CHEST, real, "-n", 4, *more)
     assert code == 2 and words in err
+
+
+def test_a_map_of_labels_that_nothing_has_is_told_of(apgc: Apgc, real: Path, tmp_path: Path) -> None:
+    (tmp_path / "map.json").write_text('{"Trunk": "body"}')
+    asked = ("compare", CHEST, real / "chest0.npz", "-n", 4, "--front=x", "--map")
+    code, _, err = apgc(*asked, tmp_path / "map.json")
+    assert code == 0 and f"no real object has a label that {tmp_path / 'map.json'} names" in err
+    assert "no real object" not in apgc(*asked, real / "map.json")[2]

@@ -73,6 +73,11 @@ CONSTANT = {
     ),
     "friction": (SLIDE + "friction -1N", 1, "the friction of the joint `j` is -1"),
     "effort": (SLIDE + "effort 0N", 1, "the effort of the joint `j` is 0, but it must be finite and above 0"),
+    "effort below a spring": (
+        SLIDE + "stiffness 100N/m effort 4N",
+        1,
+        "what the spring leaves of the effort of the joint `j` is -1, but a joint must take its spring to the end",
+    ),
     "velocity": (SLIDE + "velocity 0m/s", 1, "the velocity of the joint `j` is 0"),
     "pitch": (
         BLOCK + "joint j : screw body.bottom -> b.top gap 1mm range 0turn .. 3turn pitch 0mm",

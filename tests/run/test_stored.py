@@ -23,7 +23,7 @@ def test_a_manifest_of_version_2_is_read_and_written_as_it_was(tmp_path: Path, p
     identity = found["identity"]
     request = Request.from_manifest(identity, found["source"], tmp_path)
     output = Output.from_manifest(identity)
-    assert request.objects.size == found["objects"] and request.source == found["source"]
+    assert request.objects.size == found["objects"] and request.source == str(tmp_path / found["source"])
     written = request.to_manifest() | output.to_manifest()
     versions = {"artipg_dsl": identity["artipg_dsl"], "numpy": identity["numpy"]}
     if identity["views"] is not None:  # what casts the rays is that of this machine

@@ -41,6 +41,7 @@ from .ranges import (
     PITCH,
     PLACE,
     POSITIONS,
+    RESERVE,
     ROWS,
     SHARE,
     SIZE,
@@ -262,6 +263,10 @@ def _of_joint(joint: Joint) -> Iterator[Quantity]:
     for word, value, legal in (*held, *driven):
         if value is not None:
             yield Quantity(f"the {word} of {name}", scope, value, legal, place)
+    if joint.effort is not None and joint.stiffness is not None and joint.low is not None and joint.high is not None:
+        way = E.maximum(E.sub(joint.rest, joint.low), E.sub(joint.high, joint.rest))
+        left = E.sub(joint.effort, E.mul(joint.stiffness, way))
+        yield Quantity(f"what the spring leaves of the effort of {name}", scope, left, RESERVE, place)
     if joint.positions is not None:
         yield Quantity(f"the number of positions of {name}", scope, joint.positions, POSITIONS, place)
     if joint.pitch is not None:

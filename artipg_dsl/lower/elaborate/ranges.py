@@ -58,6 +58,7 @@ PITCH = Legal(NEAR, _FAR, "the pitch of a screw must not be 0 and is at most 1 k
 POSITIONS = Legal(2.0, 1e5, "a joint has at least two positions", True)
 HELD = Legal(0.0, 1e9, "it must be finite and not negative")
 DRIVEN = Legal(1e-9, 1e9, "it must be finite and above 0")
+RESERVE = Legal(-1e-9, 1e9, "a joint must take its spring to the end of its range")
 OPENING = Legal(NEAR, _FAR, "an opening must be above 0", True)
 SHARE = Legal(0.0, 1.0, "it must lie in 0 .. 1")
 ROOM = Legal(-1e-9, _FAR, "it must not be negative", True)
