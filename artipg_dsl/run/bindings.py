@@ -90,6 +90,11 @@ def write_bindings(
         record = read_record(asked.fitted / FITS / f"{one['name']}.json") or {}
         path = marked.get(record.get("file", ""), Path(one["source"])) if real else Path(one["source"])
         work.append((int(one["object"]), record | {"name": one["name"]}, path))
+    if real and not marked.keys() & {record.get("file") for _, record, _ in work}:
+        more = f" and {len(real) - 1} more" if real[1:] else ""
+        raise UserError(
+            f"{real[0]}{more}: none of these was fitted, or they have changed since", "name the files that were fitted"
+        )
     if not force:
         _refuse_others(asked.out, work)
     left = [item for item in work if force or not _done(asked, options, item[1])]

@@ -149,6 +149,10 @@ def test_edited_records(apgc: Apgc, fitted: Path, tmp_path: Path, key: str, valu
 def test_what_is_refused(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     code, _, err = apgc("bind", tmp_path, "-o", tmp_path / "bound")
     assert code == 1 and "is not a folder of fitted objects" in err
+    other = tmp_path / "other.npz"
+    other.write_bytes(b"another object")
+    code, _, err = apgc("bind", fitted, other, "-o", tmp_path / "bound")
+    assert code == 1 and f"{other}: none of these was fitted" in err
     code, _, err = apgc("bind", fitted, "-o", fitted)
     assert code == 2 and "details cannot go into" in err
 
