@@ -101,6 +101,7 @@ def _own_share(rank: int | None, world: int | None) -> tuple[int, int]:
     if rank is None or world is None:
         there = torch.distributed.is_available() and torch.distributed.is_initialized()
         return (torch.distributed.get_rank(), torch.distributed.get_world_size()) if there else (0, 1)
+    rank, world = read_whole("rank", rank), read_whole("world", world, 1)
     if not 0 <= rank < world:
         raise UsageError(f"there is no rank {rank} among {world}", "ranks count from 0")
     return rank, world

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arguments import read_whole
-from ..errors import UserError
+from ..errors import UsageError, UserError
 from ..run.manifest import Manifest
 from ..run.resume import read_folder_manifest
 from .classes import find_classes
@@ -44,6 +44,8 @@ class Stored:
     ):
         self.folders = [Path(f) for f in ([folders] if isinstance(folders, str | Path) else folders)]
         self.task, self.seed, self.transforms = find_task(task), read_whole("seed", seed), read_transforms(transforms)
+        if not self.folders:
+            raise UsageError("there is no folder to read", "name one that `apgc sample` has written")
         manifests = [read_folder_manifest(str(folder)) for folder in self.folders]
         self.categories = [manifest["category"] for manifest in manifests]
         self.words, self._tables = _common_words(self.folders, manifests, classes)

@@ -53,6 +53,15 @@ def test_transforms_follow_item_and_epoch(folders: list[Path]) -> None:
     assert not np.array_equal(stored.take([4], epoch=1)["points"], stored.take([4])["points"])
 
 
+def test_items_are_whole_numbers_of_some_folder(folders: list[Path]) -> None:
+    stored = Stored(folders)
+    for items, epoch, told in (([1.5], 0, "an item is 1.5"), ([0], -1, "epoch is -1")):
+        with pytest.raises(UserError, match=told):
+            stored.take(items, epoch)  # type: ignore[arg-type]
+    with pytest.raises(UserError, match="no folder to read"):
+        Stored([])
+
+
 def test_what_is_missing_is_named(folders: list[Path], chest: Path, tmp_path: Path) -> None:
     with pytest.raises(UserError, match="manifest.json"):
         Stored(tmp_path)

@@ -48,6 +48,8 @@ def test_ranks_share_the_batches_out(chest: Path) -> None:
     assert [next(iter(one))["object"].tolist() for one in ranks] == [[0, 1], [2, 3], [4, 5], [6, 7]]
     with pytest.raises(UsageError, match="give both"):
         Stream(chest, rank=0)
+    with pytest.raises(UsageError, match="rank is '0'"):
+        Stream(chest, rank="0", world=2)  # type: ignore[arg-type]
     with pytest.raises(UsageError, match="no rank 4"):
         Stream(chest, rank=4, world=4)
     with pytest.raises(UsageError, match=r"fewer batches \(1\) than processes \(2\)"):
