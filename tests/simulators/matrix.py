@@ -18,7 +18,21 @@ from .levels import Simulation
 ROOT = Path(__file__).parents[2]
 SHIPPED = sorted(path.stem for path in (ROOT / "categories").glob("*.apg"))
 # categories whose objects do not stand by themselves: what a wall or a worktop holds, and what lies on a table
-HELD = {"clip", "door", "faucet", "knife", "lighter", "pen", "pliers", "scissors", "switch", "usb", "window"}
+HELD = {
+    "clip",
+    "door",
+    "doorhandle",
+    "faucet",
+    "gluestick",
+    "knife",
+    "lighter",
+    "pen",
+    "pliers",
+    "scissors",
+    "switch",
+    "usb",
+    "window",
+}
 STAGES = 12  # on the way of a loop
 SIMULATORS = {"mujoco": "mujoco_sim:MujocoSim", "pybullet": "bullet_sim:BulletSim", "sapien": "sapien_sim:SapienSim"}
 

@@ -30,10 +30,19 @@ FEW = ["storage_furniture", "chair", "laptop", "scissors", "foldingrack", "bottl
 # what a simulator does not do with a URDF: docs/formats.md
 TIES = {
     "bottle": {"pybullet", "sapien", "mujoco-urdf"},
+    "folding_chair": {"pybullet", "mujoco-urdf"},
     "foldingrack": {"pybullet", "sapien", "mujoco-urdf"},
     "scissors": {"pybullet"},
 }
-SOFT = {"laptop": {"mujoco-urdf", "pybullet-geared"}, "foldingrack": {"mujoco-constant"}, "chair": {"mujoco-constant"}}
+SOFT = {
+    "laptop": {"mujoco-urdf", "pybullet-geared"},
+    "foldingrack": {"mujoco-constant"},
+    "chair": {"mujoco-constant"},
+    "doorhandle": {"mujoco-constant", "mujoco-urdf"},
+    "folding_chair": {"pybullet-geared"},
+    "gluestick": {"mujoco-constant", "mujoco-urdf"},
+    "shampoo": {"mujoco-urdf"},
+}
 
 
 @cache
