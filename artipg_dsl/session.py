@@ -221,7 +221,7 @@ class Session:
                     _ = self.sampler
                 except CompileError:
                     pass  # it has told the report
-                self.advise()
+            self.advise()
             self._keep("check")
             facts.flush()
         return self.report
@@ -318,11 +318,14 @@ class Session:
             kept.keep(kind, self._text, self._folder, files, self.workspace.absent, self.report.diagnostics, rest)
 
     def advise(self) -> None:
-        """Report what is legal and perhaps not meant: parts that nothing places, surface without a semantic label, parts
-        that nothing gives a material, whose mass is a guess, parts that touch nothing."""
+        """Report what is legal and perhaps not meant: names that nothing reads, parts that nothing places, surface without a
+        semantic label, parts that nothing gives a material, whose mass is a guess, parts that touch nothing."""
         from .lower.elaborate.unlabelled import warn_unlabelled
+        from .semantics.unused import warn_unused
 
         typed, lowering = self.typed, self.lowering
+        if typed is not None and not self.report.failed:
+            warn_unused(typed, self.report)
         if typed is None or typed.category is None or lowering is None:
             return
         for part in lowering.unplaced():

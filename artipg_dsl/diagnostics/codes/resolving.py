@@ -390,4 +390,26 @@ RESOLVING = (
         }
         """,
     ),
+    Code(
+        "unused",
+        "nothing reads a name",
+        """
+        A name that `use` brings in stands nowhere in the file, or a parameter, a count or a `let` of the category, or of a
+        template beside it, is declared and nothing reads it: objects are the same without it. Often a number was written
+        where the name was meant. This is a warning: the program works. Vocabularies count as used, since their words join
+        those of the program; so does what a role asks of its templates.
+        """,
+        """
+        apg 1
+        use primitives   { Cuboid }
+        use vocabularies { semantic }
+        use materials    { oak, steel }
+        category Stool {
+          param width : length in 30cm .. 50cm
+          root part seat : Cuboid(size = [30cm, 40cm, 3cm])
+          label semantic.seat on seat
+          material oak on seat
+        }
+        """,
+    ),
 )

@@ -1,0 +1,67 @@
+"""Names of a file that nothing reads: what ``use`` brings in, and the values that a category and the templates beside it declare."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..diagnostics import Report
+from ..source import Span
+from ..syntax import ast
+from ..syntax.walk import walk
+from .check import TypedProgram
+from .symbols import NAMED, ModuleScope
+
+_VALUES = ("param", "count", "let")
+_DECLARING = (*NAMED, ast.ParamDecl, ast.Argument)  # what they are called is no use of it
+
+
+def warn_unused(typed: TypedProgram, report: Report) -> None:
+    """Report imports that the file does not use; of a file with a category, values that change no object too."""
+    for names, span in find_imports(typed.main):
+        listed = " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+        be, it = ("are", "them") if len(names) > 1 else ("is", "it")
+        report.warning("unused", span, f"{listed} {be} imported and not used", hint=f"leave {it} out of `use`")
+    for name, span in _find_values(typed) if typed.category is not None else ():
+        report.warning("unused", span, f"nothing reads `{name}`: it changes no object", hint="use it, or leave it out")
+
+
+def find_imports(module: ModuleScope) -> Iterator[tuple[list[str], Span]]:
+    """Of each ``use`` the names that stand nowhere else, with the place of the first.
+
+    A vocabulary counts as used: its words join those of the program.
+    """
+    read = _words(module.tree.declarations)
+    for use in module.tree.uses:
+        idle = {
+            f"`{name}`": span
+            for name, span in zip(use.names, use.name_spans, strict=True)
+            if name not in read and (symbol := module.find(name)) is not None and symbol.kind != "vocabulary"
+        }
+        if idle:
+            yield list(idle), next(iter(idle.values()))
+
+
+def _find_values(typed: TypedProgram) -> Iterator[tuple[str, Span]]:
+    """What a role asks for may be idle in a template that plays it."""
+    module = typed.main
+    members = {node.name for node in walk(module.tree.declarations) if isinstance(node, ast.MemberExpr)}
+    for symbol in module.own():
+        if symbol.kind not in ("category", "template"):
+            continue
+        read = _words(symbol.decl) | members | set(typed.checker.interface_of(symbol))
+        for scope in typed.checker.scope_of(symbol).below():
+            for entry in scope.entries:
+                if entry.kind in _VALUES and entry.name not in read:
+                    yield entry.name, entry.span
+
+
+def _words(tree: object) -> set[str]:
+    """The names in a piece of the tree, but for those that it declares and those of arguments."""
+    found: set[str] = set()
+    for node in walk(tree):
+        for field in node.__dataclass_fields__:
+            if isinstance(node, _DECLARING) and field in ("name", "names"):
+                continue
+            value = getattr(node, field)
+            found.update(word for word in (value if isinstance(value, tuple) else (value,)) if isinstance(word, str))
+    return found
