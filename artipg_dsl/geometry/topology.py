@@ -338,11 +338,14 @@ def _outwards(primitive: Primitive) -> np.ndarray:
         length = np.sqrt((normal**2).sum(axis=-1, keepdims=True))
         normal = normal / np.maximum(length, 1e-300)
         scale = np.abs(point).max(axis=(1, 2))[:, None, None]
-        votes = []
-        for side in (1.0, -1.0):
-            probe = point + side * _PROBE * scale * normal
-            arguments = [chosen[n][:, None] for n in primitive.parameters]
-            votes.append(inside(*arguments, *np.moveaxis(probe, -1, 0))[0] + 0.0 * probe[..., 0] < 0)
+        asked = np.concatenate([point + side * _PROBE * scale * normal for side in (1.0, -1.0)], axis=1)
+        asked = np.concatenate(
+            [asked, _AWAY * scale], axis=1
+        )  # one call: a long formula takes its time for few places, too
+        arguments = [chosen[n][:, None] for n in primitive.parameters]
+        (value,) = inside(*arguments, *np.moveaxis(asked, -1, 0))
+        held = np.broadcast_to(value < 0, asked.shape[:2])
+        votes = held[:, : len(u)], held[:, len(u) : 2 * len(u)]
         outward, inward = (votes[1] & ~votes[0]).mean(), (votes[0] & ~votes[1]).mean()
         if max(outward, inward) < 0.75:
             fault = "both sides are" if (votes[0] & votes[1]).mean() > 0.5 else "neither side is"
@@ -352,8 +355,7 @@ def _outwards(primitive: Primitive) -> np.ndarray:
             raise PrimitiveError(
                 primitive, surface.name, f"the inside function disagrees with it: {fault} inside ({place})"
             )
-        far = _AWAY.T[:, :, None] * scale[None, :, 0, 0]
-        if (inside(*(chosen[n] for n in primitive.parameters), *far)[0] < 0).any():
+        if held[:, 2 * len(u) :].any():
             words = "the inside function is negative far outside the solid: it must be negative only inside"
             raise PrimitiveError(primitive, None, words)
         out[patch] = 1 if outward > inward else -1
