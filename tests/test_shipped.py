@@ -16,8 +16,8 @@ from artipg_dsl.session import Session
 from artipg_dsl.validity.mass import masses
 
 FILES = sorted(categories_dir().glob("*.apg"))
-OBJECTS = 50
-LEAST_VALID = 40  # of the first attempts
+OBJECTS = 24
+LEAST_VALID = 18  # of the first attempts
 
 # kg: what shops and makers state of such things, with some room
 MASSES = {

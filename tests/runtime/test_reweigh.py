@@ -410,7 +410,7 @@ def test_shipped_priors_fit_their_categories() -> None:
             assert set(json.loads(found.text)["evidence"][category]) == set(draws)
 
 
-MANY = 200
+MANY = 120
 
 
 @cache

@@ -61,7 +61,7 @@ def read(path):
 
 
 def test_trees_are_those_of_lark(by_lark):
-    every = sorted(library_dir().glob("[a-m]*.apg")) + sorted(categories_dir().glob("[a-k]*.apg"))
+    every = sorted(library_dir().glob("[a-d]*.apg")) + sorted(categories_dir().glob("[a-c]*.apg"))
     for path in (FORMS, *every):
         source = read(path)
         assert machine().tree(source, source.text) == by_lark(source), path.name
