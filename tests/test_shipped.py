@@ -56,6 +56,7 @@ MASSES = {
     "Printer": (4, 24),
     "Refrigerator": (15, 190),
     "Remote": (0.06, 0.35),
+    "Ruler": (0.02, 0.45),
     "Safe": (10, 420),
     "Scissors": (0.02, 0.13),
     "Shampoo": (0.04, 1.2),

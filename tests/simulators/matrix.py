@@ -28,6 +28,7 @@ HELD = {
     "lighter",
     "pen",
     "pliers",
+    "ruler",
     "scissors",
     "switch",
     "usb",

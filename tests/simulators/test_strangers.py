@@ -41,6 +41,7 @@ SOFT = {
     "doorhandle": {"mujoco-constant", "mujoco-urdf"},
     "folding_chair": {"pybullet-geared"},
     "gluestick": {"mujoco-constant", "mujoco-urdf"},
+    "ruler": {"mujoco-constant"},
     "shampoo": {"mujoco-urdf"},
 }
 
