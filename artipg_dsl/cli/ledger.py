@@ -38,7 +38,7 @@ def entries(lowering: Lowering, wanted: str | None) -> Iterator[str]:
     from ..lower.solve.ledger import lines as ledger_lines
 
     shown, told = None, set()
-    parts = {part.path: part for part, _ in lowering.links.nodes}
+    parts = {instance.part.path: instance.part for instance in lowering.links.nodes}
     for part, unknown in lowering.context.ledger:
         path = part.path if part is not None else ""
         if wanted is not None and path != wanted and not path.startswith(wanted + "."):

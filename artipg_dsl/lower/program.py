@@ -257,7 +257,7 @@ def _number_links(links: Links) -> None:
     owners = links.owners
     for number, link in enumerate(program.links):
         part = owners.get(number)
-        node = next((n for (p, _), n in links.nodes.items() if p is part), -1) if part is not None else 0
+        node = next((n for instance, n in links.nodes.items() if instance.part is part), -1) if part is not None else 0
         program.links[number] = replace(link, part=node)
 
 

@@ -47,10 +47,10 @@ def _lower_body(instance: Instance, option: Option, scope: Scope, given: dict[st
         if name in given or declaration.keyword == "out":
             continue
         env.module = owner.module
-        env.names[name] = instance.values[name] = own_parameter(env, declaration, name, part.style, option.name)
+        env.names[name] = instance.values[name] = own_parameter(env, declaration, name, part.style, option.code)
     env.module = symbol.module
     if part.style is not None:
-        _share_counts(env, symbol, part.style, option.name)
+        _share_counts(env, symbol, part.style, option.code)
     instance.values.update({k: v for k, v in given.items() if k not in instance.values})
     if instance.size is not None:
         env.box = centred(instance.size)
@@ -58,7 +58,7 @@ def _lower_body(instance: Instance, option: Option, scope: Scope, given: dict[st
     return env
 
 
-def _share_counts(env: Env, symbol: Symbol, style: Style, option: str) -> None:
+def _share_counts(env: Env, symbol: Symbol, style: Style, option: int) -> None:
     """Counts of a template that a style stands for are drawn once, as its parameters are; those whose range follows from
     measures of the part are each part's own."""
     for statement in symbol.body:

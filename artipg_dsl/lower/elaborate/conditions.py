@@ -190,7 +190,7 @@ def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
         parts.update(value.env.all_parts() if isinstance(value, Element) else map(part_of, carriers(value, home.scope)))
     if not parts:
         raise env.context.error("wrong-kind", node.span, f"`{node.span.words}` is not a part")
-    return tuple(sorted(number for (part, _), number in links.nodes.items() if part in parts))
+    return tuple(sorted(number for instance, number in links.nodes.items() if instance.part in parts))
 
 
 MEANINGS: Meanings = {ast.RequireStmt: require, ast.PreferStmt: prefer, ast.AllowStmt: _allow, ast.ClearStmt: clear}

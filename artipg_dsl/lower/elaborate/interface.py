@@ -26,7 +26,7 @@ def parameters_of(symbol: Symbol) -> list[tuple[Symbol, ast.ParamDecl, str, Span
 
 
 def own_parameter(
-    env: Env, declaration: ast.ParamDecl, name: str, style: Style | None = None, option: str = ""
+    env: Env, declaration: ast.ParamDecl, name: str, style: Style | None = None, option: int = 0
 ) -> Value:
     """A parameter of the body itself: drawn, derived, or its default."""
     path = env.path + name
@@ -46,7 +46,7 @@ def own_parameter(
 
 
 def _own_scalar(
-    env: Env, declaration: ast.ParamDecl, name: str, component: int | None, style: Style | None, option: str
+    env: Env, declaration: ast.ParamDecl, name: str, component: int | None, style: Style | None, option: int
 ) -> E.Expr:
     path = env.path + name
     if declaration.derived:

@@ -129,7 +129,7 @@ def sites_of(links: Links, part: Component) -> list[int]:
 def _nodes_of(links: Links, part: Component) -> Iterator[tuple[Scope, int]]:
     """The nodes of the part tree that are a part, one for each alternative, with their tables."""
     for instance in part.instances:
-        if (number := links.nodes.get((part, instance.symbol.name))) is not None:
+        if (number := links.nodes.get(instance)) is not None:
             yield instance.scope, number
 
 

@@ -152,7 +152,7 @@ def _quantities(links: Links) -> Iterator[Quantity]:
         yield from rows(scope, where(span))
     for draw in program.draws:
         yield from _of_draw(draw)
-    places = {number: where(part.span) for (part, _), number in links.nodes.items()}
+    places = {number: where(instance.part.span) for instance, number in links.nodes.items()}
     for number, part in enumerate(program.parts):
         yield from _of_box(part, places.get(number))
     for number, part in enumerate(program.parts):

@@ -37,7 +37,7 @@ class Links:
     own: dict[Attachment, int] = field(default_factory=dict)  # link that a joint moves
     owners: dict[int, Component] = field(default_factory=dict)  # whose frame such a link takes
     known: dict[Component, Reference] = field(default_factory=dict)
-    nodes: dict[tuple[Component, str], int] = field(default_factory=dict)
+    nodes: dict[Instance, int] = field(default_factory=dict)
     sites: dict[Component, list[int]] = field(default_factory=dict)
     joints: dict[int, int] = field(default_factory=dict)  # link -> its joint
     made: dict[Hinge, int] = field(default_factory=dict)  # joint as it is declared -> its number
@@ -255,7 +255,7 @@ class Links:
         for instance in part.instances:
             box = instance.box()
             number = len(program.parts)
-            self.nodes[part, instance.symbol.name] = number
+            self.nodes[instance] = number
             carried = self.whichever(self.first(instance))
             program.parts.append(
                 Part(
@@ -292,8 +292,8 @@ class Links:
                 return (Elsewhere(by.scope, by.repeat, by.rank, inner),) if inner else ()
             return tuple(numbers.get(by, ()))
 
-        for (part, _), number in self.nodes.items():
-            numbers.setdefault(part, []).append(number)
+        for instance, number in self.nodes.items():
+            numbers.setdefault(instance.part, []).append(number)
         for part, nodes in numbers.items():
             rigid = [a for a in self.attachments(part) if a.joint is None and not a.base]
             holders = dict.fromkeys(n for a in rigid for p in a.to if p is not part for n in held(p))

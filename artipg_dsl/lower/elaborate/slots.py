@@ -39,7 +39,7 @@ def numbers(links: Links, instance: Instance, name: str) -> set[int]:
     except (Abort, ScopeError):  # reported where the slot is used
         return set()
     parts = {part for value in values for part in named(value)}
-    return {node for (part, _), node in links.nodes.items() if part in parts}
+    return {node for instance, node in links.nodes.items() if instance.part in parts}
 
 
 def named(value: Value) -> list[Component]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
@@ -17,6 +18,9 @@ from ..solve.cases import covered
 from ..values.kinds import Alternatives, Choice
 from .draws import draw_choice, draw_option, draw_scalar, read_by
 
+Key: TypeAlias = tuple[int | None, str]
+"""A parameter: the number of the alternative that has it, None of the role, and its name."""
+
 
 @dataclass(slots=True, eq=False)
 class Style(Alternatives):
@@ -28,23 +32,22 @@ class Style(Alternatives):
     choice: Choice
     alternatives: tuple[ast.Alternative, ...]
     templates: dict[str, Symbol]  # by the names of the alternatives
-    drawn: dict[tuple[str, str], Expr] = field(default_factory=dict)
-    read: dict[tuple[str, str], tuple[Expr, ...]] = field(default_factory=dict)  # by the draws
+    drawn: dict[Key, Expr] = field(default_factory=dict)
+    read: dict[Key, tuple[Expr, ...]] = field(default_factory=dict)  # by the draws
 
     def matches(self, symbol: Symbol) -> Expr:
         """The predicate of ``style is Name``."""
         return E.any_of(self.choice.chosen(option) for option, t in self.templates.items() if is_a(t, symbol))
 
-    def guard(self, option: str) -> Expr:
+    def scope(self, option: int) -> Scope:
+        """The table of an alternative, by its number: one template may stand there several times."""
         options = self.choice.options
-        return E.TRUE if len(options) == 1 else E.call("eq", self.choice.code, E.const(float(options.index(option))))
-
-    def scope(self, option: str) -> Scope:
-        return self.env.context.guard(self.env.scope, self.guard(option), f"{self.declaration.name}={option}")
+        guard = E.TRUE if len(options) == 1 else E.call("eq", self.choice.code, E.const(float(option)))
+        return self.env.context.guard(self.env.scope, guard, f"{self.declaration.name}={options[option]}")
 
     def shared(
         self,
-        option: str | None,
+        option: int | None,
         name: str,
         declaration: ast.ParamDecl | ast.CountDecl,
         component: int | None,
@@ -53,24 +56,24 @@ class Style(Alternatives):
         """The style's own draw of a parameter: of the role (``option`` None) or of one alternative. None where its range (or default, or
         distribution) follows from what each part has of its own, or is not that of the parts before: then it is each part's own."""
         home, path = self._home(option, local)
-        read, key = read_by(local, declaration, component), (option or "", name)
+        read, key = read_by(local, declaration, component), (option, name)
         if not home.scope.within(E.deepest(read)) or self.read.setdefault(key, read) != read:
             return None
         return self._once(key, home, lambda: draw_scalar(home, declaration, path + name, component))
 
-    def shared_option(self, option: str, name: str, declaration: ast.ParamDecl, local: Env) -> Choice:
+    def shared_option(self, option: int, name: str, declaration: ast.ParamDecl, local: Env) -> Choice:
         """The style's own draw of a parameter that is one of some words, of one alternative."""
         home, path = self._home(option, local)
         code = self._once((option, name), home, lambda: draw_option(home, declaration, path + name).code)
         return Choice(code, declaration.type.values)
 
-    def _home(self, option: str | None, local: Env) -> tuple[Env, str]:
+    def _home(self, option: int | None, local: Env) -> tuple[Env, str]:
         """Where the parameters of the role or an alternative are drawn, and what their paths begin with."""
         scope = self.env.scope if option is None else self.scope(option)
         path = f"{self.env.path}{self.declaration.name}."
         return Env(local.context, local.module, local.symbol, scope, path, names=dict(local.names)), path
 
-    def _once(self, key: tuple[str, str], home: Env, draw: Callable[[], Expr]) -> Expr:
+    def _once(self, key: Key, home: Env, draw: Callable[[], Expr]) -> Expr:
         """What is drawn at the first question, in the table of the alternative."""
         if key not in self.drawn:
             value = draw()
