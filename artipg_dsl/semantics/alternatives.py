@@ -11,14 +11,18 @@ from . import conditions, paths
 from .declarations import check_default
 from .entries import of_alternative
 from .fold import constant
-from .guards import Not
+from .guards import Not, conjunction
 from .meanings import Declared, Global
 from .offers import missing
+from .presence import declared, guarded, relevant, renamed, told
+from .scope import Entry
 from .symbols import Symbol, is_a
 from .types import ANGLE, DIRECTION, MATERIAL, RATIO, UNKNOWN, ChoiceType, NamedType, StyleType, Type, VecType, fits
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
+
+_HANDED = "(handed)"  # how guards call the choices of a template of which there are only the arguments
 
 
 def check_part(ck: Checker, ctx: Context, node: ast.PartDecl) -> None:
@@ -28,7 +32,7 @@ def check_part(ck: Checker, ctx: Context, node: ast.PartDecl) -> None:
         _check_placement(ck, ctx, placement)
     if role is not None:
         _check_arguments(ck, ctx, node.arguments, [role])
-    _alternatives(ck, ctx, node.alternatives, role, node.role)
+    _alternatives(ck, ctx, node.alternatives, role, node.role, node.arguments)
     if node.role is not None or len(node.alternatives) > 1:
         alone = f"write `part {node.name} : STYLE`; other alternatives, and `none`, go into the style"
         _no_style(ck, ctx, node.alternatives, alone)
@@ -91,7 +95,12 @@ def _no_style(ck: Checker, ctx: Context, alternatives: tuple[ast.Alternative, ..
 
 
 def _alternatives(
-    ck: Checker, ctx: Context, alternatives: tuple[ast.Alternative, ...], role: Symbol | None, role_name: str | None
+    ck: Checker,
+    ctx: Context,
+    alternatives: tuple[ast.Alternative, ...],
+    role: Symbol | None,
+    role_name: str | None,
+    outer: tuple[ast.Argument, ...] = (),
 ) -> None:
     assert ctx.scope is not None
     _unweighed(ck, alternatives)
@@ -120,7 +129,7 @@ def _alternatives(
                 f"`{wrong[0].name}` cannot be an alternative here: it does not have the role {role_name}",
                 notes=((wrong[0].decl.name_span, f"`{wrong[0].name}` is declared here"),),
             )
-        _check_arguments(ck, ctx, alternative.arguments, symbols)
+        _check_arguments(ck, ctx, alternative.arguments, symbols, outer)
 
 
 def _bad_alternative(ck: Checker, ctx: Context, alternative: ast.Alternative, symbol: Symbol | None) -> None:
@@ -174,8 +183,14 @@ def _check_placement(ck: Checker, ctx: Context, placement: ast.Placement) -> Non
         ck.expect(ctx, placement.angle, ANGLE, "the angle after `turned`")
 
 
-def _check_arguments(ck: Checker, ctx: Context, given: tuple[ast.Argument, ...], symbols: list[Symbol]) -> None:
-    """Arguments of a role or a template: each names a parameter and fits its type."""
+def _check_arguments(
+    ck: Checker,
+    ctx: Context,
+    given: tuple[ast.Argument, ...],
+    symbols: list[Symbol],
+    outer: tuple[ast.Argument, ...] = (),
+) -> None:
+    """Arguments of a role or a template: each names a parameter that is there and fits its type. ``outer``: those of the role."""
     seen: set[str] = set()
     for argument in given:
         if argument.name is None:
@@ -204,7 +219,21 @@ def _check_arguments(ck: Checker, ctx: Context, given: tuple[ast.Argument, ...],
                 )
                 break
             wanted = kind
+            _stands(ck, ctx, symbol, argument, (*outer, *given))
         _argument(ck, ctx, argument, wanted)
+
+
+def _stands(
+    ck: Checker, ctx: Context, symbol: Symbol, argument: ast.Argument, told_by: tuple[ast.Argument, ...]
+) -> None:
+    """What a template declares under a guard is handed in where the other arguments ensure it: else it would be lost."""
+    assert ctx.scope is not None and argument.name is not None
+    entries = ck.scope_of(symbol).table[argument.name]
+    wanted = renamed(declared(ck, entries), ((symbol.name, _HANDED),))
+    known = relevant(wanted, conjunction(told(ck, ctx.scope, _HANDED, symbol, told_by)))
+    message, _ = guarded(entries[0], argument.span)
+    hint = f"hand in what ensures that as well, or declare `{argument.name}` above the `when`"
+    ck.demand(ctx.given(known), wanted, argument.span, message, hint, ((entries[0].span, "declared here"),), value=True)
 
 
 def _option(ck: Checker, ctx: Context, value: ast.Expr, wanted: ChoiceType, what: str) -> None:
@@ -256,10 +285,15 @@ def _argument(ck: Checker, ctx: Context, argument: ast.Argument, wanted: Type) -
 
 
 def _parameter(ck: Checker, symbol: Symbol, name: str) -> Type | None:
-    entries = [e for e in ck.scope_of(symbol).table.get(name, []) if e.kind in ("param", "count")]
+    entries = [e for e in ck.scope_of(symbol).table.get(name, []) if _given_by_user(e)]
     return ck.entry_type(entries[0]) if entries else None
 
 
 def parameters(ck: Checker, symbol: Symbol) -> list[str]:
     """The names that may be given as arguments."""
-    return [e.name for e in ck.scope_of(symbol).entries if e.kind in ("param", "count")]
+    return list(dict.fromkeys(e.name for e in ck.scope_of(symbol).entries if _given_by_user(e)))
+
+
+def _given_by_user(entry: Entry) -> bool:
+    """Whether an argument may give it: an output is the template's own."""
+    return entry.kind in ("param", "count") and getattr(entry.node, "keyword", None) != "out"

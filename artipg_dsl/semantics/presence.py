@@ -11,6 +11,7 @@ from ..syntax.walk import walk
 from .fold import constant
 from .guards import OPERATORS, TRUE, VERSUS, And, Atom, Compare, Condition, Not, Or, conjunction, domains
 from .scope import BodyScope, Entry
+from .symbols import Symbol
 from .types import BOOL, ChoiceType, ElementType, PartType
 
 if TYPE_CHECKING:
@@ -73,19 +74,24 @@ def given(ck: Checker, entry: Entry, kind: PartType) -> Condition:
         symbol = entry.scope.owner.module.find(alternative.name) if alternative.name is not None else None
         if symbol is None or symbol.kind != "template" or named.count(alternative.name) > 1:
             continue
-        told = [
-            fact
-            for argument in (*node.arguments, *alternative.arguments)
-            if argument.name is not None
-            for target in ck.scope_of(symbol).table.get(argument.name, ())
-            if (fact := _equal(ck, entry.scope, f"{entry.key}.{argument.name}", target, argument.value)) is not None
-        ]
-        if told and len(kind.domain) == 1:
-            facts += told
-        elif told:
+        said = told(ck, entry.scope, entry.key, symbol, (*node.arguments, *alternative.arguments))
+        if said and len(kind.domain) == 1:
+            facts += said
+        elif said:
             chosen = frozenset(v for v in kind.domain if v is not None and v.symbol is symbol)
-            facts += [Or((Not(Atom(entry.key, chosen, kind.domain)), fact)) for fact in told]
+            facts += [Or((Not(Atom(entry.key, chosen, kind.domain)), fact)) for fact in said]
     return conjunction(facts)
+
+
+def told(ck: Checker, scope: BodyScope, key: str, symbol: Symbol, arguments: Iterable[ast.Argument]) -> list[Condition]:
+    """What arguments, written in ``scope``, say of the choices, switches and counts of a template that is known as ``key``."""
+    return [
+        fact
+        for argument in arguments
+        if argument.name is not None
+        for target in ck.scope_of(symbol).table.get(argument.name, ())
+        if (fact := _equal(ck, scope, f"{key}.{argument.name}", target, argument.value)) is not None
+    ]
 
 
 def _equal(ck: Checker, scope: BodyScope, key: str, target: Entry, value: ast.Expr) -> Condition | None:

@@ -119,12 +119,17 @@ def register(env: Env, statement: ast.Stmt) -> None:
         if name not in env.names:
             env.names[name] = Thunk(make, span)
 
+    def taken(name: str, span: Span, make: Callable[[], Value]) -> None:
+        """In a branch of ``when``, too, an argument stands for what is declared."""
+        handed = env.depth == 0 and env.instance is not None and name in env.instance.values
+        thunk(name, span, partial(env.root.force, name) if handed else make)
+
     match statement:
         case ast.ParamDecl():
             for name, span in zip(statement.names, statement.name_spans, strict=True):
-                thunk(name, span, partial(own_parameter, env, statement, name))
+                taken(name, span, partial(own_parameter, env, statement, name))
         case ast.CountDecl():
-            thunk(statement.name, statement.name_span, lambda: draw_scalar(env, statement, env.path + statement.name))
+            taken(statement.name, statement.name_span, lambda: draw_scalar(env, statement, env.path + statement.name))
         case ast.LetDecl() | ast.CurveDecl():
             env.names.setdefault(statement.name, let(env, statement))
         case ast.PartDecl():

@@ -17,7 +17,7 @@ from ..expressions.evaluate import Evaluator
 from ..solids.primitives import lower_primitive
 from ..values.kinds import Choice, Frame, Plane, Value
 from .draws import draw_choice, open_parameter
-from .interface import own_parameter, parameters_of
+from .interface import own_parameter, parameters_of, within
 from .looks import look_of
 from .part import Component, Instance, Option
 from .place import pose_of
@@ -85,10 +85,10 @@ def _make_inputs(part: Component, interface: Symbol, arguments: tuple[ast.Argume
     env = part.env
     given = {a.name: a for a in arguments if a.name is not None}
     part.given = {name: argument.span for name, argument in given.items()}
-    counts = {s.name for s in interface.body if isinstance(s, ast.CountDecl)}
+    drawn_within = within(interface)
     for name, argument in given.items():
-        if name in counts:
-            part.inputs[name] = Evaluator(env).scalar(argument.value)
+        if name in drawn_within:
+            part.inputs[name] = _handed_in(part, env, drawn_within[name], name, argument)
     local = Env(env.context, interface.module, interface, env.scope, part.path + ".", names=dict())
     asked = parameters_of(interface)
     needless = set() if part.role is None else _said_by_all(part) - set(given)
@@ -101,13 +101,14 @@ def _make_inputs(part: Component, interface: Symbol, arguments: tuple[ast.Argume
         local.module = symbol.module
         stated = given.get(name)
         if stated is not None and not _has_hole(stated.value):
-            value = _handed_in(part, env, symbol, declaration, name, stated)
+            value = _handed_in(part, env, declaration, name, stated)
         elif declaration.type.name == "material" and declaration.default is not None:
             value = look_of(local, declaration.default)
         else:
             value = open_parameter(part, local, declaration, name, span, stated)
         part.inputs[name] = value
         local.names[name] = value
+    part.more = tuple(argument for name, argument in given.items() if name not in part.inputs)
 
 
 def _said_by_all(part: Component) -> set[str]:
@@ -121,11 +122,21 @@ def _has_hole(node: ast.Expr) -> bool:
 
 
 def _handed_in(
-    part: Component, env: Env, owner: Symbol, declaration: ast.ParamDecl, name: str, argument: ast.Argument
+    part: Component, env: Env, declaration: ast.ParamDecl | ast.CountDecl, name: str, argument: ast.Argument
 ) -> Value:
-    """The value of an argument, which is written in ``env``, for the parameter ``name`` that ``owner`` declares: an option
-    (``open = front``), a template as a style of its own (``pull = BarHandle``), a material, or whatever else it says."""
-    node, kind = argument.value, declaration.type
+    """The value of an argument, which is written in ``env``, for a parameter or a count: an option (``open = front``), a
+    template as a style of its own (``pull = BarHandle``), a material, or whatever else it says."""
+    node = argument.value
+    if isinstance(declaration, ast.CountDecl):
+        return Evaluator(env).scalar(node)
+    if _has_hole(node):
+        raise part.context.error(
+            "misplaced-hole",
+            node.span,
+            f"no equation determines `{name}` here, so it cannot be left open",
+            hint="give all of its components",
+        )
+    kind = declaration.type
     match env.context.meaning(node):
         case Word(text):
             return Choice(E.const(float(kind.values.index(text))), kind.values)
@@ -134,22 +145,20 @@ def _handed_in(
     if kind.name == "material":
         return look_of(env, node)
     if kind.values and isinstance(node, ast.IfExpr):
-        return _either(part, env, owner, declaration, name, node)
+        return _either(part, env, declaration, name, node)
     value = Evaluator(env).value(node)
     if isinstance(value, Frame | Plane) and kind.size is None and kind.name in DIMENSIONS:
         return Evaluator(env).number(value, node.span)  # of a plane, the coordinate that it has here
     return value
 
 
-def _either(part: Component, env: Env, owner: Symbol, declaration: ast.ParamDecl, name: str, node: ast.IfExpr) -> Value:
+def _either(part: Component, env: Env, declaration: ast.ParamDecl, name: str, node: ast.IfExpr) -> Value:
     """An option that a condition decides: ``open = front if wide else top``."""
     ev = Evaluator(env)
     condition = ev.condition(node.condition)
     codes = []
     for branch in (node.then, node.otherwise):
-        chosen = _handed_in(
-            part, env, owner, declaration, name, ast.Argument(span=branch.span, name=name, value=branch)
-        )
+        chosen = _handed_in(part, env, declaration, name, ast.Argument(span=branch.span, name=name, value=branch))
         codes.append(number(ev, chosen, branch.span))
     return Choice(E.where(condition, *codes), declaration.type.values)
 
@@ -166,7 +175,9 @@ def _instantiate(part: Component, option: Option, lower_body: LowerBody) -> Inst
     try:
         own, home = dict(part.inputs), part.env if part.style is None else part.style.env
         arguments = option.source.arguments if part.role is not None or len(part.options) > 1 else ()
-        declared = {name: (owner, declaration) for owner, declaration, name, _ in parameters_of(option.symbol)}
+        declared = {name: declaration for _, declaration, name, _ in parameters_of(option.symbol)} | within(
+            option.symbol
+        )
         for argument in arguments:
             name = argument.name or ""
             if name in part.given:
@@ -185,10 +196,10 @@ def _instantiate(part: Component, option: Option, lower_body: LowerBody) -> Inst
                     hint="to leave a size of all alternatives open, let the role pass it in: "
                     "`part lid : Lid(size = [_, _, 1cm]) = Flat | Domed`",
                 )
-            if name in declared:
-                own[name] = _handed_in(part, home, *declared[name], name, argument)
-            else:  # a count
-                own[name] = Evaluator(home).value(argument.value)
+            own[name] = _handed_in(part, home, declared[name], name, argument)
+        for argument in part.more:
+            name = argument.name or ""
+            own[name] = _handed_in(part, part.env, declared[name], name, argument)
         instance.values = own
         if option.symbol.kind == "primitive":
             complete(instance)

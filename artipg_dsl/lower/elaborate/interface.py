@@ -6,6 +6,7 @@ from ...graph import expr as E
 from ...semantics.symbols import Symbol, lineage
 from ...source import Span
 from ...syntax import ast
+from ...syntax.walk import in_branches
 from ..expressions.context import Unknown
 from ..expressions.env import Env
 from ..values.kinds import Value, Vec
@@ -23,6 +24,17 @@ def parameters_of(symbol: Symbol) -> list[tuple[Symbol, ast.ParamDecl, str, Span
                 for name, span in zip(statement.names, statement.name_spans, strict=True):
                     found[name] = (owner, statement, name, span)
     return list(found.values())
+
+
+def within(symbol: Symbol) -> dict[str, ast.ParamDecl | ast.CountDecl]:
+    """What the body of a template draws itself unless it is handed in: its counts, and the parameters under a ``when``."""
+    found: dict[str, ast.ParamDecl | ast.CountDecl] = {}
+    for statement in in_branches(symbol.body):
+        if isinstance(statement, ast.CountDecl):
+            found.setdefault(statement.name, statement)
+        elif isinstance(statement, ast.ParamDecl) and not any(statement is own for own in symbol.body):
+            found.update((name, statement) for name in statement.names if name not in found)
+    return found
 
 
 def own_parameter(

@@ -58,6 +58,7 @@ class Component:
     exists: Expr = E.TRUE
     inputs: dict[str, Value] = field(default_factory=dict)
     given: dict[str, Span] = field(default_factory=dict)  # which of them the text gives
+    more: tuple[ast.Argument, ...] = ()  # given to each of a style's alternatives, whose role does not take them
     attachments: list[Attachment] = field(default_factory=list)  # once, or once in each branch of a ``when``
     style: Style | None = None
     found: Pose | None = None  # its pose, once it is known
