@@ -26,6 +26,7 @@ from .strips import parts
 BLEND = E.var("section")  # 0 at the first section of a bay, 1 at its last
 _CUT = 0.2  # of the inradius of a section may be cut off by a step of a piece
 _GAP = 0.06  # of that of a part of a section: the gaps lie within the solid
+_ALIKE = 1e-3  # so much do steps differ in what they lose that are one piece with a number
 _INNER = (0.25, 0.5, 0.75)  # places of a step at which a smooth course is compared with a straight one
 MOST = 24  # steps of a bay, for each turn of a path that winds
 Chains = list[list[Span]]
@@ -103,35 +104,67 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
         narrow = _inradius(corners, middle)
         ring = zip(corners, [*corners[1:], corners[0]], strict=True)
         sign = ONE if bay.course is None else orientation(seen, tuple(Side(between("", a, b)) for a, b in ring))
+        drawn = _Steps(bay, rings, middle, narrow, sign, ends if bent else [], wide, twist)
         turns = turned(probe, bay.rail) / TURN if bay.rail.length is ZERO else 1.0
         most = MOST if turns < 1.01 else 2 * MOST * np.ceil(turns)
         for count in (c for c in (1, 2, 3, 4, 6, 8, 12, 16, 24, 48, 72, 96, 144, 192) if c <= most):
             if bent and count < 3:
                 continue
             lost = [change(probe, rings, narrow, k / count, (k + 1) / count) for k in range(count)]
-            cuts = [_sagitta(bay, ends, k / count, (k + 1) / count) if bent else ZERO for k in range(count)]
-            if twist is not ZERO:
-                cuts = [E.add(c, _screwed(bay, wide, twist, k / count, (k + 1) / count)) for k, c in enumerate(cuts)]
-            least = [substitute(narrow, {BLEND: E.const((k + 0.5) / count)}) for k in range(count)]
-            if bay.course is not None:
-                cuts = [_hollow(rings, sign, k / count, (k + 1) / count) for k in range(count)]
-                least = [
-                    E.minimum(*(substitute(narrow, {BLEND: E.const((k + f) / count)}) for f in _INNER))
-                    for k in range(count)
-                ]
-            share = probe(*(E.div(a, b) for a, b in zip(cuts, least, strict=True)))
+            share = probe(*(drawn.share(E.const(float(k)), count) for k in range(count)))
             if ((share.max(axis=0) + max(lost)) <= (_CUT if len(sections) == 1 else _GAP)).mean() > 0.98:
                 break
-        for k in range(count):
-            keep = E.maximum(E.sub(E.const(1.0 - lost[k]), E.div(cuts[k], least[k])), E.const(0.02))
-            points = []
-            for v in (k / count, (k + 1) / count):
-                hub = swapped(middle, {BLEND: E.const(v)})
-                for here in rings.at(v):
-                    drawn = pair(E.add(h, E.mul(keep, E.sub(c, h))) for c, h in zip(here, hub, strict=True))
-                    points.append(bay.place(drawn, v))
-            made.append(Piece(f"{name}_{number}_{k}", tuple(points)))
+        label = f"{name}_{number}"
+        if count > 1 and max(lost) - min(lost) < _ALIKE:
+            made.append(Piece(label, drawn.corners(E.var("i"), count, max(lost)), E.const(float(count))))
+        else:
+            made += [
+                Piece(f"{label}_{k}", drawn.corners(E.const(float(k)), count, share)) for k, share in enumerate(lost)
+            ]
     return made
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Steps:
+    """The hulls between a polygon and itself a step on; ``k``, a formula, is the step, of ``count``."""
+
+    bay: Bay
+    rings: Rings
+    middle: Point
+    narrow: Expr
+    sign: Expr
+    ends: list[Point]  # the sides of the section, where the path bends
+    wide: Expr
+    twist: Expr
+
+    def share(self, k: Expr, count: int) -> Expr:
+        """Of the inradius there, what the bend, the turn about the path and the change of section cut off."""
+        low, half, high = (_place(k, f, count) for f in (0.0, 0.5, 1.0))
+        if self.bay.course is not None:
+            cut = _hollow(self.rings, self.sign, low, high)
+            least = E.minimum(*(substitute(self.narrow, {BLEND: _place(k, f, count)}) for f in _INNER))
+        else:
+            cut = _sagitta(self.bay, self.ends, low, half, high) if self.ends else ZERO
+            if self.twist is not ZERO:
+                cut = E.add(cut, _screwed(self.bay, self.wide, self.twist, low, high))
+            least = substitute(self.narrow, {BLEND: half})
+        return E.div(cut, least)
+
+    def corners(self, k: Expr, count: int, lost: float) -> tuple[Triple, ...]:
+        """Of both polygons, drawn in by their share and what else is ``lost``."""
+        keep = E.maximum(E.sub(E.const(1.0 - lost), self.share(k, count)), E.const(0.02))
+        points = []
+        for v in (_place(k, f, count) for f in (0.0, 1.0)):
+            hub = swapped(self.middle, {BLEND: v})
+            for here in self.rings.at(v):
+                drawn = pair(E.add(h, E.mul(keep, E.sub(c, h))) for c, h in zip(here, hub, strict=True))
+                points.append(self.bay.place(drawn, v))
+        return tuple(points)
+
+
+def _place(k: Expr, share: float, count: int) -> Expr:
+    """The place along a bay at a share of step ``k``."""
+    return E.div(E.add(k, E.const(share)), E.const(float(count)))
 
 
 def _inradius(corners: list[Point], middle: Point) -> Expr:
@@ -147,7 +180,7 @@ def _inradius(corners: list[Point], middle: Point) -> Expr:
     return E.minimum(*found)
 
 
-def _hollow(rings: Rings, sign: Expr, low: float, high: float) -> Expr:
+def _hollow(rings: Rings, sign: Expr, low: Expr, high: Expr) -> Expr:
     """How far a hull between two polygons reaches beyond the edges of what a smooth course leaves between them, at most.
 
     ``sign`` is +1 where they run anticlockwise. Three places of the step are asked: between them a cubic lies no more than
@@ -156,7 +189,7 @@ def _hollow(rings: Rings, sign: Expr, low: float, high: float) -> Expr:
     ends = [rings.at(v) for v in (low, high)]
     found = []
     for f in _INNER:
-        ring = rings.at(low + f * (high - low))
+        ring = rings.at(E.add(low, E.mul(E.const(f), E.sub(high, low))))
         away = [flat_minus(_toward(a, b, f), c) for a, b, c in zip(*ends, ring, strict=True)]
         edges = [right_of(flat_minus(b, a), sign) for a, b in zip(ring, [*ring[1:], ring[0]], strict=True)]
         found += [flat_dot(away[(k + d) % len(ring)], edge) for k, edge in enumerate(edges) for d in (0, 1)]
@@ -174,12 +207,12 @@ class Rings:
         self.probe, self.corners = probe, corners
         self.known: dict[float, np.ndarray] = {}
 
-    def at(self, v: float) -> list[Point]:
-        return [swapped(corner, {BLEND: E.const(v)}) for corner in self.corners]
+    def at(self, v: Expr) -> list[Point]:
+        return [swapped(corner, {BLEND: v}) for corner in self.corners]
 
     def shown(self, v: float) -> np.ndarray:
         if v not in self.known:
-            values = self.probe(*(c for corner in self.at(v) for c in corner))
+            values = self.probe(*(c for corner in self.at(E.const(v)) for c in corner))
             self.known[v] = values.T.reshape(values.shape[1], len(self.corners), 2)
         return self.known[v]
 
@@ -207,17 +240,17 @@ def change(probe: Probe, rings: Rings, narrow: Expr, low: float, high: float) ->
     return 0.0 if share < 1e-7 else min(1.05 * share, 0.9)
 
 
-def _sagitta(bay: Bay, ends: list[Point], low: float, high: float) -> Expr:
+def _sagitta(bay: Bay, ends: list[Point], low: Expr, half: Expr, high: Expr) -> Expr:
     """How far a chord along the path cuts off a bend, at the sides of the section."""
     cuts = []
     for across in ends:
-        a, b, half = (bay.place(across, v) for v in (low, high, (low + high) / 2))
-        away = minus(half, times(plus(a, b), E.const(0.5)))
+        a, middle, b = (bay.place(across, v) for v in (low, half, high))
+        away = minus(middle, times(plus(a, b), E.const(0.5)))
         cuts.append(E.call("sqrt", dot(away, away)))
     return E.mul(E.maximum(*cuts), E.const(1.02 if bay.rail.center is not None else 1.2))
 
 
-def _screwed(bay: Bay, wide: Expr, twist: Expr, low: float, high: float) -> Expr:
+def _screwed(bay: Bay, wide: Expr, twist: Expr, low: Expr, high: Expr) -> Expr:
     """What a hull between two sections reaches beyond what turns about the path from one to the other, at most."""
     way = minus(bay.rail.at(high), bay.rail.at(low))
     angle = E.mul(twist, E.call("sqrt", dot(way, way)))
