@@ -29,12 +29,18 @@ PASSES = [step for stage in lowering.STAGES for step in stage if step.gives]
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Without ``ARTIPG_EVERY=1`` long tests are left out, unless they are asked for by name. The shipped categories come first:
     what is compiled there is in the cache for all others."""
-    items.sort(key=lambda item: item.path.name != "test_shipped.py")
-    if os.environ.get("ARTIPG_EVERY") or any("::" in name for name in config.args):
-        return
-    slow = [item for item in items if item.get_closest_marker("slow")]
-    config.hook.pytest_deselected(items=slow)
-    items[:] = [item for item in items if not item.get_closest_marker("slow")]
+    if not os.environ.get("ARTIPG_EVERY") and not any("::" in name for name in config.args):
+        slow = [item for item in items if item.get_closest_marker("slow")]
+        config.hook.pytest_deselected(items=slow)
+        items[:] = [item for item in items if not item.get_closest_marker("slow")]
+    first = [item for item in items if item.path.name == "test_shipped.py"]
+    others = [item for item in items if item.path.name != "test_shipped.py"]
+    workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))  # each begins with an equal stretch of the list
+    items[:] = [item for k in range(workers) for part in (first, others) for item in _stretch(part, k, workers)]
+
+
+def _stretch(items: list[pytest.Item], number: int, count: int) -> list[pytest.Item]:
+    return items[len(items) * number // count : len(items) * (number + 1) // count]
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
