@@ -60,6 +60,7 @@ MASSES = {
     "Safe": (10, 420),
     "Scissors": (0.02, 0.13),
     "Shampoo": (0.04, 1.2),
+    "Shaver": (0.012, 0.35),
     "Stapler": (0.03, 1.5),
     "Suitcase": (1, 9),
     "Switch": (0.03, 1.3),

@@ -30,6 +30,7 @@ HELD = {
     "pliers",
     "ruler",
     "scissors",
+    "shaver",
     "switch",
     "usb",
     "window",

@@ -43,6 +43,7 @@ SOFT = {
     "gluestick": {"mujoco-constant", "mujoco-urdf"},
     "ruler": {"mujoco-constant"},
     "shampoo": {"mujoco-urdf"},
+    "shaver": {"mujoco-constant"},
 }
 
 
