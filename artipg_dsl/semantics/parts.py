@@ -11,7 +11,7 @@ from ..source import Span
 from ..syntax import ast
 from . import foreign
 from .entries import narrowed
-from .guards import TRUE, Atom, Condition, Not, Or, conjunction
+from .guards import TRUE, Atom, Condition, Not, Or, conjunction, consistent
 from .presence import declared, guarded, optional, relevant, renamed
 from .scope import BodyScope, Entry, Variant
 from .symbols import Symbol, names_of
@@ -26,13 +26,16 @@ from .types import (
     ArrayType,
     Boxed,
     ElementType,
+    FunctionType,
     JointType,
     NamedType,
     PartType,
     ScalarType,
     SlotType,
+    StyleType,
     Type,
     VecType,
+    fits,
     named,
     sort_of,
 )
@@ -78,6 +81,8 @@ def part_member(ck: Checker, ctx: Context, part: PartType, word: str, span: Span
         if kind is None:
             lacking.append(variant)
         else:
+            if len(live := _live(ck, ctx, part, variant.symbol, word)) > 1 and not isinstance(kind, PartType):
+                kind = shared(ck, live, span)
             found.append((variant, _of_instance(part, variant.symbol, kind)))
     if lacking:
         instead = _lacking(ck, ctx, part, [v for v, _ in found], word, span, path)
@@ -101,6 +106,16 @@ def part_member(ck: Checker, ctx: Context, part: PartType, word: str, span: Span
     if len(set(kinds)) == 1:
         return first
     return _common(ck, found, word, span, path)
+
+
+def _live(ck: Checker, ctx: Context, part: PartType, symbol: Symbol, word: str) -> list[Entry]:
+    """The declarations of a member in branches of its template that may be there for this instance."""
+    found = []
+    for entry in ck.scope_of(symbol).table.get(word, ()):
+        there = renamed(ck.entry_condition(entry), ((symbol.name, part.key),))
+        if consistent(ctx.given(relevant(there, part.given)).condition, there):
+            found.append(entry)
+    return found
 
 
 def clashing(ck: Checker, part: PartType, word: str) -> frozenset[Symbol]:
@@ -152,6 +167,28 @@ def _demand_guards(
         followed = ctx.subject and all(isinstance(kind, Boxed | JointType) for _, kind in found)
         message, hint = guarded(first, span, path)
         ck.demand(known, all_wanted, span, message, hint, ((first.span, "declared here"),), value=not followed)
+
+
+def shared(ck: Checker, live: list[Entry], span: Span) -> Type:
+    """One type for what branches of a ``when`` declare by one name, of which any may be there."""
+    first, kind = live[0], ck.entry_type(live[0])
+    for entry in live[1:]:
+        other = ck.entry_type(entry)
+        families = (FunctionType, StyleType, ArrayType, JointType, PartType, ElementType, SlotType)
+        if isinstance(kind, families) and type(kind) is type(other):
+            continue
+        numbers = isinstance(kind, ScalarType) == isinstance(other, ScalarType)
+        if numbers and fits(kind, other):
+            first, kind = entry, other
+        elif not (UNKNOWN in (kind, other) or numbers and fits(other, kind)):
+            return ck.error(
+                "wrong-type",
+                span,
+                f"`{entry.name}` is {kind} in one branch of a `when`, but {other} in another",
+                hint="name it under a guard that leaves one of them, or give them two names",
+                notes=((first.span, str(kind)), (entry.span, str(other))),
+            )
+    return kind
 
 
 def _common(ck: Checker, found: list[tuple[Variant, Type]], word: str, span: Span, path: str) -> Type:

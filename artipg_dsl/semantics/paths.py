@@ -28,7 +28,7 @@ from .meanings import (
     OwnBox,
     Previous,
 )
-from .parts import BOX_MEMBERS, box_member, clashing, listed, part_member, place_member, place_names
+from .parts import BOX_MEMBERS, box_member, clashing, listed, part_member, place_member, place_names, shared
 from .presence import declared, guarded, of_element, optional
 from .scope import BodyScope, Entry, Variant
 from .symbols import Symbol
@@ -169,7 +169,7 @@ def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:
         message, hint = optional(entry.name) if optional_part else guarded(entry, span)
         if not isinstance(kind, ArrayType):
             ck.demand(ctx, demanded, span, message, hint, value=not isinstance(kind, Boxed | JointType))
-    return narrowed(ctx, kind) if isinstance(kind, PartType) else kind
+    return narrowed(ctx, kind) if isinstance(kind, PartType) else shared(ck, live, span)
 
 
 def _repeat(ck: Checker, ctx: Context, entry: Entry, span: Span) -> Type:

@@ -8,7 +8,7 @@ from functools import partial
 from typing import overload
 
 from ...graph import expr as E
-from ...graph.expr import ONE, Expr, Scope
+from ...graph.expr import ONE, ZERO, Expr, Scope
 from ...graph.primitive import triple
 from ...graph.program import Pose
 from .faces import extent
@@ -77,8 +77,12 @@ def merged(parent: Scope, branches: Sequence[tuple[Scope, Frame]]) -> Frame: ...
 @overload
 def merged(parent: Scope, branches: Sequence[tuple[Scope, Value]]) -> Value: ...
 def merged(parent: Scope, branches: Sequence[tuple[Scope, Value]]) -> Value:
-    """One value in ``parent`` out of values of exclusive child scopes (of equal kinds)."""
+    """One value in ``parent`` out of values of exclusive child scopes (of equal kinds; a face beside a plane is one)."""
+    if any(isinstance(v, Plane) for _, v in branches):
+        branches = [(s, _flat(v)) for s, v in branches]
     first = branches[0][1]
+    if isinstance(first, Plane) and any(isinstance(v, Plane) and v.axis != first.axis for _, v in branches):
+        first = replace(first, axis=None)
     if isinstance(first, Ports):
         arrays = [(s, v.settled()) for s, v in branches if isinstance(v, Ports)]
         keys = sorted({k for _, a in arrays for k in a})
@@ -96,6 +100,14 @@ def merged(parent: Scope, branches: Sequence[tuple[Scope, Value]]) -> Value:
     if not isinstance(value, Lying):
         return value
     return replace(value, on=tuple(dict.fromkeys(p for _, v in branches if isinstance(v, Lying) for p in v.on)))
+
+
+def _flat(value: Value) -> Value:
+    """The plane of a face."""
+    if not isinstance(value, Frame):
+        return value
+    axis = sole_axis(value.out)
+    return Plane(axis, ZERO if axis is None else value.origin[axis], value.on)
 
 
 @overload
