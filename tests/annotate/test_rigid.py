@@ -33,7 +33,13 @@ ALWAYS = ("Cuboid", "DialPad", "Flap", "LeverHandle", "TorusSector")
 SHAPES = shipped()
 EVERY = os.environ.get("ARTIPG_EVERY") == "1"
 # what requires more of its arguments than a probe can guess: the category that it stands in is moved as a whole instead
-WITHIN = {"CasementFilling": "Window", "SwanNeck": "Faucet", "TopCabinet": "WashingMachine"}
+WITHIN = {
+    "CasementFilling": "Window",
+    "DoorBay": "Refrigerator",
+    "DoorHutch": "Table",
+    "SwanNeck": "Faucet",
+    "TopCabinet": "WashingMachine",
+}
 
 
 def probed(tried: Shipped) -> tuple[Batch, Batch]:
