@@ -37,11 +37,13 @@ TIES = {
 SOFT = {
     "laptop": {"mujoco-urdf", "pybullet-geared"},
     "foldingrack": {"mujoco-constant"},
+    "camera": {"mujoco-constant", "pybullet-geared"},
     "chair": {"mujoco-constant"},
     "doorhandle": {"mujoco-constant", "mujoco-urdf"},
     "folding_chair": {"pybullet-geared"},
-    "gluestick": {"mujoco-constant", "mujoco-urdf"},
+    "gluestick": {"mujoco-constant"},
     "ruler": {"mujoco-constant"},
+    "mouse": {"mujoco-constant", "mujoco-urdf"},
     "shampoo": {"mujoco-urdf"},
     "shaver": {"mujoco-constant"},
 }
