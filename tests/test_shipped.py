@@ -35,6 +35,7 @@ MASSES = {
     "Display": (2.5, 40),
     "Doorhandle": (0.1, 5),
     "Eyeglasses": (0.008, 0.09),
+    "Fan": (1, 14),
     "Faucet": (0.7, 4.5),
     "FoldingChair": (2, 9),
     "Foldingrack": (1.5, 10),

@@ -22,6 +22,7 @@ HELD = {
     "clip",
     "door",
     "doorhandle",
+    "fan",
     "faucet",
     "gluestick",
     "knife",

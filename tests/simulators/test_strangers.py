@@ -40,6 +40,7 @@ SOFT = {
     "camera": {"mujoco-constant", "pybullet-geared"},
     "chair": {"mujoco-constant"},
     "doorhandle": {"mujoco-constant", "mujoco-urdf"},
+    "fan": {"mujoco-constant"},
     "folding_chair": {"pybullet-geared"},
     "gluestick": {"mujoco-constant"},
     "ruler": {"mujoco-constant"},
