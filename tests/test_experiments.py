@@ -99,9 +99,9 @@ def test_names_of_categories_are_mapped(tmp_path: Path, capsys: pytest.CaptureFi
     told = tmp_path / "map.json"
     told.write_text('{"cupboard": "storagefurniture"}', encoding="utf-8")
     assert read_real(tmp_path / "real", told)[0].title == "StorageFurniture one"
-    write(tmp_path / "real" / "Camera" / "two", points, link)
+    write(tmp_path / "real" / "Rocket" / "two", points, link)
     assert len(read_real(tmp_path / "real", told)) == 1
-    assert "left out: 1 of Camera" in capsys.readouterr().out
+    assert "left out: 1 of Rocket" in capsys.readouterr().out
     for text, wrong in (
         ("{", "is not JSON"),
         ("[1]", "no map of names"),

@@ -65,7 +65,6 @@ def chest(tmp_path_factory):
         (("--ops", "cpa", "--share", 0.2), "--share applies to the templates and counts of apa and dpa, not to cpa"),
         (("--ops", "apa", "--parts", "width,depth"), "there is nothing in width,depth that apa changes"),
         (("--ops", "dpa", "--parts", "wood"), "there is nothing in wood that dpa changes"),
-        (("--ops", "apa"), "there is nothing in Chest that apa changes"),
         (("--all",), "--all applies to what --diff shows"),
         (
             ("--replay", "FOLDER", "--ops", "cpa"),
