@@ -85,6 +85,10 @@ def plane(ev: Evaluator, value: Frame | Plane, span: Span) -> Plane:
     return Plane(axis, value.origin[axis], value.on)
 
 
+def _flat(value: Frame | Plane) -> bool:
+    return isinstance(value, Plane) or value.face
+
+
 def _tilted(ev: Evaluator, span: Span) -> Exception:
     return ev.env.context.error(
         "plane-across-axes",
@@ -228,9 +232,11 @@ def conditional(ev: Evaluator, node: ast.IfExpr) -> Value:
         then = ev.value(node.then)
     with ev.env.context.knowing(E.negate(condition)):
         otherwise = ev.value(node.otherwise)
-    if isinstance(then, Frame | Plane) and isinstance(otherwise, Frame | Plane) and not isinstance(then, Frame):
+    if isinstance(then, Frame | Plane) and isinstance(otherwise, Frame | Plane) and _flat(then) and _flat(otherwise):
         then, otherwise = plane(ev, then, node.then.span), plane(ev, otherwise, node.otherwise.span)
     if isinstance(then, Plane) and isinstance(otherwise, Plane):
+        if then.axis != otherwise.axis:
+            raise across(ev, node.span, then, otherwise, node.then.span, node.otherwise.span)
         return Plane(then.axis, E.where(condition, then.coordinate, otherwise.coordinate), then.on + otherwise.on)
     if isinstance(then, Vec) and isinstance(otherwise, Vec):
         pairs = zip(then.items, otherwise.items, strict=True)
