@@ -83,6 +83,18 @@ def test_options_that_would_change_nothing_are_refused(apgc, chest, tmp_path, wi
     assert not (tmp_path / "o").exists()
 
 
+def test_a_program_without_choices_has_no_mutants_by_apa(apgc, tmp_path):
+    program = tmp_path / "block.apg"
+    program.write_text(
+        "apg 1\nuse primitives { Cuboid }\ncategory Block {\n  param width : length in 1cm .. 2cm\n"
+        "  root part body : Cuboid(size = [1cm, width, 1cm])\n}\n"
+    )
+    assert apgc("sample", program, "-n", 1, "--points", 8, "-o", tmp_path / "blocks")[0] == 0
+    code, _, err = apgc("mutate", tmp_path / "blocks", "--ops", "apa", "-o", tmp_path / "o")
+    assert code == 2 and "there is nothing in Block that apa changes" in err
+    assert not (tmp_path / "o").exists()
+
+
 def test_a_folder_of_mutants(apgc, chest, tmp_path):
     out = tmp_path / "mutants"
     code, _, err = apgc("mutate", chest, "--ops", "apa,dpa,cpa", "-n", 3, "-o", out)

@@ -215,13 +215,13 @@ def test_a_moved_folder_finds_its_program(apgc: Apgc, tmp_path: Path) -> None:
 
 
 def test_a_program_that_is_gone_is_named_where_it_would_be(apgc: Apgc, tmp_path: Path) -> None:
-    program = tmp_path / "work" / "chest.apg"
+    program = tmp_path / "own" / "chest.apg"
     program.parent.mkdir()
     program.write_text(Path(CHEST).read_text())
     apgc("sample", program, "-n", 1, "-o", tmp_path / "o", *SMALL)
     program.unlink()
     code, _, err = apgc("render", tmp_path / "o", "-o", tmp_path / "s.png", "--tile", 48)
-    assert code == 1 and f"{tmp_path}/o/../work/chest.apg" in err
+    assert code == 1 and f"{tmp_path}/o/../own/chest.apg" in err
 
 
 def test_render_of_a_changed_program(apgc: Apgc, tmp_path: Path) -> None:
