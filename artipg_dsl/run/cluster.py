@@ -60,12 +60,26 @@ def write_on_cluster(job: Job, address: str, workers: int, chunks: list[Chunk], 
             yield chunk
 
 
+def require_cluster(address: str) -> None:
+    """Raises UserError where Dask is not installed, or no scheduler answers at ``address``."""
+    if address == _LOCAL:
+        _import_dask()
+    else:
+        with _client(address, 1):
+            pass
+
+
+def _import_dask() -> Any:
+    """Raises UserError."""
+    if find_spec("distributed") is None:
+        raise UserError("--cluster needs Dask, which is not installed", "pip install 'artipg_dsl[cluster]' installs it")
+    return import_module("distributed")  # loosely typed
+
+
 @contextmanager
 def _client(address: str, workers: int) -> Iterator[Any]:
     """What hands tasks to the cluster. Raises UserError."""
-    if find_spec("distributed") is None:
-        raise UserError("--cluster needs Dask, which is not installed", "pip install 'artipg_dsl[cluster]' installs it")
-    dask: Any = import_module("distributed")  # loosely typed
+    dask = _import_dask()
     if address == _LOCAL:
         with (
             dask.LocalCluster(

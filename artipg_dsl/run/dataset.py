@@ -49,13 +49,17 @@ def write_dataset(
     """
     out, numbers, shard = place_of(out), job.request.objects, output.shard
     wanted = manifests.build_manifest(job.program, job.request, output, out=out)
-    manifest = make_ready(out, wanted, force)
     if isinstance(out, Remote) and out.private:
         if workers > 1 or cluster:
             raise UsageError(
                 f"{out} is seen by one process alone", "leave out --workers and --cluster, or choose another place"
             )
         workers = 1
+    if cluster:
+        from .cluster import require_cluster  # start-up
+
+        require_cluster(cluster)
+    manifest = make_ready(out, wanted, force)  # once nothing stands in the way: it may replace what is there
     counting = "counts" not in manifest and job.tables is None  # what is made from tables was counted when these were
     pieces = _pieces(
         [

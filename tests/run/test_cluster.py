@@ -73,5 +73,7 @@ def test_a_scheduler_that_does_not_answer(tmp_path: Path, capsys: pytest.Capture
     pytest.importorskip("distributed")
     for command in (["sample"], ["export", "--format", "urdf"]):
         asked = [*command, str(CHEST), "-n", "2", "-o", str(tmp_path / command[0]), "--cluster", "nonsense://x"]
-        assert main(asked) == 1
+        write_dataset(job(), tmp_path / command[0], Output(("annotation",)), force=True)
+        before = tree(tmp_path / command[0])
+        assert main([*asked, "--force"]) == 1 and tree(tmp_path / command[0]) == before
         assert "no Dask scheduler answers at nonsense://x" in capsys.readouterr().err
