@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import UsageError, UserError
 from .arguments import STREAM
-from .fit import read_words
+from .fit import read_words, tell_unmatched
 from .messages import plural, say
 from .progress import Progress
 from .wanted import open_wanted
@@ -41,12 +41,13 @@ def run(options: argparse.Namespace) -> int:
         batch = job.batch()
         usual = float(np.median(np.sqrt((measure_extents(batch) ** 2).sum(axis=1))))
         progress.stage("reading", 0, len(paths))
-        names, real, seen, failed = [], [], [], []
+        names, real, seen, failed, labels = [], [], [], [], set[str]()
         for number, path in enumerate(paths):
             try:
                 cloud = read_cloud(path)
                 real.append(pose(cloud, frame, path.suffix.lower(), usual))
                 names.append(str(path))
+                labels.update(cloud.names)
                 seen.append(frozenset(cloud.names[k] for k in np.unique(cloud.label).tolist() if k >= 0))
             except UserError as wrong:
                 failed.append({"name": str(path), "reason": wrong.message + (f" ({wrong.hint})" if wrong.hint else "")})
@@ -56,8 +57,8 @@ def run(options: argparse.Namespace) -> int:
         progress.stage("comparing", 0, len(real))
         found = measure_likeness(batch, real, words, progress)
     print(json.dumps(_plain(found, names, failed), indent=1) if options.json else _text(found, names, failed))
-    if words and not any(label in words for labels in seen for label in labels):
-        say(f"no real object has a label that {options.map} names")
+    if words:
+        tell_unmatched(options.map, words, sorted(labels))
     if out is not None:
         _write_prior(batch, seen, words, out, options)
     say(f"{batch.program.name}: {plural(len(batch), 'sample')} beside {plural(len(real), 'real object')}")

@@ -5,12 +5,15 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError, UserError
 from .messages import plural, say
 from .progress import Progress, took
+
+_SHOWN = 8  # labels of files
 
 
 def run(options: argparse.Namespace) -> int:
@@ -36,6 +39,8 @@ def run(options: argparse.Namespace) -> int:
         summary = write_fits(sampler, asked, paths, force=options.force, workers=options.workers, progress=progress)
     print(json.dumps(summary, indent=1, ensure_ascii=False) if options.json else _table(summary))
     found, failed = summary["objects"], summary["failed"]
+    if found and "labels" in summary:
+        tell_unmatched(options.map, dict(words), summary["labels"])
     lost = f", {plural(len(failed), 'file')} could not be read" if failed else ""
     say(f"{plural(len(found), 'object')} in {out}{lost} {took(begun)}")
     return 0 if found else 1
@@ -49,6 +54,17 @@ def _table(summary: dict[str, Any]) -> str:
     ]
     lines += [f"     -   {'not read':<12}  {one['name']}: {one['reason']}" for one in summary["failed"]]
     return "\n".join(lines)
+
+
+def tell_unmatched(name: str, words: Iterable[str], labels: Sequence[str]) -> None:
+    """Say which names of a map file are those of no label of any file."""
+    from ..diagnostics.suggest import any_of
+
+    missing = [theirs for theirs in words if theirs not in labels]
+    if missing:
+        shown = any_of(labels[:_SHOWN], "and") + (f" and {len(labels) - _SHOWN} more" if labels[_SHOWN:] else "")
+        has = f"their labels are {shown}" if labels else "they have none"
+        say(f"warning: no file has a label {any_of(missing)}, as {name} says: {has}")
 
 
 def read_words(name: str | None, known: tuple[str, ...]) -> tuple[tuple[str, str], ...]:

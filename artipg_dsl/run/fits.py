@@ -200,11 +200,12 @@ def _fit_group(work: _Work, group: list[Item]) -> list[Item]:
         words=dict(asked.words),
         opened=work.opened,
     )
-    for (item, _), one in zip(read, found, strict=True):
+    for (item, posed), one in zip(read, found, strict=True):
         if asked.pictures:
             image = overlay(one.batch, one.row, one.cloud, states=one.states, tile=_TILE, draw=work.draw)
             write_bytes(asked.out / PICTURES / f"{item.name}.png", png_bytes(image), force=True)
-        _write(asked, item, {**one.told, "drawn": one.values}, options)
+        labels = {"labels": sorted(set(posed.names))} if asked.words else {}
+        _write(asked, item, {**one.told, **labels, "drawn": one.values}, options)
     return group
 
 
@@ -276,6 +277,8 @@ def _summarize(sampler: Sampler, asked: Asked, options: Mapping[str, Any], items
         "objects": objects,
         "failed": failed,
     }
+    if asked.words and all("labels" in r for r in records if "drawn" in r):
+        summary["labels"] = sorted({name for r in records for name in r.get("labels", ())})
     lines = [
         json.dumps({"name": r["name"], "source": r["source"], "drawn": r["drawn"]}, ensure_ascii=False) for r in good
     ]

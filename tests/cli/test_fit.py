@@ -44,6 +44,8 @@ def test_a_folder_of_files(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     assert record["iou"].keys() == {"handle"} and record["distance"]["both"] < 0.5
     assert (out / "pictures" / "chest1.png").read_bytes().startswith(b"\x89PNG")
 
+    assert summary["labels"] == ["Box", "Knob"] and "warning" not in err
+
     before = tree(out)  # a second run leaves all as it is, and works on nothing
     code, _, _ = apgc(*asked)
     assert code == 0 and tree(out) == before
@@ -72,6 +74,13 @@ def test_a_word_that_is_none(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     (tmp_path / "map.json").write_text('{"Knob": "handel"}')
     code, _, err = apgc("fit", CHEST, real, "-o", tmp_path / "out", "--map", tmp_path / "map.json")
     assert code == 2 and "no word of `semantic`" in err and "did you mean `handle`?" in err
+
+
+def test_a_map_of_labels_that_no_file_has(apgc: Apgc, real: Path, tmp_path: Path) -> None:
+    (tmp_path / "map.json").write_text('{"Knob": "handle", "Lid": "door"}')
+    asked = ("fit", CHEST, real / "chest0.npz", "-o", tmp_path / "out", "--front", "x", "--plain")
+    code, _, err = apgc(*asked, "--map", tmp_path / "map.json")
+    assert code == 0 and "no file has a label `Lid`" in err and "their labels are `Box` and `Knob`" in err
 
 
 def test_fits_of_other_files_are_not_lost(apgc: Apgc, real: Path, tmp_path: Path) -> None:

@@ -173,5 +173,5 @@ def test_a_map_of_labels_that_nothing_has_is_told_of(apgc: Apgc, real: Path, tmp
     (tmp_path / "map.json").write_text('{"Trunk": "body"}')
     asked = ("compare", CHEST, real / "chest0.npz", "-n", 4, "--front=x", "--map")
     code, _, err = apgc(*asked, tmp_path / "map.json")
-    assert code == 0 and f"no real object has a label that {tmp_path / 'map.json'} names" in err
+    assert code == 0 and f"as {tmp_path / 'map.json'} says: their labels are" in err
     assert "no real object" not in apgc(*asked, real / "map.json")[2]
