@@ -86,20 +86,13 @@ def numbers(text: str) -> list[int]:
     return sorted(found)
 
 
-def place(text: str) -> str:
-    """Where to write: a name that is not empty, as that of a variable that is not set would be; - is standard output."""
-    if not text.strip():
-        raise ArgumentTypeError("the name of the output is empty")
-    return text
-
-
 def folder(text: str) -> str:
     """A folder to write to: standard output is none."""
     if text == STREAM:
         raise ArgumentTypeError(
             "- means standard output, but a folder is needed: give its name (./- for a folder named -)"
         )
-    return place(text)
+    return text
 
 
 def picture(text: str) -> str:
@@ -110,7 +103,7 @@ def picture(text: str) -> str:
         raise ArgumentTypeError(
             f"the picture is a PNG, and {text} is not the name of one: choose a name that ends in .png"
         )
-    return place(text)
+    return text
 
 
 def part(text: str) -> tuple[int, int]:

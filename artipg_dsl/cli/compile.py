@@ -83,6 +83,13 @@ def run(options: argparse.Namespace) -> int:
             f"{options.out} is the name of a program, and a compiled program is not one",
             f"write {Path(options.out).with_suffix(COMPILED)}",
         )
+    if options.out is not None and Path(options.out).suffix == COMPILED and options.emit != "graph":
+        raise UsageError(
+            f"{options.out} is the name of a compiled program, which --emit {options.emit} is not",
+            "leave out --emit, or choose a name with another ending",
+        )
+    if options.force and options.out in (None, STREAM):
+        raise UsageError("--force replaces a file, and none is written", "add -o FILE, or leave out --force")
     try:
         text = EMITTERS[options.emit](session)
     except CompileError:

@@ -48,8 +48,13 @@ class Parser(argparse.ArgumentParser):
         self.exit(USAGE)
 
     def parse(self, arguments: Sequence[str] | None) -> argparse.Namespace:
-        """The options; leaves with what resembles an option that no command knows."""
-        options, unknown = self.parse_known_args(arguments)
+        """The options; leaves with what is empty, or resembles an option that no command knows."""
+        words = list(sys.argv[1:] if arguments is None else arguments)
+        empty = _find_empty(words)
+        if empty is not None:
+            error(f"{empty} is empty", "give a value, or leave it out: is a variable of the shell not set?")
+            self.exit(USAGE)
+        options, unknown = self.parse_known_args(words)
         if unknown:
             command = self.commands[options.command]
             close = get_close_matches(unknown[0], re.findall(r"--?[a-z]+", command.format_usage()), n=1)
@@ -58,6 +63,16 @@ class Parser(argparse.ArgumentParser):
                 self.exit(USAGE)
             command.error(f"unexpected argument {unknown[0]}")
         return options
+
+
+def _find_empty(words: Sequence[str]) -> str | None:
+    """The first option or argument that is given no text."""
+    for before, word in zip(["", *words], words, strict=False):
+        if not word.strip():
+            return before if before.startswith("-") else "an argument"
+        if re.fullmatch(r"--[\w-]+=\s*", word):
+            return word.partition("=")[0]
+    return None
 
 
 def build_parser() -> Parser:

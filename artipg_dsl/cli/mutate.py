@@ -30,7 +30,22 @@ _TOLD = ("trace", "correspondence")
 _CALLED = {"operations": "ops", "variant": "variant", "strength": "strength", "share": "share", "only": "parts"}
 """Fields of a mutation, and the options that tell of them."""
 _MUTATING = (*_CALLED.values(), "one", "number")
-_MAKING = ("folder", "only", "params", "replay", "format", "points", "details", *_MUTATING, "distinct")
+_WRITING = ("out", "stats", "unchecked", "force", "workers", "memory", "cluster", "shard", "backend")
+_MAKING = (
+    "folder",
+    "only",
+    "params",
+    "replay",
+    "format",
+    "points",
+    "details",
+    "detail_strength",
+    *_MUTATING,
+    "distinct",
+    *_WRITING,
+)
+_SHORT = {"number": "-n", "out": "-o"}
+_IDLE = (None, False, "", "mutants", (1, 1))  # what options have by default that nobody has given
 _SHOWN = 12  # differences of one object that are told without --all
 
 
@@ -49,8 +64,8 @@ def _refuse_idle(options: argparse.Namespace, names: Iterable[str], why: str) ->
     """Refuse options that would change nothing. Raises UsageError."""
     for name in names:
         value = getattr(options, name)
-        if value is not None and value is not False:
-            said = options.folder if name == "folder" else "-n" if name == "number" else f"--{name}"
+        if value not in _IDLE:
+            said = options.folder if name == "folder" else _SHORT.get(name, f"--{name.replace('_', '-')}")
             raise UsageError(f"{why}, so {said} does not apply", f"leave out {said}")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import shlex
 from pathlib import Path
 
 from ..diagnostics import CompileError
@@ -34,7 +35,8 @@ def run(options: argparse.Namespace) -> int:
         print(text, end="")
         return 0
     write_bytes(path, text.encode(), force=options.force)
-    say(f"wrote {path}, a complete category to start from\n  apgc check {path}\n  apgc render {path}")
+    typed = shlex.quote(str(path))
+    say(f"wrote {path}, a complete category to start from\n  apgc check {typed}\n  apgc render {typed}")
     return 0
 
 

@@ -6,7 +6,7 @@ import argparse
 
 from ..export.registry import FORMATS, OTHERS, object_formats
 from ..layouts.registry import LAYOUTS
-from .arguments import amount, folder, fraction, numbers, picture, place, positive, random_states, whole
+from .arguments import amount, folder, fraction, numbers, picture, positive, random_states, whole
 from .real import add_bind, add_fit
 from .shared import (
     add_backend,
@@ -67,11 +67,7 @@ def _add_fmt(to: argparse.ArgumentParser) -> None:
 def _add_new(to: argparse.ArgumentParser) -> None:
     to.add_argument("name", metavar="NAME", help="name of the category, such as DeskLamp")
     to.add_argument(
-        "-o",
-        "--out",
-        type=place,
-        metavar="FILE",
-        help="output file, or - for stdout (default: desk_lamp.apg for DeskLamp)",
+        "-o", "--out", metavar="FILE", help="output file, or - for stdout (default: desk_lamp.apg for DeskLamp)"
     )
     to.add_argument(
         "--from",
@@ -84,7 +80,7 @@ def _add_new(to: argparse.ArgumentParser) -> None:
 
 def _add_compile(to: argparse.ArgumentParser) -> None:
     add_program(to)
-    to.add_argument("-o", "--out", type=place, metavar="FILE", help="output file, or - for stdout (default: stdout)")
+    to.add_argument("-o", "--out", metavar="FILE", help="output file, or - for stdout (default: stdout)")
     stages = "; ".join(f"{name}: {text}" for name, text in EMITS.items())
     to.add_argument("--emit", choices=list(EMITS), default="graph", help=stages)
     to.add_argument("--force", action="store_true", help="overwrite an existing file")
@@ -327,9 +323,7 @@ def _add_report(to: argparse.ArgumentParser) -> None:
     shape = to.add_mutually_exclusive_group()
     shape.add_argument("--json", action="store_true", help="print the figures as JSON")
     shape.add_argument("--markdown", action="store_true", help="print a table with a row per category")
-    to.add_argument(
-        "--html", type=place, metavar="FILE", help="also write an HTML page with a picture; - prints the page alone"
-    )
+    to.add_argument("--html", metavar="FILE", help="also write an HTML page with a picture; - prints the page alone")
     to.add_argument("--reference", metavar="FILE", help="file of real sizes to compare with (default: the shipped one)")
     to.add_argument(
         "--unchecked", action="store_true", help="count objects whose links collide as valid, which is faster"
@@ -370,14 +364,12 @@ def _add_compare(to: argparse.ArgumentParser) -> None:
     add_drawing(to, 200)
     add_real(to)
     to.add_argument("--json", action="store_true", help="print the figures as JSON")
-    to.add_argument(
-        "--prior-out", type=place, metavar="FILE", help="with --map: write a prior of the presence of parts"
-    )
+    to.add_argument("--prior-out", metavar="FILE", help="with --map: write a prior of the presence of parts")
     to.add_argument("--force", action="store_true", help="overwrite an existing prior")
 
 
 def _add_layout(to: argparse.ArgumentParser) -> None:
-    to.add_argument("folder", type=place, metavar="DIR", help="a folder that `apgc export` has written in a layout")
+    to.add_argument("folder", metavar="DIR", help="a folder that `apgc export` has written in a layout")
 
 
 COMMANDS = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from .arguments import folder, place, positive, whole
+from .arguments import folder, positive, whole
 from .shared import add_program, add_real, add_sharing
 
 
@@ -26,7 +26,7 @@ def add_fit(to: argparse.ArgumentParser) -> None:
 
 
 def add_bind(to: argparse.ArgumentParser) -> None:
-    to.add_argument("fitted", type=place, metavar="FITTED", help="a folder that `apgc fit` has written")
+    to.add_argument("fitted", metavar="FITTED", help="a folder that `apgc fit` has written")
     to.add_argument(
         "files",
         nargs="*",

@@ -36,6 +36,8 @@ def run(options: argparse.Namespace) -> int:
     names = _read_names(options)
     known = read_reference(options.reference)
     alone = options.html == STREAM  # the page is what is printed
+    if options.force and (options.html is None or alone):
+        raise UsageError("--force replaces the page, and none is written", "add --html FILE, or leave out --force")
     if alone and (options.json or options.markdown):
         raise UsageError(
             "--html - writes the page to standard output, where --json and --markdown write the figures",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import UsageError, UserError
 from ..run.settings import split_settings
-from .messages import say
+from .messages import plural, say
 
 if TYPE_CHECKING:
     from ..details.dressing import Dressing
@@ -54,6 +54,8 @@ def open_wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
         raise UsageError(f"the samples in {options.program} lie as they do", "leave out --frame, or name a category")
     job = reopen(options.program)
     numbers = job.request.objects
+    if options.number is not None and options.number > len(numbers):
+        say(f"{options.program} has {plural(len(numbers), 'object')}, not {options.number}")
     if options.only is None:
         return job.of(numbers[: options.number or (len(numbers) if every else options.default_number)])
     absent = sorted(set(options.only) - set(numbers.tolist()))

@@ -73,6 +73,11 @@ class Mutation:
                     f"{told[name]} applies to the {what} of {' and '.join(of)}, not to {','.join(self.operations)}",
                     f"leave out {told[name]}, or add {of[0]} to the operations",
                 )
+        if not self.share:
+            raise UsageError(
+                f"{called.get('share', 'share')} is 0, but one template or count changes at least",
+                "give a small share for one alone; operations without apa and dpa change none",
+            )
         return self if one is None else replace(self, only=one, one=True)
 
     def plain(self) -> dict[str, Any]:
@@ -133,5 +138,9 @@ _USUAL = Mutation()
 
 
 def read_operations(names: str | Iterable[str]) -> tuple[str, ...]:
-    """``"apa,cpa"``, or a list of these."""
-    return tuple(name.strip() for name in (names.split(",") if isinstance(names, str) else names))
+    """``"apa,cpa"``, or a list of these. Raises UsageError where one is there twice: each is applied once."""
+    found = tuple(name.strip() for name in (names.split(",") if isinstance(names, str) else names))
+    twice = [name for name in found if found.count(name) > 1]
+    if twice:
+        raise UsageError(f"the operation {twice[0]} is given twice", "each is applied once, in the order apa, dpa, cpa")
+    return found

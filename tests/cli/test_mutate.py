@@ -72,6 +72,8 @@ def chest(tmp_path_factory):
         ),
         (("--replay", "FOLDER", "-n", 2), "so -n does not apply"),
         (("--diff", "a", "b"), "--diff compares what is there and makes nothing, so FOLDER does not apply"),
+        (("--ops", "apa,apa"), "the operation apa is given twice"),
+        (("--share", "0"), "--share is 0, but one template or count changes at least"),
         (("--format", "annotation", "--points", 8), "--points applies to points"),
     ],
     ids=lambda value: " ".join(map(str, value)) if isinstance(value, tuple) else "",
@@ -133,6 +135,9 @@ def test_a_trace_is_done_again_to_the_same_bytes(apgc, chest, tmp_path):
     code, out, _ = apgc("mutate", "--diff", first, second)
     assert code == 0 and out == "no difference\n"
     assert len(apg.open_samples(second)) == 10
+    for idle in (("--stats",), ("--shard", "1/2"), ("-o", "third"), ("--workers", 2)):
+        code, _, err = apgc("mutate", "--diff", first, second, *idle)
+        assert code == 2 and f"makes nothing, so {idle[0]} does not apply" in err
     code, out, _ = apgc("mutate", "--diff", first / "trace-00000.jsonl", second / "trace-00000.jsonl")
     assert code == 0 and out == "no difference\n"
 

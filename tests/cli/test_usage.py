@@ -39,6 +39,11 @@ from .helpers import CHEST, Apgc, command, environment
         (f"render {CHEST} -n 1 --tile 8", "a tile is 8 pixels wide", "from 16 to 4096"),
         ("report Door --html - --json", "--html - writes the page to standard output", "name"),
         (f"sample {CHEST} --mutate cpa --variant {10**30}", "the variant is 1000000", ""),
+        (f"sample {CHEST} --mutate apa,apa", "the operation apa is given twice", "each is applied once"),
+        ("sample Microwave --mutate=", "--mutate is empty", "a variable of the shell"),
+        (f"compile {CHEST} --emit ast -o chest.apgc", "which --emit ast is not", "another ending"),
+        (f"compile {CHEST} --force", "--force replaces a file, and none is written", "-o FILE"),
+        (f"report {CHEST} --force", "--force replaces the page, and none is written", "--html FILE"),
         ("new 3D", "`3D` cannot name", "a name such as DeskLamp"),
         ("new Cuboid", "uses the library's `Cuboid`", "another name"),
         ("new Foo -o .", ". is a folder", "write foo.apg"),
@@ -52,9 +57,10 @@ def test_wrong_words(apgc: Apgc, words: str, told: str, hint: str) -> None:
     assert len(more) <= 1 and hint in "".join(more)
 
 
-def test_a_folder_without_a_name_is_refused(apgc: Apgc) -> None:
-    code, _, err = apgc("sample", CHEST, "-o", "")
-    assert code == 2 and "the name of the output is empty" in err
+@pytest.mark.parametrize(("words", "told"), [(("-o", ""), "-o"), (("--set", " "), "--set"), (("",), "an argument")])
+def test_what_is_empty_is_refused(apgc: Apgc, words: tuple[str, ...], told: str) -> None:
+    code, _, err = apgc("sample", CHEST, *words)
+    assert code == 2 and f"error: {told} is empty" in err
 
 
 def test_a_joint_that_is_misspelt(apgc: Apgc, tmp_path: Path) -> None:
