@@ -11,7 +11,7 @@ point that holds fast, like a sucker. Either hand is a spring, which pulls the h
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -39,11 +39,12 @@ STIFF = 4000.0  # newton per metre of a hand
 _DEEP = 0.02  # units that a finger comes on to meet what it is to go along
 STEP = 1 / 500  # s
 _SPEED = 0.1  # units per second
-_WAIT = 0.4  # s at the end
+_WAIT = 0.4  # s at the end, unless all stands still before
 STILL, CALM = 1e-4, 1.5  # rad or m in a tenth of a second; s that an object is given to come to rest
 _IMPULSE = 1e-4  # N s above which a contact counts: 0.05 N over a step
 _TOWED = 8e4  # 1/s2: how stiffly a follower is drawn after its leader, by its rotor
 _LATCHED = 1e-4  # rad or m from rest within which a latch catches
+NEAR = 1e-3  # m at which shapes are looked at for contact; SAPIEN's 1 cm takes every key of a keyboard for a neighbour of many
 _BRISTLE = 1e-4  # rad or m by which a joint gives before its friction slips: P. R. Dahl, A Solid Friction Model, 1968
 
 
@@ -214,15 +215,19 @@ class Standing:
     def settle(self, values: Mapping[str, float]) -> dict[str, float] | None:
         """Where the joints come to rest from there by themselves; None if they do not in ``CALM`` seconds."""
         self.place(values)
+        return self.values() if self._calm(CALM, self.step) else None
+
+    def _calm(self, seconds: float, step: Callable[[], None]) -> bool:
+        """Step until the joints have stood still for a tenth of a second; whether they do within so many."""
         before, tenth = self.now(), round(0.1 / STEP)
-        for _ in range(round(CALM / STEP / tenth)):
+        for _ in range(round(seconds / STEP / tenth)):
             for _ in range(tenth):
-                self.step()
+                step()
             now = self.now()
             if np.abs(now - before).max(initial=0.0) < STILL:
-                return self.values()
+                return True
             before = now
-        return None
+        return False
 
     def frame(self, link: int) -> tuple[np.ndarray, np.ndarray]:
         """Where a link stands: rotation (3, 3) and origin (3,)."""
@@ -239,9 +244,6 @@ class Arena(Standing):
         self.unit, self.groups, self.pose = unit, groups, sapien.Pose
         self.number = {link.entity.name: k for k, link in enumerate(self.links)}
         skin = sapien.physx.PhysxMaterial(GRIP, GRIP, 0.01)
-        for link in self.links:
-            for shape in link.collision_shapes:
-                shape.physical_material = skin
         builder, half = self.scene.create_actor_builder(), LENGTH * unit / 2
         builder.add_capsule_collision(sapien.Pose([-half, 0, 0]), RADIUS * unit, half, material=skin)
         self.finger = builder.build(FINGER)
@@ -250,6 +252,8 @@ class Arena(Standing):
         self.mass.set_locked_motion_axes([False] * 3 + [True] * 3)
         self.mass.set_mass(_MASS)
         self.mass.set_inertia([1e-2] * 3)
+        for shape in (shape for body in (*self.links, self.mass) for shape in body.collision_shapes):
+            shape.physical_material, shape.contact_offset = skin, NEAR
         self.drive = self.scene.create_drive(None, sapien.Pose(), self.finger, sapien.Pose())
         for axis in "xyz":
             getattr(self.drive, f"set_drive_property_{axis}")(STIFF, 2 * np.sqrt(STIFF * _MASS), 1e6, "force")
@@ -290,6 +294,7 @@ class Arena(Standing):
         sideways = trial.primitive != "pushing"
         begin = touch - trial.toward * START * unit
         self._finger(begin, trial.toward)
+        self.links[0].put_to_sleep()  # it stands: what touches it wakes it
         self.step()
         if self._met() is not None:
             return BEGUN
@@ -310,8 +315,7 @@ class Arena(Standing):
             aside = line(pressed, pressed + trial.lead * FAR * unit, unit)
             for _ in self._lead(np.concatenate([line(at, pressed, unit), aside])):
                 pass
-        for _ in range(round(_WAIT / STEP)):
-            self.step()
+        self._calm(_WAIT, self.step)
         return ""
 
     def _met(self) -> int | None:
@@ -330,11 +334,17 @@ class Arena(Standing):
         """By forces at the point: a spring between hand and link would draw light links on against what their joints rub."""
         link, path = self.links[trial.link], line(point, point + trial.lead * FAR * self.unit, self.unit)
         here, before = self.pose(local), point
-        for at in (*path, *[path[-1]] * round(_WAIT / STEP)):
+
+        def draw(at: np.ndarray) -> None:
+            nonlocal before
             now = (link.entity_pose * here).p
             link.add_force_at_point(STIFF * (at - now) - _CALMED / STEP * (now - before), now)
             before = now
             self.step()
+
+        for at in path:
+            draw(at)
+        self._calm(_WAIT, lambda: draw(path[-1]))
 
 
 def line(begin: np.ndarray, end: np.ndarray, unit: float) -> np.ndarray:
