@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..annotate.gripper import meet_pieces
-from ..annotate.jacobian import find_jacobian
+from ..annotate.jacobian import find_jacobian, find_rates
 from ..export.substitute import simple_joints
 from ..geometry.vectors import cross
 from ..runtime.motion import apply
@@ -49,17 +49,19 @@ class Scene:
         """With the masses and the friction that the files of the object state."""
         stated = {joint.name: joint.friction for joint in simple_joints(robot).joints}
         rubs = np.array([stated.get(name, 0.0) for name in batch.joints().name])
-        return Scene(batch, state, _led(batch, rubs, np.abs), weights(batch, robot, state))
+        return Scene(batch, state, _led(batch, state, rubs, np.abs), weights(batch, robot, state))
 
 
 @dataclass(frozen=True)
 class Paths:
     """Of (T,) trials and the (D,) joints that drive the link: ``row`` of the joint table, -1 for none, by how much each value goes
-    up, ``gone`` (radian, metre), and the ``way`` (T, 3) of the point."""
+    up, ``gone`` (radian, metre), the ``way`` (T, 3) of the point, and by how many metres the hand ``needs`` (T,) to be behind it
+    at its end for what rubs and weighs."""
 
     row: np.ndarray
     gone: np.ndarray
     way: np.ndarray
+    needs: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -103,13 +105,14 @@ def foretell(scene: Scene, trials: Sequence[Trial], unit: float, groups: np.ndar
         why[at[~free]] = BLOCKED
         good[at[~free]] = False
     reached = (why != BLOCKED)[:, None]
-    return Forecast(good, why, Paths(paths.row, reached * paths.gone, reached * paths.way))
+    return Forecast(good, why, Paths(paths.row, reached * paths.gone, reached * paths.way, paths.needs))
 
 
 def _of(which: np.ndarray, one: Paths, other: Paths) -> Paths:
     """The paths of one where ``which`` (T,) holds, elsewhere of the other; of either the same joints drive."""
     choose = which[:, None]
-    return Paths(one.row, np.where(choose, one.gone, other.gone), np.where(choose, one.way, other.way))
+    needs = np.where(which, one.needs, other.needs)
+    return Paths(one.row, np.where(choose, one.gone, other.gone), np.where(choose, one.way, other.way), needs)
 
 
 def _goes(scene: Scene, paths: Paths, lead: np.ndarray, plain: np.ndarray, unit: float) -> np.ndarray:
@@ -138,15 +141,16 @@ def weights(batch: Batch, robot: Robot, state: np.ndarray) -> np.ndarray:
     lever = cross(axis[:, None], center[None] - place[:, None])[..., 2]
     rise = np.where(joints.that("slides")[:, None], axis[:, None, 2], lever)
     own = np.where(joints.that("slides", "turns"), (_G * mass * rise * carried).sum(axis=1), 0.0)
-    return _led(batch, own)
+    return _led(batch, state, own)
 
 
-def _led(batch: Batch, own: np.ndarray, sign: Callable[[np.ndarray], np.ndarray] = np.positive) -> np.ndarray:
+def _led(
+    batch: Batch, state: np.ndarray, own: np.ndarray, sign: Callable[[np.ndarray], np.ndarray] = np.positive
+) -> np.ndarray:
     """What is on each joint (J,) and, at the rate that they go along, on those that follow it."""
-    joints, found = batch.joints(), own.copy()
-    leads = np.asarray(joints.mimic)
-    follows = np.flatnonzero(leads >= 0)
-    np.add.at(found, leads[follows], sign(np.asarray(joints.multiplier)[follows]) * own[follows])
+    drivers, rate, _ = find_rates(batch, state)
+    found, there = own.copy(), drivers[0] >= 0
+    found[drivers[0, there]] = (sign(rate[:, there]) * own[:, None]).sum(axis=0)
     return found
 
 
@@ -175,7 +179,10 @@ def follow(scene: Scene, link: np.ndarray, point: np.ndarray, lead: np.ndarray) 
             rest = lead - steps.sum(axis=1) + steps[:, d]
             room = below[:, d], above[:, d]
             gone[:, d], steps[:, d] = _nearest(turn[:, d], speed[:, d], *room, rest, rubs[:, d], weighs[:, d])
-    return Paths(driver, gone, steps.sum(axis=1))
+    way = steps.sum(axis=1)
+    last = np.maximum(_size(speed + np.cross(turn, way[:, None])), 1e-9)
+    needs = np.where(gone != 0, np.maximum(rubs + np.sign(gone) * weighs, 0.0) / last, 0.0).max(axis=1)
+    return Paths(driver, gone, way, needs)
 
 
 def _nearest(
@@ -222,16 +229,16 @@ def take_along(
     sets off once the finger, which goes deeper where it is led into the surface, presses enough for what rubs and weighs.
     """
     ahead = -_dot(press, normal)
-    way = follow(scene, link, point, press + lead).way
+    whole = follow(scene, link, point, press + lead)
+    way = whole.way
     rise = _dot(lead - way, normal)
     out = _dot(way, normal) / np.maximum(_size(way), 1e-12)
     grip = friction * np.sqrt(np.clip(1 - out**2, 0, 1)) - out  # force along the way per force that presses
-    needed = _dot(press + lead - way, way) / np.maximum(_size(way), 1e-12)
-    ahead -= np.clip(needed, 0, None) / np.maximum(grip, 1e-9)
+    ahead -= whole.needs / np.maximum(grip, 1e-9)
     late = np.clip(-ahead / np.clip(-_dot(lead, normal), 1e-12, None), 0.0, 1.0)
     share = np.where(rise > 0, np.clip(ahead / np.where(rise > 0, rise, 1.0), 0.0, 1.0), 1.0 - late)
     found = follow(scene, link, point, press + share[:, None] * lead)
-    return Paths(found.row, np.where((grip <= 0)[:, None], 0.0, found.gone), found.way)
+    return Paths(found.row, np.where((grip <= 0)[:, None], 0.0, found.gone), found.way, found.needs)
 
 
 def _shove(
@@ -244,7 +251,7 @@ def _shove(
     slip -= _dot(slip, normal)[:, None] * normal
     slip /= np.maximum(_size(slip), 1e-12)[:, None]
     jams = _dot(friction * slip - normal, found.way) <= 0
-    return Paths(found.row, np.where(jams[:, None], 0.0, found.gone), found.way)
+    return Paths(found.row, np.where(jams[:, None], 0.0, found.gone), found.way, found.needs)
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -33,7 +33,10 @@ PRESS = 0.0024  # units that a finger is pressed in before it goes sideways
 RADIUS, LENGTH = 0.01, 0.15  # units of a finger
 _MASS = 0.2  # kg of a finger
 _CALMED = 4.0  # N s/m that a hand damps what it holds
-ROTOR = (1e-3, 0.05)  # kg m2 or kg of joints besides what they move: URDF has no place for their armature
+_ROTOR = (
+    1e-3,
+    0.05,
+)  # kg m2 or kg that joints have besides what they move, at most, and by which what follows is drawn
 GRIP = 4.0  # friction of finger and object
 STIFF = 4000.0  # newton per metre of a hand
 _DEEP = 0.02  # units that a finger comes on to meet what it is to go along
@@ -45,6 +48,7 @@ _IMPULSE = 1e-4  # N s above which a contact counts: 0.05 N over a step
 _TOWED = 8e4  # 1/s2: how stiffly a follower is drawn after its leader, by its rotor
 _LATCHED = 1e-4  # rad or m from rest within which a latch catches
 NEAR = 1e-3  # m at which shapes are looked at for contact; SAPIEN's 1 cm takes every key of a keyboard for a neighbour of many
+_LITTLE = 1e-4  # rad or m of a leader, over which is seen how fast others follow it
 _BRISTLE = 1e-4  # rad or m by which a joint gives before its friction slips: P. R. Dahl, A Solid Friction Model, 1968
 
 
@@ -94,6 +98,12 @@ def _ties(joint: RobotJoint) -> bool:
     return joint.mimic is not None and abs(joint.mimic[1]) == 1.0
 
 
+def rotor(joint: RobotJoint) -> float:
+    """The armature that MJCF and USD state, and URDF has no place for: without it a gram goes through the ends of its joint. kg m2
+    or kg, and no more than a hand does not feel."""
+    return min(joint.armature, _ROTOR[joint.kind == "prismatic"])
+
+
 @dataclass(eq=False)
 class Latch:
     """Holds a ``joint`` of SAPIEN (number ``k``) where it rests while what it waits for is not there: ``gates`` are numbers of joints, from
@@ -123,7 +133,7 @@ class Latch:
 class Standing:
     """One object in SAPIEN, its base held, with the friction and the damping that its file states. Joint values are by name,
     those of ``order``. A joint that waits for others is latched while it rests and they are not there yet: URDF cannot say so.
-    What follows another joint is drawn after it, and what it rubs its leader feels."""
+    What follows another joint is drawn after it, and what it rubs and weighs its leader feels."""
 
     def __init__(self, robot: Robot):
         sapien = _sapien()
@@ -145,10 +155,9 @@ class Standing:
         bodies = {link.name: link for link in self.body.links}
         self.links = [bodies[link.name] for link in robot.links]
         self.latches = list(self._latches(stated))
-        rotors = [ROTOR[stated[name].kind == "prismatic"] for name in self.order]
-        for joint, rotor in zip(self.active, rotors, strict=True):
-            joint.set_armature(np.array([rotor]))  # without it, a gram goes through the ends of its joint
-        self.towed = list(self._towed(stated, rotors))
+        for joint, name in zip(self.active, self.order, strict=True):
+            joint.set_armature(np.array([rotor(stated[name])]))
+        self.towed = list(self._towed(stated))
 
     def _latches(self, stated: Mapping[str, RobotJoint]) -> Iterator[Latch]:
         at = {name: k for k, name in enumerate(self.order)}
@@ -157,15 +166,13 @@ class Standing:
             if gates:
                 yield Latch(joint, k, stated[name].rest, joint.get_limits(), gates)
 
-    def _towed(
-        self, stated: Mapping[str, RobotJoint], rotors: list[float]
-    ) -> Iterator[tuple[int, int, RobotJoint, float]]:
+    def _towed(self, stated: Mapping[str, RobotJoint]) -> Iterator[tuple[int, int, RobotJoint, float]]:
         """Followers: their number, that of their leader, and how stiffly they are drawn. Leaders feel what they rub."""
         for k, name in enumerate(self.order):
             mimic = stated[name].mimic
             if mimic is None or mimic[0] not in self.order or _ties(stated[name]):
                 continue
-            yield k, self.order.index(mimic[0]), stated[name], _TOWED * rotors[k]
+            yield k, self.order.index(mimic[0]), stated[name], _TOWED * _ROTOR[stated[name].kind == "prismatic"]
             ratio = 1.0
             while mimic is not None and mimic[0] in self.order:  # up to the one that leads all
                 ratio, leader = ratio * mimic[1], self.order.index(mimic[0])
@@ -174,8 +181,15 @@ class Standing:
             self.rubs[k] = 0.0
 
     def _tow(self, now: np.ndarray) -> None:
-        for k, leader, joint, _ in self.towed:
-            self.active[k].set_drive_target(float(joint.following(now[leader])))
+        """Draw what follows, and let leaders feel what it weighs: the drive of a follower does not reach them."""
+        if not self.towed:
+            return
+        weighs, felt = np.asarray(self.body.compute_passive_force(True, False), dtype=np.float64), np.zeros(len(now))
+        for k, leader, joint, _ in reversed(self.towed):
+            here, beyond = (float(joint.following(now[leader] + more)) for more in (0.0, _LITTLE))
+            self.active[k].set_drive_target(here)
+            felt[leader] += (beyond - here) / _LITTLE * (felt[k] + weighs[k])
+        self.body.set_qf(-felt)
 
     def place(self, values: Mapping[str, float]) -> None:
         """Put the joints there, at a standstill."""

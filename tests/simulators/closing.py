@@ -18,7 +18,7 @@ from sapien import physx
 from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.states import joint_twist, own_joints
 from artipg_dsl.export.robot import Robots
-from artipg_dsl.layouts.hand import GRIP, ROTOR, STEP, untied
+from artipg_dsl.layouts.hand import GRIP, STEP, rotor, untied
 from artipg_dsl.runtime.batch import Batch
 
 from .fingers import LONG, THICK, Hand, turned
@@ -152,7 +152,7 @@ def grips(batch: Batch) -> list[Grip]:
                     shape.physical_material = skin
             for joint in subject.moving:
                 if joint.name in sim.joint:
-                    sim.joint[joint.name].set_armature(np.array([ROTOR[joint.kind == "prismatic"]]))
+                    sim.joint[joint.name].set_armature(np.array([rotor(joint)]))
             bodies = {link.name: link.entity for link in sim.articulation.links}
             for grasp, joint, path in chosen:
                 low, high = (rest[joint] if np.isnan(e) else float(e) for e in (joints.low[joint], joints.high[joint]))

@@ -198,10 +198,52 @@ def test_a_follower_goes_along_and_does_not_hold_its_leader() -> None:
     standing = Standing(Robots(Session.of_text(TOWED).sampler.batch(np.arange(1), 0)).robot(0))
     turn, rise = (standing.order.index(name) for name in ("turn", "rise"))
     standing.place({"turn": 0.0, "rise": 0.0})
-    push = np.zeros(2)
-    push[turn] = 0.05
     for _ in range(100):
-        standing.body.set_qf(push)
+        standing.links[1].add_force_torque([0, 0, 0], [0.05, 0, 0])
         standing.step()
     now = standing.now()
     assert now[turn] > 0.3 and abs(now[rise] - 1e-3 * now[turn]) < 2e-4
+
+
+def test_a_leader_feels_what_its_follower_weighs() -> None:
+    """A kilogram that rises by 2 cm a radian turns a knob back that 0.01 Nm hold, and not one that 0.5 Nm hold."""
+    from artipg_dsl.export.robot import Robots
+    from artipg_dsl.layouts.hand import Standing
+
+    def left(friction: str) -> float:
+        text = TOWED.replace("1mm / 1rad", "20mm / 1rad").replace("0mm .. 2mm", "0mm .. 40mm")
+        text = text.replace("[1cm, 1cm, 4cm]", "[10cm, 10cm, 10cm]").replace("0.01Nm", friction)
+        standing = Standing(Robots(Session.of_text(text).sampler.batch(np.arange(1), 0)).robot(0))
+        standing.place({"turn": 1.0, "rise": 0.02})
+        for _ in range(200):
+            standing.step()
+        return standing.values()["turn"]
+
+    assert left("0.01Nm") < 0.5 and abs(left("0.5Nm") - 1.0) < 1e-2
+
+
+KNOB = """apg 1
+use primitives { Cuboid, Cylinder }
+category Knob {
+  root part body : Cuboid(size = [20cm, 20cm, 20cm])
+  part knob : Cylinder(radius = 6mm, height = 16mm) along x
+  align knob.back = body.front + 1mm
+  joint turn : continuous body -> knob about knob.axis
+}
+"""
+
+
+def test_a_finger_turns_a_knob_that_is_smaller_than_its_way() -> None:
+    """How far the finger has got beyond it is no force that the knob takes: only what rubs is."""
+    from artipg_dsl.layouts.forecast import Scene, take_along
+
+    made = Session.of_text(KNOB).sampler.batch(np.arange(1), 0)
+    normal, lead = np.array([[0.0, 0, 1]]), 0.018 * np.array([[0.77, 0.63, -0.03]])
+    point = np.array([[0.11, 0, 0.106]])  # 6 mm above the axis
+
+    def goes(rubs: float) -> np.ndarray:
+        scene = Scene(made, np.zeros(1), np.array([rubs]), np.zeros(1), 4000.0)
+        return take_along(scene, np.ones(1, dtype=np.int64), point, normal, 8e-4 * -normal, lead, 4.0).way[0]
+
+    assert goes(0.02) @ lead[0] > 0.5 * np.sqrt(goes(0.02) @ goes(0.02)) * 0.018 > 1e-5
+    assert not goes(1.0).any()
