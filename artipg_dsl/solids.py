@@ -9,7 +9,7 @@ from .diagnostics import Report
 from .geometry import facts
 from .geometry.errors import PrimitiveError
 from .geometry.patches import evaluate_rows
-from .geometry.selftest import find_box_fault, measure_missed
+from .geometry.selftest import find_box_fault, find_inside_fault, find_piece_beyond, measure_missed
 from .geometry.topology import orientation, seams
 from .geometry.trial import draw_any, variants
 from .graph.primitive import Primitive
@@ -29,6 +29,7 @@ _BROAD = "bend it less, or use a thinner section"
 _TRIED = 256  # test values at which a bend is looked at
 # of its size that a solid reaches beyond its pieces, or its box beyond it: worth a warning, and an error
 LOOSE, ABSENT = 0.05, 0.1
+STEEP = 0.02  # of a slope beyond 1 that is worth a warning
 _NARROW = "does the path cross or touch itself, or bend more tightly than its section allows? Narrow the ranges in its formula"
 
 
@@ -45,6 +46,8 @@ def check_closed(solids: Mapping[Any, Lowered], report: Report) -> None:
             examine_primitive(lowered.primitive)
             _cover(symbol, lowered, report)
             _enclose(own, lowered, report)
+            if _is_distance(own, lowered, report):
+                _hold(own, lowered, report)
         except PrimitiveError as error:
             _tell(own, lowered, error, report)
 
@@ -69,9 +72,24 @@ def _enclose(symbol: Symbol, lowered: Lowered, report: Report) -> None:
         report.warning("leaky-primitive", stated[0].span, said, hint=hint)
 
 
+def _is_distance(symbol: Symbol, lowered: Lowered, report: Report) -> bool:
+    """Warn of an inside function that an author states and that is no distance: what is hidden, and what weighs, is told by it."""
+    stated = _stated(symbol, ast.InsideDecl)
+    if not stated:
+        return True
+    fault = facts.recall_fact(
+        lowered.primitive, "distance", lambda: find_inside_fault(lowered.primitive, STEEP), lambda f: f, _words
+    )
+    if fault is not None:
+        said = f"the inside function of the primitive `{symbol.name}` disagrees with its surfaces: {fault}"
+        hint = "`inside` is a length: negative within all of the solid, and from place to place it changes by no more than the way"
+        report.warning("leaky-primitive", stated[0].span, said, hint=hint)
+    return fault is None
+
+
 def _words(data: Any) -> str | None:
     if data is not None and not isinstance(data, str):
-        raise TypeError("what is wrong with a box is words")
+        raise TypeError("what is wrong is words")
     return data
 
 
@@ -95,6 +113,28 @@ def _cover(symbol: Symbol, lowered: Lowered, report: Report) -> None:
     )
 
 
+def _hold(symbol: Symbol, lowered: Lowered, report: Report) -> None:
+    """Warn of convex pieces that reach out of a solid whose surfaces an author states: something would touch them there."""
+    if not _stated(symbol, ast.SurfaceDecl):
+        return
+    found = facts.recall_fact(
+        lowered.primitive, "beyond", lambda: find_piece_beyond(lowered.primitive, LOOSE), lambda f: f, _named
+    )
+    if found is None:
+        return
+    name, words = found
+    stated = [s for s in _stated(symbol, ast.PieceDecl) if isinstance(s, ast.PieceDecl)]
+    place = next((s.span for s in stated if s.name == name.partition("[")[0]), symbol.decl.name_span)
+    report.warning(
+        "missing-pieces",
+        place,
+        f"a piece of the primitive `{symbol.name}` reaches out of it: {words}"
+        if stated
+        else f"the primitive `{symbol.name}` is concave, and has no pieces: its hull {words.removeprefix('this piece ')}",
+        hint="collisions are computed from the convex pieces: give pieces that fill the solid, each within it",
+    )
+
+
 def examine_primitive(primitive: Primitive) -> None:
     """Raises PrimitiveError for the first fault; that there is none is kept between runs."""
 
@@ -111,6 +151,16 @@ def _true(data: object) -> bool:
     if data is not True:
         raise ValueError("a primitive is known to be closed, or nothing is known")
     return True
+
+
+def _named(data: Any) -> tuple[str, str] | None:
+    """A name and words, from data."""
+    if data is None:
+        return None
+    name, words = data
+    if not isinstance(name, str) or not isinstance(words, str):
+        raise TypeError("a piece is named, and what it does is words")
+    return name, words
 
 
 def _distance(data: Any) -> tuple[float, str] | None:

@@ -34,6 +34,7 @@ _OPEN = 1000  # places that no piece covers, of which the furthest is sought
 _FINE = 96  # steps per turn of the mesh that stands for the true shape
 _PLACES = 64  # places per surface
 _VOLUME = 4096  # places in the box
+_FEW, _COARSE = 1024, 24  # places and steps where faults that matter are looked for alone
 _AT_ONCE = 8192  # places asked at a time, so that the terms stay in the caches
 
 
@@ -61,7 +62,7 @@ def check_primitive(primitive: Primitive, samples: int = 12) -> list[Finding]:
         return [Finding(primitive.name, check, error.patch, error.words)]
     inspection = _Inspection(primitive, params)
     out: list[Finding] = []
-    for examine in (_surfaces, _slope, _box, _areas, _volume, _pieces):
+    for examine in (_surfaces, _slope, _box, _areas, _filled, _moments, _pieces):
         for name, where, message in examine(inspection):
             out.append(Finding(primitive.name, name, where, message))
     return out
@@ -73,19 +74,23 @@ _Report = Iterator[tuple[str, str | None, str]]
 class _Inspection:
     """What the checks share: places on the surfaces and in the boxes of the test values."""
 
-    def __init__(self, primitive: Primitive, params: Params):
-        self.primitive, self.params = primitive, params
+    def __init__(self, primitive: Primitive, params: Params, each: int = _VOLUME, steps: int = _FINE):
+        self.primitive, self.params, self.each = primitive, params, each
         self.count = rows_of(params)
         self.low, self.high = bounds(primitive, params)
         self._split = inside_split(primitive)
         self._rows = self._split.rows(params)
-        self.fine = mesh.build(primitive, params, _FINE)
+        self.fine = mesh.build(primitive, params, steps)
         low, high = np.empty((self.count, 3)), np.empty((self.count, 3))
         for group in self.fine:
             low[group.rows], high[group.rows] = group.vertices.min(axis=1), group.vertices.max(axis=1)
         self.mesh_low, self.mesh_high = low, high
         self.diagonal = np.sqrt(((high - low) ** 2).sum(axis=1))
-        self.areas = surface.areas(primitive, params)
+
+    @cached_property
+    def areas(self) -> np.ndarray:
+        """(rows, patches) by formula."""
+        return surface.areas(self.primitive, self.params)
 
     def inside(self, row: np.ndarray, points: np.ndarray) -> np.ndarray:
         """(m,) the inside function of rows at points (m, 3)."""
@@ -108,12 +113,20 @@ class _Inspection:
     @cached_property
     def in_boxes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Rows (m,), places (m, 3) spread over boxes a tenth wider than those of the meshes, and the inside function there (m,)."""
-        row = np.repeat(np.arange(self.count), _VOLUME)
+        row = np.repeat(np.arange(self.count), self.each)
         x, y = self.numbers("volume", len(row))
         z, _ = self.numbers("height", len(row))
         fraction = np.stack([x, y, z], axis=-1) * 1.1 - 0.05
         points = self.mesh_low[row] + fraction * (self.mesh_high - self.mesh_low)[row]
         return row, points, self.inside(row, points)
+
+    @cached_property
+    def moments(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Volumes (rows,), centres (rows, 3) and inertias (rows, 3, 3) of the fine meshes."""
+        volume, centre, inertia = np.empty(self.count), np.empty((self.count, 3)), np.empty((self.count, 3, 3))
+        for group in self.fine:
+            volume[group.rows], centre[group.rows], inertia[group.rows] = mesh.moments(group.vertices, group.faces)
+        return volume, centre, inertia
 
     def at(self, row: int) -> str:
         """The test value of a row, for messages."""
@@ -151,7 +164,7 @@ def _surfaces(seen: _Inspection) -> _Report:
             )
 
 
-def _slope(seen: _Inspection) -> _Report:
+def _slope(seen: _Inspection, most: float = 1e-6) -> _Report:
     """The inside function is a length: it changes by no more than the distance, and outside by JUMP of itself more.
 
     A sweep of a section that is not round is measured from the nearest place of its path. Where two places are as near, far out in
@@ -165,7 +178,7 @@ def _slope(seen: _Inspection) -> _Report:
     change = np.abs(seen.inside(row, points + step[:, None] * direction) - value)
     change = (change - _JUMP * np.maximum(value, 0.0)) / step
     worst = int(np.argmax(change))
-    if change[worst] > 1 + 1e-6:
+    if change[worst] > 1 + most:
         yield (
             "slope",
             None,
@@ -233,14 +246,12 @@ def _areas(seen: _Inspection) -> _Report:
                 yield "area", name, f"its area differs from the mesh by {100 * error[worst]:.3g} % ({seen.at(row)})"
 
 
-def _volume(seen: _Inspection) -> _Report:
-    """The share of the box that the inside function fills is that of the mesh; moments by quadrature are those of the mesh."""
+def _filled(seen: _Inspection) -> _Report:
+    """The share of the box that the inside function fills is that of the mesh."""
     _, _, value = seen.in_boxes
     filled = (value < 0).reshape(seen.count, -1).mean(axis=1)
     box = np.prod(1.1 * (seen.mesh_high - seen.mesh_low), axis=1)
-    expected, centre, inertia = np.empty(seen.count), np.empty((seen.count, 3)), np.empty((seen.count, 3, 3))
-    for group in seen.fine:
-        expected[group.rows], centre[group.rows], inertia[group.rows] = mesh.moments(group.vertices, group.faces)
+    expected = seen.moments[0]
     if (expected <= 0).any():
         yield (
             "volume",
@@ -249,11 +260,18 @@ def _volume(seen: _Inspection) -> _Report:
         )
         return
     share = expected / box
-    error = np.abs(filled - share) - 5 * np.sqrt(share * np.maximum(1 - share, 0) / _VOLUME) - 2e-3
+    error = np.abs(filled - share) - 5 * np.sqrt(share * np.maximum(1 - share, 0) / seen.each) - 2e-3
     worst = int(np.argmax(error))
     if error[worst] > 0:
         shares = f"{100 * share[worst]:.3g} % of the space, the inside function {100 * filled[worst]:.3g} %"
         yield "volume", None, f"the mesh fills {shares} ({seen.at(worst)})"
+
+
+def _moments(seen: _Inspection) -> _Report:
+    """Moments by quadrature are those of the mesh."""
+    expected, centre, inertia = seen.moments
+    if (expected <= 0).any():
+        return  # told with what is filled
     exact = quadrature.volume_inertia(seen.primitive, seen.params)
     far = np.sqrt(((exact[1] - centre) ** 2).sum(axis=1)) / seen.diagonal
     off = {
@@ -274,6 +292,17 @@ def _volume(seen: _Inspection) -> _Report:
 
 def _pieces(seen: _Inspection) -> _Report:
     """Convex pieces lie within the solid and leave out no more than a quarter of a wall."""
+    for _, name, words in _beyond(seen):
+        yield "pieces", name, words
+    row, _, covered = _covered(seen, pieces.build(seen.primitive, seen.params))
+    share = 1 - covered.mean()
+    if share > _MISSED:
+        worst = int(np.argmin(covered))
+        yield "pieces", None, f"no piece covers {100 * share:.3g} % of the depth of the solid ({seen.at(row[worst])})"
+
+
+def _beyond(seen: _Inspection, most: float = _WITHIN) -> Iterator[tuple[float, str, str]]:
+    """How far the declared pieces reach out of the solid, as shares of its size above ``most``: each with its name, and in words."""
     groups = pieces.build(seen.primitive, seen.params)
     furthest: dict[str, tuple[float, int, str]] = {}  # per declared piece, the worst of all its indices
     asked = [_on_piece(group) for group in groups]
@@ -285,16 +314,11 @@ def _pieces(seen: _Inspection) -> _Report:
         begin += len(out)
         worst = int(np.argmax(out))
         declared = group.name.partition("[")[0]
-        if out[worst] > max(_WITHIN, furthest.get(declared, (0.0, 0, ""))[0]):
+        if out[worst] > max(most, furthest.get(declared, (0.0, 0, ""))[0]):
             furthest[declared] = (float(out[worst]), int(group.rows[worst // points.shape[1]]), group.name)
     for out_by, at, name in furthest.values():
         length = 1000 * out_by * seen.diagonal[at]
-        yield "pieces", name, f"this piece reaches {length:.4g} mm out of the solid ({seen.at(at)})"
-    row, _, covered = _covered(seen, groups)
-    share = 1 - covered.mean()
-    if share > _MISSED:
-        worst = int(np.argmin(covered))
-        yield "pieces", None, f"no piece covers {100 * share:.3g} % of the depth of the solid ({seen.at(row[worst])})"
+        yield out_by, name, f"this piece reaches {length:.4g} mm out of the solid ({seen.at(at)})"
 
 
 def _covered(seen: _Inspection, groups: list[pieces.PieceGroup]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -323,6 +347,20 @@ def _covered(seen: _Inspection, groups: list[pieces.PieceGroup]) -> tuple[np.nda
 def find_box_fault(primitive: Primitive, wide: float) -> str | None:
     """Where, at a few test values, surfaces leave the stated box or it is ``wide`` of their size beyond them; None if nowhere."""
     return next((words for _, _, words in _box(_Inspection(primitive, draw_trial(primitive, 2)), _LOOSE, wide)), None)
+
+
+def find_inside_fault(primitive: Primitive, steep: float) -> str | None:
+    """Where, at a few test values, the inside function rises by ``steep`` more than the distance, or does not fill what the surfaces
+    enclose; None if nowhere."""
+    seen = _Inspection(primitive, draw_trial(primitive, 2), _FEW, _COARSE)
+    return next((words for _, _, words in (*_slope(seen, steep), *_filled(seen))), None)
+
+
+def find_piece_beyond(primitive: Primitive, most: float) -> tuple[str, str] | None:
+    """The piece that reaches furthest out of the solid at a few test values, by ``most`` of its size at least: its name, and in words."""
+    seen = _Inspection(primitive, draw_trial(primitive, 2), _FEW, _COARSE)
+    found = max(_beyond(seen, most), default=None)
+    return None if found is None else found[1:]
 
 
 def measure_missed(primitive: Primitive) -> tuple[float, str] | None:

@@ -169,7 +169,44 @@ WRONG = {
 
 
 def test_a_sound_rod_has_no_findings():
-    assert findings(ROD) == []
+    assert findings(ROD.replace("30deg .. 360deg", "30deg .. 170deg")) == []
+
+
+def test_a_concave_primitive_without_pieces_is_told_of():
+    (finding,) = findings(ROD)  # a sector of more than half a turn: its hull fills what is cut out
+    assert (finding.code, finding.severity, finding.span.line) == ("missing-pieces", "warning", 2)
+    assert "is concave, and has no pieces: its hull reaches" in finding.message and "span = " in finding.message
+
+
+INSIDE = "max(abs(p.x) - side / 2, abs(p.y) - side / 2, abs(p.z) - rise / 2)"
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (f"2 * {INSIDE}", "the slope of the inside function reaches 2, not 1"),
+        (
+            f"max({INSIDE}, (0.45 - max(abs(p.x) / side, abs(p.y) / side, abs(p.z) / rise)) * min(side, rise))",
+            "% of the space, the inside function",
+        ),
+    ],
+)
+def test_an_inside_function_that_is_no_distance_is_told_of(text, told):
+    (finding,) = findings(PLATE.replace(INSIDE, text) + CATEGORY)
+    assert (finding.code, finding.severity, finding.span.line) == ("leaky-primitive", "warning", 11)
+    assert "the inside function of the primitive `Plate` disagrees with its surfaces" in finding.message
+    assert told in finding.message, finding.message
+
+
+def test_a_piece_that_reaches_out_of_its_solid_is_told_of():
+    corners = ", ".join(
+        f"[{x}side / 2, {y}side / 2, {z}rise / 2]" for x in ("", "-") for y in ("", "-") for z in ("", "-")
+    )
+    sound = PLATE.replace("  box", f"  piece all = hull({corners})\n  box")
+    assert findings(sound + CATEGORY) == []
+    (finding,) = findings(sound.replace("hull([side / 2,", "hull([side,") + CATEGORY)
+    assert (finding.code, finding.severity, finding.span.line) == ("missing-pieces", "warning", 12)
+    assert "a piece of the primitive `Plate` reaches out of it: this piece reaches" in finding.message
 
 
 @pytest.mark.parametrize("name", WRONG)

@@ -335,7 +335,8 @@ STRUCTURE = (
         Contacts are computed from the convex pieces, so other parts could pass into a solid that its `piece` statements
         cover only in part. It is an error if, at one of the test values, some place within the solid is further than a
         tenth of its size from all pieces, and a warning from a twentieth on. The place shown is the furthest one. A
-        thin gap at a curved surface is fine.
+        thin gap at a curved surface is fine. A piece that reaches out of the solid by a twentieth of its size is a
+        warning, too, as is the hull of a concave primitive that has no pieces.
         """,
         """
         apg 1
@@ -362,7 +363,8 @@ STRUCTURE = (
         The surfaces of a primitive meet along whole edges and enclose its inside, all normals outwards, for every one
         of its test values. The place shown is a surface with an edge that meets no other. Otherwise the mesh, which is
         made from these formulas alone, would not be watertight. Compare the formulas of the two surfaces at that edge,
-        and the signs and ranges of u and v. A stated box is that of the surfaces, too: parts are placed by it.
+        and the signs and ranges of u and v. A stated box is that of the surfaces, too: parts are placed by it; and a
+        stated inside function is a distance to them, with a slope of at most 1, that is negative in all of the solid.
         """,
         """
         apg 1
