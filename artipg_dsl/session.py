@@ -62,8 +62,13 @@ def _locate(name: str | Path, report: Report) -> Path | None:
         return known[text.lower().replace("_", "")]
     if path.exists():
         return path
+    if path.suffix or path.name != text:
+        hint = "a program is an .apg file" if path.suffix else "check the path, and end it with .apg"
+        report.error("missing-file", None, f"there is no file {text}", hint=hint)
+        return None
     hint = (
-        did_you_mean(text, shipped)
+        (f"did you mean `{text}.apg`?" if path.with_suffix(".apg").is_file() else None)
+        or did_you_mean(text, shipped)
         or f"the shipped categories are {', '.join(shipped)}; or give the path of an .apg file"
     )
     report.error("missing-file", None, f"there is no category `{text}`", hint=hint)

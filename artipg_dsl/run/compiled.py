@@ -31,7 +31,9 @@ def read_compiled(path: str | Path) -> Program:
         raise UserError(f"there is no file {path}", "`apgc compile NAME -o FILE.apgc` makes one") from None
     except OSError as error:
         raise UserError(f"{path} cannot be read: {error.strerror}") from None
-    except (TextError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError:
+        raise UserError(f"{path}: this is not a compiled program", _AGAIN) from None
+    except TextError as error:
         raise UserError(f"{path}: {error}", _AGAIN) from None
     except RecursionError:
         raise UserError(f"{path}: the compiled program is nested too deeply", _AGAIN) from None

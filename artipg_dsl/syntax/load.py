@@ -25,10 +25,15 @@ def load(path: Path, report: Report, name: str | None = None) -> Source | None:
         report.error("missing-file", None, f"{shown} cannot be read: {error.strerror}")
         return None
     try:
-        return Source(shown, data.decode("utf-8-sig").replace("\r\n", "\n"))
+        return Source(shown, _as_lines(data.decode("utf-8-sig")))
     except UnicodeDecodeError as error:
-        text = data[: error.start].decode("utf-8", "replace").replace("\r\n", "\n") + "\N{REPLACEMENT CHARACTER}"
+        text = _as_lines(data[: error.start].decode("utf-8", "replace")) + "\N{REPLACEMENT CHARACTER}"
         source = Source(shown, text)
         span = Span(source, len(text) - 1, len(text))
         report.error("not-utf8", span, "this file is not UTF-8 text", hint="save the file with UTF-8 encoding")
         return None
+
+
+def _as_lines(text: str) -> str:
+    """The text with the ends of lines of any system as one character."""
+    return text.replace("\r\n", "\n").replace("\r", "\n")

@@ -293,6 +293,13 @@ def _at_beginning(
             f"no statement begins with `{token.value}`; the one above ended at the end of its line",
             f"move `{token.value} ...` up: a statement continues on the next line only in brackets or after `,`, `=` or an operator",
         )
+    equation = re.match(r"((?:\.\w+|\[[^\]\n]*\])*) *=(?!=)", text[token.end_pos or 0 :])
+    if equation is not None and not top:
+        verb = "align" if equation[1] else "let"
+        return found(
+            f"no statement begins with `{token.value}`",
+            f"write `{verb} {token.value}{equation[1]} = ...`: `align` states an equation, `let` names a value",
+        )
     near = suggest(token.value, [words[b] for b in beginners if b in words])
     hint = f"did you mean `{near}`?" if near else None
     if hint is None:
@@ -339,6 +346,8 @@ def _two_values(token: Token, last: Token, history: list[Token], accepted: set[s
     words = [t for t in history if t.type in statement_words() or t.type in ("IN", "RANGE", "EACH", "TEST")]
     if words and words[-1].type in ("IN", "RANGE", "EACH", "TEST") and token.type in ("NUMBER", "QUANTITY", "FRACTION"):
         return found("`..` is missing between the ends of this range", "a range is written `low .. high`")
+    if words and words[-1].type == "JOINT" and history[-1] is last and history[-2:-1] == [words[-1]]:
+        return found("`:` is missing between the name and its kind", "`joint name : kind parent -> child`")
     if words and words[-1].type == "JOINT" and "ARROW" not in {t.type for t in history[history.index(words[-1]) :]}:
         return found(f"`->` is missing before `{token.value}`", "`joint name : kind parent -> child`")
     if (

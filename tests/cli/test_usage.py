@@ -162,6 +162,27 @@ def test_a_package_that_lacks_something(
     assert code == 1 and all(words in err for words in told)
 
 
+@pytest.mark.parametrize("end", ["\r\n", "\r"])
+def test_ends_of_lines_of_other_systems(apgc: Apgc, tmp_path: Path, end: str) -> None:
+    text = Path(CHEST).read_text().replace("root part trunk", "root prt trunk")
+    (tmp_path / "chest.apg").write_bytes(text.replace("\n", end).encode())
+    code, out, _ = apgc("check", tmp_path / "chest.apg")
+    assert code == 1 and "chest.apg:18:8\n" in out
+
+
+def test_a_program_that_is_not_there(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "stool.apg").write_text("apg 1\n")
+    (tmp_path / "bad.apgc").write_bytes(b"\x87\xff")
+    for name, told in (
+        ("stool", "did you mean `stool.apg`?"),
+        ("stool.txt", "there is no file stool.txt\n  = help: a program is an .apg file"),
+        ("parts/stool", "there is no file parts/stool\n  = help: check the path, and end it with .apg"),
+    ):
+        assert told in apgc("check", name)[1]
+    assert "bad.apgc: this is not a compiled program\n" in apgc("sample", "bad.apgc")[2]
+
+
 def test_a_folder_that_is_called_like_a_category(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "Chair").mkdir()
