@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 try:
     import torch
     from torch.utils.data import Dataset, IterableDataset, get_worker_info
+    from torch.utils.data._utils.collate import default_collate_fn_map
 except ImportError as missing:
     from .errors import UserError
 
@@ -26,15 +27,29 @@ from .arguments import read_whole
 from .errors import UsageError
 from .loaders import Drop, Jitter, Normalise, Occlude, Scale, Turn, View
 
-Batch = dict[str, torch.Tensor]
+Item = dict[str, torch.Tensor]
+
+
+class Batch(Item):
+    """What a ``Stream`` makes at once. A DataLoader that would put several into one, with one axis more, is told of it."""
+
+
+def _refuse(*_: Any, **__: Any) -> NoReturn:
+    raise UsageError(
+        "a Stream makes whole batches, and the DataLoader puts them into others", "give it batch_size=None"
+    )
+
+
+default_collate_fn_map[Batch] = _refuse
 
 
 class Stream(IterableDataset[Batch]):
     """Batches of objects made on the way; the arguments are those of ``loaders.Stream``, and ``rank`` of ``world``.
 
-    It makes whole batches: give the DataLoader ``batch_size=None``. ``set_epoch(e)`` makes other objects (or, without ``fresh``, other
-    random states and transforms), also in workers that persist; an epoch that is repeated has the same batches. ``rank`` and ``world``: which
-    of how many processes this is, by default as ``torch.distributed`` says; each has as many batches. Raises as ``loaders.Stream``.
+    It makes whole batches: give the DataLoader ``batch_size=None``; another raises UsageError. ``set_epoch(e)`` makes other objects (or,
+    without ``fresh``, other random states and transforms), also in workers that persist; an epoch that is repeated has the same batches.
+    ``rank`` and ``world``: which of how many processes this is, by default as ``torch.distributed`` says; each has as many batches. Raises
+    as ``loaders.Stream``.
     """
 
     def __init__(self, *args: Any, rank: int | None = None, world: int | None = None, **options: Any):
@@ -60,10 +75,10 @@ class Stream(IterableDataset[Batch]):
         info, epoch = get_worker_info(), int(self._epoch)
         first, step = (0, 1) if info is None else (info.id, info.num_workers)
         for k in range(first, len(self), step):
-            yield _to_tensors(self.source.batch(k * self.world + self.rank, epoch))
+            yield Batch(_to_tensors(self.source.batch(k * self.world + self.rank, epoch)))
 
 
-class Stored(Dataset[Batch]):
+class Stored(Dataset[Item]):
     """Items of folders that ``apgc sample`` has written; the arguments are those of ``loaders.Stored``.
 
     Works with samplers, ``batch_size`` and ``shuffle`` of the DataLoader. ``set_epoch`` makes new random numbers for the transforms, also
@@ -82,16 +97,16 @@ class Stored(Dataset[Batch]):
     def __len__(self) -> int:
         return len(self.source)
 
-    def __getitem__(self, item: int) -> Batch:
+    def __getitem__(self, item: int) -> Item:
         return {name: values[0] for name, values in _to_tensors(self.source.take([item], int(self._epoch))).items()}
 
-    def __getitems__(self, items: Sequence[int]) -> list[Batch]:
+    def __getitems__(self, items: Sequence[int]) -> list[Item]:
         """What a DataLoader asks for: the items of a batch at once."""
         made = _to_tensors(self.source.take(items, int(self._epoch)))
         return [{name: values[k] for name, values in made.items()} for k in range(len(items))]
 
 
-def _to_tensors(arrays: loaders.tasks.Arrays) -> Batch:
+def _to_tensors(arrays: loaders.tasks.Arrays) -> Item:
     return {name: torch.from_numpy(array) for name, array in arrays.items()}
 
 

@@ -35,6 +35,12 @@ def test_any_number_of_workers_gives_the_same_batches(stream: Stream, chest: Pat
         np.testing.assert_array_equal(made[2]["points"].numpy(), source.batch(2, epoch)["points"])
 
 
+@pytest.mark.parametrize("options", [{}, {"batch_size": 2}, {"num_workers": 1}])
+def test_batches_are_not_batched_again(stream: Stream, options: dict[str, int]) -> None:
+    with pytest.raises(UsageError, match=r"makes whole batches(?s:.*)batch_size=None"):
+        next(iter(DataLoader(stream, **options)))
+
+
 def test_an_epoch_is_a_whole_number(stream: Stream, folders: list[Path]) -> None:
     for data in (stream, Stored(folders)):
         for wrong in (-1, 0.5):
