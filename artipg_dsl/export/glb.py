@@ -14,6 +14,7 @@ import numpy as np
 
 from ..runtime.motion import perpendicular_to
 from .materials import to_linear
+from .naming import Names
 from .pose import open_values, rest_values
 from .primitives import SeenMaterial
 from .robot import Robot, RobotJoint
@@ -75,13 +76,15 @@ def glb_bytes(robot: Robot) -> bytes:
         top["extras"] |= {"surface": robot.note}
     # node 0 turns the axes, node 1 + k is link k, primitives follow
     nodes: list[dict[str, Any]] = [top, *({"name": link.name} for link in robot.links)]
-    taken = {node["name"] for node in nodes}
+    links = {node["name"] for node in nodes}
+    named = Names(links)
     for k, link in enumerate(robot.links):
         children = nodes[1 + k].setdefault("children", [])
         for visual in link.visuals:
-            meshes.append(_mesh(visual, link.origin, buffer, looks))
-            name = f"{visual.name}.solid" if visual.name in taken else visual.name  # the link keeps the plain name
-            nodes.append({"name": name, "mesh": len(meshes) - 1})
+            # the link keeps the plain name, and of several primitives of a part the first
+            name = named(f"{visual.name}.solid" if visual.name in links else visual.name)
+            meshes.append(_mesh(visual, name, link.origin, buffer, looks))
+            nodes.append({"name": name, "mesh": len(meshes) - 1, "extras": {"part": visual.name}})
             children.append(len(nodes) - 1)
     values = rest_values(robot)
     for joint in robot.joints:
@@ -123,7 +126,9 @@ def _pack(document: dict[str, Any], binary: bytes) -> bytes:
     return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks
 
 
-def _mesh(visual: Any, origin: np.ndarray, buffer: _Buffer, looks: dict[SeenMaterial, int]) -> dict[str, Any]:
+def _mesh(
+    visual: Any, name: str, origin: np.ndarray, buffer: _Buffer, looks: dict[SeenMaterial, int]
+) -> dict[str, Any]:
     group, k = visual.item.group, visual.item.k
     shading = group.shading
     position = (group.vertices[k][shading.source] - origin).astype("<f4")
@@ -138,7 +143,7 @@ def _mesh(visual: Any, origin: np.ndarray, buffer: _Buffer, looks: dict[SeenMate
         "indices": buffer.add(index, "SCALAR", UNSIGNED_SHORT if small else UNSIGNED_INT, INDICES),
         "material": looks.setdefault(visual.look, len(looks)),
     }
-    return {"name": visual.name, "primitives": [primitive]}
+    return {"name": name, "primitives": [primitive]}
 
 
 def _material(look: SeenMaterial) -> dict[str, Any]:

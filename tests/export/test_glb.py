@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from artipg_dsl import api as apg
 from artipg_dsl.export.glb import glb_bytes, open_values
 from artipg_dsl.export.materials import to_linear
 from artipg_dsl.export.robot import Robot, Robots
@@ -48,6 +49,17 @@ def test_trimesh_reads_links_and_primitives_standing_upright(robot: Robot) -> No
     for solid in scene.geometry.values():
         solid.merge_vertices(merge_norm=True)
         assert solid.is_watertight and solid.volume > 0
+
+
+def test_every_node_has_a_name_of_its_own_and_tells_its_part() -> None:
+    robot = Robots(apg.sample("Bottle", n=1).batch).robot(0)
+    document, _ = parse(glb_bytes(robot))
+    names = [node["name"] for node in document["nodes"]]
+    seen = [visual.name for link in robot.links for visual in link.visuals]
+    assert len(set(names)) == len(names) and len({mesh["name"] for mesh in document["meshes"]}) == len(seen)
+    told = [node["extras"]["part"] for node in document["nodes"] if "mesh" in node]
+    assert sorted(told) == sorted(seen) and len(set(told)) < len(told)
+    assert any(name.endswith("_2") and name.removesuffix("_2") in names for name in names)
 
 
 def test_colours_are_linear_and_glass_is_blended(robot: Robot) -> None:
