@@ -17,7 +17,7 @@ import numpy as np
 
 from ..geometry.vectors import dot
 from ..runtime.motion import apply, rotation_about
-from .bodies import Pieces, enumerate_ranges
+from .bodies import FULL, Pieces, enumerate_ranges
 from .cells import add_columns, examine_cells
 from .tree import Tree
 
@@ -121,12 +121,14 @@ def _swept(
     if len(rows):
         least, most, axis, arm, half = least[rows], most[rows], axis[rows], arm[rows], half[rows]
         lows, highs = np.full((len(rows), 3), np.inf), np.full((len(rows), 3), -np.inf)
-        step = (most - least) / _SLICES
+        step = np.minimum(most - least, FULL) / _SLICES
         for k in range(_SLICES):
             turn = rotation_about(axis, least + (k + 0.5) * step)
             at, wide = apply(turn, arm), apply(np.abs(turn), half)
             lows, highs = np.minimum(lows, at - wide), np.maximum(highs, at + wide)
-        slack = (radius[rows] * step / 2)[:, None]
+        slack = (radius[rows] * step / 2)[:, None] * np.sqrt(
+            np.maximum(1.0 - axis * axis, 0.0)
+        )  # across the axis alone
         found_low[rows] = origin[rows] + lows - slack + ends[:, rows].min(axis=0)
         found_high[rows] = origin[rows] + highs + slack + ends[:, rows].max(axis=0)
     balls, corner = ~(slides | turns), np.maximum(np.abs(low - origin), np.abs(high - origin))
@@ -211,7 +213,11 @@ def _cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
     balls = (joint >= 0) & np.append(~(tree.slides | tree.turns), False)[joint]
     slack = add_columns(np.where(balls, radius * np.maximum(np.abs(start), np.abs(stop)), 0.0))
     start, stop = np.where(balls, 0.0, start), np.where(balls, 0.0, stop)
-    return _where_gates_let(tree, joint, Cells(row, piece, other, start, stop, radius, slack))
+    part = _where_gates_let(tree, joint, Cells(row, piece, other, start, stop, radius, slack))
+    joint = way.joint[part.row]
+    again = (joint >= 0) & np.append(tree.turns & (tree.advance == 0.0), False)[joint]  # each turn is like the first
+    part.stop = np.where(again, np.minimum(part.stop, part.start + FULL), part.stop)
+    return part
 
 
 def _where_gates_let(tree: Tree, joint: np.ndarray, part: Cells) -> Cells:

@@ -120,3 +120,29 @@ def test_objects_of_which_none_moves_have_no_states_to_settle(tmp_path: Path) ->
     still = apg.sample(str(file), 2, set={"shut": "yes"})
     assert joint_values(still.batch, read_states("open,random:3")).shape == (4, 0)
     assert [one["joints"] for one in annotate(still.batch, still.batch.rest()[None])] == [[], []]
+
+
+def test_turns_beyond_the_first_are_like_it(tmp_path: Path) -> None:
+    file = tmp_path / "stick.apg"
+    file.write_text(
+        """apg 1
+use primitives { Cylinder, HollowFrustum }
+use glues { Ridges }
+category Stick {
+  root part barrel : HollowFrustum(radius = 12mm, bore = 9mm, height = 5cm)
+  part cap : Cylinder(radius = 12mm, height = 2cm)
+  align cap.bottom = barrel.top + 0.3mm
+  joint off : prismatic barrel -> cap along z range 0mm .. 3cm
+  part foot : Cylinder(radius = 11.4mm, height = 8mm)
+  align foot.top = barrel.bottom - 0.4mm
+  part grooves : Ridges(radius = 11.4mm, high = 5mm, ridges = 24)
+  connect grooves to foot
+  align grooves.center = foot.center
+  joint turn : revolute barrel -> foot about foot.axis range 0turn .. 7turn when off > 2cm
+}
+"""
+    )
+    assert apg.sample(str(file), 1).batch.joints().high[1] == pytest.approx(14 * np.pi)
+    file.write_text(file.read_text().replace("barrel.bottom - 0.4mm", "barrel.bottom + 1mm"))
+    with pytest.raises(UserError, match="barrel and foot collide"):
+        apg.sample(str(file), 1)
