@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from typing import Any
 
 from .functions import FUNCTIONS, fold_constants
@@ -79,17 +79,25 @@ CROSSING = frozenset({"phi", "reduce", "element", "previous", "scan"})
 
 
 def _make(op: str, args: tuple[Expr, ...] = (), value: object = None, scope: Scope | None = None) -> Expr:
-    key = (op, tuple(map(id, args)), (type(value), value) if not isinstance(value, tuple) else value)
-    found = _interned.find(key)
-    if found is None:
-        found = Expr()
-        found.op, found.args, found.value, found.scope = op, args, value, scope
-        reads = 1 << _bits.setdefault(value, len(_bits)) if op == "var" else 0
-        for arg in args:
-            reads |= arg.reads
-        found.reads = reads
-        _interned.keep(key, found)
-    return found
+    key = op, tuple(map(id, args)), value if value is None or isinstance(value, tuple) else (type(value), value)
+    return _interned.find(key) or _new(key, op, args, value, scope)
+
+
+def _operation(op: str, args: tuple[Expr, ...]) -> Expr:
+    """A node whose scope follows from its arguments."""
+    key = op, tuple(map(id, args)), None
+    return _interned.find(key) or _new(key, op, args, None, deepest(args))
+
+
+def _new(key: Hashable, op: str, args: tuple[Expr, ...], value: object, scope: Scope | None) -> Expr:
+    made = Expr()
+    made.op, made.args, made.value, made.scope = op, args, value, scope
+    reads = 1 << _bits.setdefault(value, len(_bits)) if op == "var" else 0
+    for arg in args:
+        reads |= arg.reads
+    made.reads = reads
+    _interned.keep(key, made)
+    return made
 
 
 def raw(op: str, args: tuple[Expr, ...] = (), value: object = None, scope: Scope | None = None) -> Expr:
@@ -132,6 +140,7 @@ def const(value: float | bool) -> Expr:
 
 
 ZERO, ONE, TRUE, FALSE = const(0.0), const(1.0), const(True), const(False)
+_MINUS = const(-1.0)
 
 
 def wrap(value: Expr | float) -> Expr:
@@ -159,7 +168,7 @@ def call(op: str, *args: Expr) -> Expr:
         raise ValueError(f"{op} takes {arity} arguments")
     for arg in args:
         if arg.op != "const":
-            return _make(op, args, scope=deepest(args))
+            return _operation(op, args)
     value = fold_constants(function, [a.value for a in args])
     if op in ("sin", "cos") and math.isfinite(value) and abs(value - round(value)) < 1e-15:
         value = float(round(value))  # quarter turns are exact
@@ -195,15 +204,16 @@ def mul(a: Expr, b: Expr) -> Expr:
         return b
     if b is ONE:
         return a
-    if a.constant == -1.0:
+    if a is _MINUS:
         return neg(b)
-    if b.constant == -1.0:
+    if b is _MINUS:
         return neg(a)
-    pair = [e for e in (a, b) if e.op == "where"]
-    if pair and _signed(a) and _signed(b) and pair[0].args[0] is pair[-1].args[0]:
+    if (a.op == "where" or b.op == "where") and _signed(a) and _signed(b):
+        pair = [e for e in (a, b) if e.op == "where"]
         condition = pair[0].args[0]
-        (x, y), (v, w) = (e.args[1:] if e.op == "where" else (e, e) for e in (a, b))
-        return where(condition, mul(x, v), mul(y, w))
+        if condition is pair[-1].args[0]:
+            (x, y), (v, w) = (e.args[1:] if e.op == "where" else (e, e) for e in (a, b))
+            return where(condition, mul(x, v), mul(y, w))
     return call("mul", a, b)
 
 

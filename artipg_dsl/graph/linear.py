@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import Any
 
 from . import expr as E
@@ -189,6 +190,7 @@ def _kept_inside(form: Parts, parent: Scope) -> Parts:
     return coefficients, rest
 
 
+@lru_cache(maxsize=2048)  # three of four have just been asked for: a box has one centre for all who ask
 def tidy(node: Expr) -> Expr:
     """The same value as a sum in which equal terms are gathered and opposite ones are gone."""
     everything = Linear(lambda c: True, {}, whole=True)

@@ -68,10 +68,14 @@ def transpose(m: Matrix) -> Matrix:
 
 
 def turn(m: Matrix, v: Triple) -> Triple:
-    return triple(dot(row, v) for row in m)
+    return v if m == IDENTITY else triple(dot(row, v) for row in m)
 
 
 def product(a: Matrix, b: Matrix) -> Matrix:
+    if a == IDENTITY:  # most parts stand straight
+        return b
+    if b == IDENTITY:
+        return a
     columns = transpose(b)
     return matrix((dot(row, c) for c in columns) for row in a)
 
