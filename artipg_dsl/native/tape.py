@@ -22,6 +22,7 @@ from .plan import COLUMN, EVERY, ROW, NotPlanned, Plan, make_plan
 if TYPE_CHECKING:
     from .backend import Machine
 
+_LITTLE = 1 << 20  # numbers that may be kept for nothing: which ones are is not free to find
 _NARROWEST = 32  # columns of a row that are worth a round of their own
 _CALLS: dict[str, Callable[..., Any]] = {**FUNCTIONS, "where": np.where}  # what NumPy calls the operations
 
@@ -41,8 +42,13 @@ class Tape:
     last: list[list[int]] | None = field(init=False, default=None)  # per step, what no later one reads
 
     def stepwise(self, values: Sequence[Any]) -> tuple[Any, ...]:
-        """The outputs for arrays or numbers ``values``, by NumPy, a call for each step; a value is dropped behind its last use."""
+        """The outputs for arrays or numbers ``values``, by NumPy, a call for each step; a value is dropped behind its last use if all
+        of them could take much memory."""
         found: list[Any] = [*values, *(c if isinstance(c, bool) else float(c) for c in self.constants)]
+        if len(self.steps) * prod({v.size for v in values if isinstance(v, np.ndarray)}) < _LITTLE:
+            for operation, arguments in self.steps:
+                found.append(_CALLS[operation](*[found[k] for k in arguments]))
+            return tuple([found[k] for k in self.outputs])
         if self.last is None:
             self.last = self._last_uses(len(found))
         for (operation, arguments), done in zip(self.steps, self.last, strict=True):
