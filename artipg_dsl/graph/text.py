@@ -171,18 +171,25 @@ class _Writer:
         if isinstance(value, tuple | list):
             return "[" + " ".join(map(self.encode, value)) + "]"
         assert is_dataclass(value)
-        words = [type(value).__name__]
-        for field in fields(value):
-            item = getattr(value, field.name)
-            default = field.default
-            if field.default_factory is not MISSING:
-                default = field.default_factory()
-            if field.name in ("doc", "where") and not self.places:
+        kind: Any = type(value)
+        words = [kind.__name__]
+        for name, default in _defaults(kind):
+            item = getattr(value, name)
+            if name in ("doc", "where") and not self.places:
                 continue
             if default is not MISSING and type(item) is type(default) and item == default:
                 continue
-            words += [field.name, self.encode(item)]
+            words += [name, self.encode(item)]
         return "(" + " ".join(words) + ")"
+
+
+@cache
+def _defaults(record: type[Any]) -> tuple[tuple[str, Any], ...]:
+    """The names of the fields of a record, and what each is by default."""
+    return tuple(
+        (field.name, field.default if field.default_factory is MISSING else field.default_factory())
+        for field in fields(record)
+    )
 
 
 def to_text(program: P.Program) -> str:

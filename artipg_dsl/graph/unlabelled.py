@@ -37,12 +37,16 @@ def find_unlabelled(program: Program) -> list[Bare]:
             for target in label.targets:
                 said.setdefault(target.site, []).append((target.surfaces, both(label.guard, label.value)))
     found = []
+    known: dict[tuple[tuple[Expr, ...], tuple[Expr, ...]], bool] = {}  # most surfaces are labelled as others are
     for number, site in enumerate(program.sites):
         own = said.get(number, [])
-        there = [s.count for s in site.scope.ancestors() if s.kind == "guard" and s.count is not None]
+        there = tuple([s.count for s in site.scope.ancestors() if s.kind == "guard" and s.count is not None])
         names = program.primitives[site.primitive].surfaces or ("",)
-        on = {name: [holds for named, holds in own if not named or name in named] for name in names}
-        bare = [name for name in names if not _covered(there, on[name], options)]
+        on = {name: tuple([holds for named, holds in own if not named or name in named]) for name in names}
+        for holding in on.values():
+            if (there, holding) not in known:
+                known[there, holding] = _covered(there, holding, options)
+        bare = [name for name in names if not known[there, on[name]]]
         if bare:
             partly = any(on[name] for name in bare)
             found.append(Bare(number, () if len(bare) == len(names) else tuple(bare), partly))
