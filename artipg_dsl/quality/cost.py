@@ -26,7 +26,7 @@ _TOO_CROWDED = 10_000  # pairs of its primitives with others that they may overl
 class Cost:
     """Of a part, per object: primitives, convex pieces, pairs of its pieces with those on other links, and seconds to make
     the pieces (0.0 where they are counted alone); pairs of its primitives with others of the same body that come before them, whose
-    boxes overlap (none where nothing is weighed)."""
+    boxes overlap (none where nothing is weighed, or where they are too few for a warning and no times are asked for)."""
 
     part: str
     primitives: float
@@ -46,7 +46,7 @@ def measure_costs(batch: Batch, *, timed: bool = False) -> list[Cost]:
         np.add.at(in_link, first[table.owner] + table.link, pieces)
         np.add.at(in_object, table.owner, pieces)
     found: dict[str, list[float]] = {}
-    shared, start = _shared(batch), 0
+    shared, start = _shared(batch, tables, timed), 0
     for table, pieces in zip(tables, held, strict=True):
         own = shared[start : start + len(table)].sum()
         start += len(table)
@@ -73,10 +73,17 @@ def _links(batch: Batch) -> tuple[np.ndarray, int]:
     return np.searchsorted(owner, np.arange(len(batch))), len(owner)
 
 
-def _shared(batch: Batch) -> np.ndarray:
-    """For each row of the tables of primitives, one table after the other, with how many it may share volume that is weighed once."""
-    count = sum(len(table) for table in batch.sites())
-    if not batch.program.stable or not count:
+def _shared(batch: Batch, tables: list[SiteTable], every: bool) -> np.ndarray:
+    """For each row of the tables of primitives, one table after the other, with how many it may share volume that is weighed once.
+    Unless ``every`` is set, they are counted where those of a part with all of an object could be too many: that takes long."""
+    count = sum(map(len, tables))
+    own: dict[str, int] = {}
+    for table in tables:
+        part = batch.program.parts[batch.program.sites[table.number].part].path
+        own[part] = own.get(part, 0) + len(table)
+    in_all = sum(np.bincount(table.owner, minlength=len(batch)) for table in tables)
+    most = max(own.values(), default=0) / len(batch) * np.max(in_all, initial=0)
+    if not batch.program.stable or not count or not (every or most > _TOO_CROWDED):
         return np.zeros(count)
     known = weighing(batch)
     return np.bincount(known.place[known.touching.pairs.row], minlength=count)

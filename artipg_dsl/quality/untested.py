@@ -12,7 +12,7 @@ import numpy as np
 
 from ..geometry import mesh, pieces
 from ..geometry.box import bounds
-from ..graph.primitive import Primitive
+from ..geometry.sites import SiteTable
 from ..runtime.batch import Batch
 
 _STEPS = 24  # steps per turn of the mesh whose vertices are looked at
@@ -35,21 +35,23 @@ class Untested:
 
 def find_untested(batch: Batch) -> list[Untested]:
     """One for each primitive that is wrong somewhere in the batch, at its worst."""
-    worst: dict[str, Untested] = {}
+    tables: dict[str, list[SiteTable]] = {}
     for table in batch.sites():
-        found = _look_at(table.path, table.primitive, table.params) if len(table) else None
-        if found is not None and (found.primitive not in worst or found.reach > worst[found.primitive].reach):
-            worst[found.primitive] = found
-    return list(worst.values())
+        if len(table) and table.primitive.parameters:
+            tables.setdefault(table.primitive.name, []).append(table)
+    return [found for own in tables.values() if (found := _look_at(own)) is not None]
 
 
-def _look_at(part: str, primitive: Primitive, params: dict[str, np.ndarray]) -> Untested | None:
-    if not primitive.parameters:
-        return None
-    values = np.unique(np.stack([params[name] for name in primitive.parameters], axis=1), axis=0)
+def _look_at(tables: list[SiteTable]) -> Untested | None:
+    """The worst of the values of one primitive, in all of its places together."""
+    primitive = tables[0].primitive
+    every = [np.stack([table.params[name] for name in primitive.parameters], axis=1) for table in tables]
+    values, first = np.unique(np.concatenate(every), axis=0, return_index=True)
+    place = np.repeat(np.arange(len(tables)), [len(own) for own in every])[first]
     low, high = np.array(primitive.test).T
     share = np.maximum(low - values, values - high) / np.maximum(high - low, 1e-12)  # how far out of its range
-    values, share = values[share.max(axis=1) > 1e-9], share[share.max(axis=1) > 1e-9]
+    out = share.max(axis=1) > 1e-9
+    values, share, place = values[out], share[out], place[out]
     if not len(values):
         return None
     asked = {name: values[:, k] for k, name in enumerate(primitive.parameters)}
@@ -67,6 +69,7 @@ def _look_at(part: str, primitive: Primitive, params: dict[str, np.ndarray]) -> 
     own = int(np.argmax(share[row]))
     name, value = primitive.parameters[own], float(values[row, own])
     of_piece = bool(surface[row] < reach[row])
+    part = tables[place[row]].path
     return Untested(part, of_piece, primitive.name, name, value, primitive.test[own], float(reach[row]))
 
 
