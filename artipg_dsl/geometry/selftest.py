@@ -32,8 +32,8 @@ _FILL = 0.5  # what pieces leave out may lie this deep, relative to the greatest
 _MISSED = 0.015  # share of deeper places that may be missed all the same: the rim of a slice thinner than its rounding
 _OPEN = 1000  # places that no piece covers, of which the furthest is sought
 _FINE = 96  # steps per turn of the mesh that stands for the true shape
-_PLACES = 64  # places per surface
 _VOLUME = 4096  # places in the box
+_PER_PLACE = 64  # of them for each place on a surface
 _FEW, _COARSE = 1024, 24  # places and steps where faults that matter are looked for alone
 _AT_ONCE = 8192  # places asked at a time, so that the terms stay in the caches
 
@@ -52,15 +52,16 @@ class Finding:
         return f"{self.primitive}{place}: {self.message}"
 
 
-def check_primitive(primitive: Primitive, samples: int = 12) -> list[Finding]:
-    """All that is wrong with a primitive over ``samples`` test values and the ends of its test ranges."""
+def check_primitive(primitive: Primitive, samples: int = 12, each: int = _VOLUME) -> list[Finding]:
+    """All that is wrong with a primitive over ``samples`` test values and the ends of its test ranges, with ``each`` places in the
+    box of one and a share of them on each of its surfaces."""
     try:
         params = draw_trial(primitive, samples)
         mesh.build(primitive, params)
     except PrimitiveError as error:
         check = "inside" if "inside function" in error.words else "closed"
         return [Finding(primitive.name, check, error.patch, error.words)]
-    inspection = _Inspection(primitive, params)
+    inspection = _Inspection(primitive, params, each)
     out: list[Finding] = []
     for examine in (_surfaces, _slope, _box, _areas, _filled, _moments, _pieces):
         for name, where, message in examine(inspection):
@@ -102,7 +103,7 @@ class _Inspection:
 
     def places(self, patch: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Rows (m,), positions and normals (m, 3) of places spread over one surface of all rows that have it."""
-        row = np.repeat(np.flatnonzero(self.areas[:, patch] > 0), _PLACES)
+        row = np.repeat(np.flatnonzero(self.areas[:, patch] > 0), max(1, self.each // _PER_PLACE))
         first, second = self.numbers(f"surface {patch}", len(row))
         u, v = surface.place(self.primitive, patch, self.params, row, first, second)
         return row, *surface.evaluate(self.primitive, patch, self.params, row, u, v)
