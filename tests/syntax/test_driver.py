@@ -1,5 +1,6 @@
 """Texts are parsed by the tables of lark's parser as lark does it: the same trees, and a mistake where lark sees one."""
 
+import os
 import random
 import subprocess
 import sys
@@ -61,7 +62,8 @@ def read(path):
 
 
 def test_trees_are_those_of_lark(by_lark):
-    every = sorted(library_dir().glob("[a-d]*.apg")) + sorted(categories_dir().glob("[a-c]*.apg"))
+    every = sorted(library_dir().glob("*.apg")) + sorted(categories_dir().glob("*.apg"))
+    every = every if os.environ.get("ARTIPG_EVERY") else every[::10]
     for path in (FORMS, *every):
         source = read(path)
         assert machine().tree(source, source.text) == by_lark(source), path.name
