@@ -29,7 +29,7 @@ _BROAD = "bend it less, or use a thinner section"
 _TRIED = 256  # test values at which a bend is looked at
 # of its size that a solid reaches beyond its pieces, or its box beyond it: worth a warning, and an error
 LOOSE, ABSENT = 0.05, 0.1
-STEEP = 0.02  # of a slope beyond 1 that is worth a warning
+_STEEP = 0.02  # of a slope beyond 1 that is worth a warning
 _NARROW = "does the path cross or touch itself, or bend more tightly than its section allows? Narrow the ranges in its formula"
 
 
@@ -78,7 +78,7 @@ def _is_distance(symbol: Symbol, lowered: Lowered, report: Report) -> bool:
     if not stated:
         return True
     fault = facts.recall_fact(
-        lowered.primitive, "distance", lambda: find_inside_fault(lowered.primitive, STEEP), lambda f: f, _words
+        lowered.primitive, "distance", lambda: find_inside_fault(lowered.primitive, _STEEP), lambda f: f, _words
     )
     if fault is not None:
         said = f"the inside function of the primitive `{symbol.name}` disagrees with its surfaces: {fault}"
