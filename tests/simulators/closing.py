@@ -160,7 +160,7 @@ def grips(batch: Batch) -> list[Grip]:
                 endless = joints.kind[joint] == "continuous" or high == low
                 room = np.inf if endless else abs((high if sign > 0 else low) - rest[joint])
                 fault = hold(
-                    sim, hand_of(grasp), bodies[grasp["link"]], joints.name[joint], motion.turn[joint], motion.shift[joint],
+                    sim, hand_of(grasp), bodies[grasp["link"]], motion.turn[joint], motion.shift[joint],
                     sign, room,
                 )  # fmt: skip
                 found.append(Grip(i, grasp["name"], path, joints.name[joint], fault))
@@ -174,18 +174,11 @@ def hand_of(grasp: dict[str, Any]) -> Hand:
 
 
 def hold(
-    sim: SapienSim,
-    hand: Hand,
-    link: sapien.Entity,
-    joint: str,
-    turn: np.ndarray,
-    shift: np.ndarray,
-    sign: float,
-    room: float,
+    sim: SapienSim, hand: Hand, link: sapien.Entity, turn: np.ndarray, shift: np.ndarray, sign: float, room: float
 ) -> str:
     """One grasp: closed, led along the twist ``turn x p + shift`` of a joint, ``room`` radians or metres at most."""
     sim.place(sim.subject.rest)
-    start = sim.value(joint)
+    start = link.get_pose()
     gripper = Gripper(sim, hand)
     gripper.close()
     if not gripper.presses(link):
@@ -198,7 +191,7 @@ def hold(
     steps = round(MOVES / STEP)
     poses = [screw(hand, turn, shift, sign * far * k / steps) for k in range(1, steps + 1)]
     gripper.move(poses + [poses[-1]] * round(RESTS / STEP))
-    gone, pressed = sign * (sim.value(joint) - start), gripper.presses(link)
+    gone, pressed = sign * along(link.get_pose(), start, turn, shift), gripper.presses(link)
     apart = poses[-1].p - (link.get_pose() * inverse).p
     gripper.remove()
     if gone < KEPT * far:
@@ -206,6 +199,15 @@ def hold(
     if not pressed:
         return "comes loose"
     return "" if float(np.sqrt(apart @ apart)) <= SLIP else "slips"
+
+
+def along(now: sapien.Pose, start: sapien.Pose, turn: np.ndarray, shift: np.ndarray) -> float:
+    """How far a link has come by a joint's twist, as far as that joint alone would have to go: in a chain, others may go, too."""
+    rate = float(np.sqrt(turn @ turn))
+    if rate == 0:
+        return float((now.p - start.p) @ shift / (shift @ shift))
+    w, *way = (now * start.inv()).q
+    return 2 * float(np.arctan2(np.array(way) @ turn / rate, w)) / rate
 
 
 def screw(hand: Hand, turn: np.ndarray, shift: np.ndarray, amount: float) -> sapien.Pose:
