@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..validity.bodies import Alike, Pieces, pack_pieces, turn_points
+from ..geometry.merge import Convex
+from ..validity.bodies import Pieces, pack_inset, turn_points
 from ..validity.tree import Tree
 from ..validity.validate import find_meetings, find_meetings_at_rest
 from . import solids
-from .hulls import BUDGET, Body, Hull
+from .hulls import BUDGET, Body, Hull, shrink, wrap
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -36,6 +37,7 @@ def make_colliders(
     merged = {i: bodies[i] for i, items in enumerate(objects) if len(items) > BUDGET}
     if merged:
         tree = Tree(batch)
+        wrap(hull for body in merged.values() for hull in body.hulls)
         for check in (
             find_meetings_at_rest,
             find_meetings,
@@ -47,11 +49,12 @@ def make_colliders(
 def _set_apart(tree: Tree, bodies: dict[int, Body], check: _Check) -> None:
     """Reduce hulls until ``check`` finds none that meets another link. Pieces do not: hulls alone are held against others."""
     new = {hull for body in bodies.values() for hull in body.hulls if len(hull.pieces) > 1}
+    alone: dict[Convex, Hull] = {}
     while bodies:
         hulls = [(i, hull) for i, body in bodies.items() for hull in body.hulls]
         met = _meeting(tree, check, hulls, [BOTH if hull in new else OTHER for _, hull in hulls])
         blamed: dict[int, set[Hull]] = {}
-        for i, hull in _to_blame(tree, check, met):
+        for i, hull in _to_blame(tree, check, met, alone):
             blamed.setdefault(i, set()).add(hull)
         for i in {i for i, _ in met} - set(blamed):  # both reach out of their pieces, which alone would not do
             blamed[i] = {hull for k, hull in met if k == i and len(hull.pieces) > 1}
@@ -59,12 +62,18 @@ def _set_apart(tree: Tree, bodies: dict[int, Body], check: _Check) -> None:
         new = {hull for _, hull in met if len(hull.pieces) > 1}
         for i, body in bodies.items():
             new |= body.reduce(blamed[i])
+        wrap(hull for body in bodies.values() for hull in body.hulls)
 
 
-def _to_blame(tree: Tree, check: _Check, met: list[_Mine]) -> list[_Mine]:
-    """Hulls that meet the very pieces of others."""
+def _to_blame(tree: Tree, check: _Check, met: list[_Mine], alone: dict[Convex, Hull]) -> list[_Mine]:
+    """Hulls that meet the very pieces of others, each of which is ``alone`` a hull."""
     hulls = [(i, hull) for i, hull in met if len(hull.pieces) > 1]
-    pieces = [(i, Hull(piece.source, (piece,))) for i, hull in met for piece in hull.pieces]
+    pieces = []
+    for i, hull in met:
+        for piece in hull.pieces:
+            if piece not in alone:
+                alone[piece] = Hull(piece.source, (piece,))
+            pieces.append((i, alone[piece]))
     found = _meeting(tree, check, hulls + pieces, [ONE] * len(hulls) + [OTHER] * len(pieces))
     return [(i, hull) for i, hull in found if len(hull.pieces) > 1]
 
@@ -73,23 +82,14 @@ def _meeting(tree: Tree, check: _Check, hulls: list[_Mine], side: list[int]) -> 
     """Which hulls meet one of the other side on another link."""
     if not hulls:
         return []
+    shrink(hull for _, hull in hulls)
+    corners = [hull.inner for _, hull in hulls if hull.inner is not None]
     owner = np.array([i for i, _ in hulls])
-    items = [hull.item for _, hull in hulls]
-    link = tree.first[owner] + np.array([item.group.table.link[item.row] for item in items])
-    corners = [hull.vertices for _, hull in hulls]
-    ends = np.cumsum([len(points) for points in corners])
-    each = np.repeat(link, np.diff(ends, prepend=0))
-    turned = turn_points(tree.turn[each], np.concatenate(corners)[:, None])[:, 0]
-    placed = np.split(turned + tree.shift[each], ends[:-1])
-    alike: dict[tuple[int, bytes], list[int]] = {}
-    for k, (_, hull) in enumerate(hulls):
-        alike.setdefault((len(corners[k]), hull.faces.tobytes()), []).append(k)
-    groups = [
-        Alike(np.stack([placed[k] for k in numbers]), hulls[numbers[0]][1].faces, owner[numbers], link[numbers])
-        for numbers in alike.values()
-    ]
-    body = pack_pieces(groups)
-    number = np.concatenate(list(alike.values()))[body.source]
-    body.side = np.array(side, dtype=np.int64)[number]
+    link = tree.first[owner] + np.array([hull.link for _, hull in hulls])
+    first = np.cumsum([0, *map(len, corners)])
+    each = np.repeat(link, np.diff(first))
+    placed = turn_points(tree.turn[each], np.concatenate(corners)[:, None])[:, 0] + tree.shift[each]
+    body = pack_inset(placed, first[:-1], owner, link)
+    body.side = np.array(side, dtype=np.int64)[body.source]
     check(tree, body)
-    return [hulls[k] for k in np.sort(number[body.met]).tolist()]
+    return [hulls[k] for k in np.sort(body.source[body.met]).tolist()]

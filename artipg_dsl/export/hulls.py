@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
+from ..geometry.collide import inset
 from ..geometry.merge import Cluster, Convex, clusters, cut, gather_clusters, halves
-from ..geometry.vectors import cross, dot
+from ..geometry.wrap import wrap_all
 from ..native.gaps import Stock
 from . import solids
 
@@ -19,11 +20,13 @@ STEPS = (0.002, 0.004, 0.008, 0.016, 0.03)  # of the diagonal of the object's bo
 Item = solids.Item[solids.ShapedPieces]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Hull:
-    """One collider: its first piece, and where it has several, these, its corners (P, 3) in the object's frame and faces.
+    """One collider: its first piece, and where it has several, these, its corners (P, 3) in the object's frame and faces,
+    which ``wrap`` finds.
 
-    ``cut``: what would fill a hollow is cut off, and with it some of the pieces.
+    ``cut``: what would fill a hollow is cut off, and with it some of the pieces. ``inner`` (P, 3): its corners moved inwards, so that
+    what touches does not meet; ``shrink`` finds them.
     """
 
     item: Item
@@ -31,11 +34,17 @@ class Hull:
     corners: np.ndarray | None = None
     triangles: np.ndarray | None = None
     cut: bool = False
+    inner: np.ndarray | None = None
 
     @property
     def vertices(self) -> np.ndarray:
         """Corners (P, 3) in the object's frame."""
         return self.item.group.vertices[self.item.k] if self.corners is None else self.corners
+
+    @property
+    def link(self) -> int:
+        """The number of its link."""
+        return int(self.item.group.table.link[self.item.row])
 
     @property
     def faces(self) -> np.ndarray:
@@ -50,7 +59,7 @@ class Body:
         pieces = list(_pieces(items))
         self._order = {id(piece): k for k, piece in enumerate(pieces)}
         if len(pieces) <= BUDGET:
-            self.hulls = [_hull((piece,)) for piece in pieces]
+            self.hulls = [Hull(piece.source, (piece,)) for piece in pieces]
             return
         points = np.concatenate([piece.points for piece in pieces])
         extent = points.max(axis=0) - points.min(axis=0)
@@ -69,7 +78,7 @@ class Body:
 
         least = bisect_left(tolerances[:-1], True, key=lambda tolerance: len(merged(tolerance)) <= BUDGET)
         self.tolerance, self.small = tolerances[least], tolerances[-1]
-        self.hulls = [_hull(cluster) for cluster in merged(self.tolerance)]
+        self.hulls = [Hull(cluster[0].source, cluster) for cluster in merged(self.tolerance)]
 
     def reduce(self, hulls: set[Hull]) -> set[Hull]:
         """Put less in place of hulls of several pieces: cut off what fills a hollow, else halve them; returns the new ones."""
@@ -80,7 +89,7 @@ class Body:
                 kept.append(hull)
                 continue
             plane = None if hull.cut else cut(hull.pieces, self.tolerance, self.small)
-            less = [_hull(half) for half in halves(hull.pieces)] if plane is None else [_without(hull, *plane)]
+            less = [_without(hull, *plane)] if plane else [Hull(half[0].source, half) for half in halves(hull.pieces)]
             kept += less
             new.update(less)
         self.hulls = kept
@@ -118,39 +127,37 @@ def _pieces(items: list[Item]) -> Iterator[Convex]:
         yield Convex(corners, normals, offsets, unit, group.name, int(group.index[item.k]), item, stock, k)
 
 
-def _hull(cluster: Cluster) -> Hull:
-    """The hull of a cluster; faces turn outwards."""
-    if len(cluster) == 1:
-        return Hull(cluster[0].source, cluster)
-    return Hull(cluster[0].source, cluster, *_wrapped(np.concatenate([piece.points for piece in cluster])))
+def wrap(hulls: Iterable[Hull]) -> None:
+    """Find the corners and the outward faces of those hulls of several pieces that have none yet."""
+    several = [hull for hull in hulls if len(hull.pieces) > 1 and hull.triangles is None]
+    points = [
+        np.concatenate([piece.points for piece in hull.pieces]) if hull.corners is None else hull.corners
+        for hull in several
+    ]
+    for hull, own, (used, faces) in zip(several, points, wrap_all(points), strict=True):
+        hull.corners, hull.triangles = own[used], faces
+
+
+def shrink(hulls: Iterable[Hull]) -> None:
+    """Move the corners of those hulls inwards that have none so yet."""
+    left = [hull for hull in dict.fromkeys(hulls) if hull.inner is None]
+    if not left:
+        return
+    points, faces = [hull.vertices for hull in left], [hull.faces for hull in left]
+    first = np.cumsum([0, *map(len, points)])
+    triangles = np.concatenate(faces) + np.repeat(first[:-1], [len(own) for own in faces])[:, None]
+    moved = inset(np.concatenate(points), first[:-1], triangles)
+    for hull, start, stop in zip(left, first[:-1].tolist(), first[1:].tolist(), strict=True):
+        hull.inner = moved[start:stop]
 
 
 def _without(hull: Hull, normal: np.ndarray, offset: float) -> Hull:
-    """A hull without what lies beyond a plane."""
+    """A hull without what lies beyond a plane: what is left of its corners, and where its edges cross the plane."""
     points = hull.vertices
     beyond = points[:, 0] * normal[0] + points[:, 1] * normal[1] + points[:, 2] * normal[2] - offset
-    kept, lost = points[beyond <= 0], points[beyond > 0]
-    inner, outer = beyond[beyond <= 0][:, None], beyond[beyond > 0]
-    share = (inner / (inner - outer))[..., None]
-    edge = kept[:, None] + share * (lost - kept[:, None])
-    return Hull(hull.item, hull.pieces, *_wrapped(np.concatenate([kept, edge.reshape(-1, 3)])), cut=True)
-
-
-def _wrapped(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (P, 3) and outward faces (F, 3) of the hull of points."""
-    from scipy.spatial import ConvexHull  # late: importing the package must not load SciPy
-
-    # neighbours share corners, which would cost more than all else
-    once = np.unique(np.ascontiguousarray(points).view(f"V{3 * points.itemsize}").ravel(), return_index=True)[1]
-    points = points[np.sort(once)]
-    low = points.min(axis=0)
-    scaled = (points - low) / (points.max(axis=0) - low)
-    found = ConvexHull(scaled)
-    used = np.flatnonzero(np.bincount(found.simplices.ravel()))
-    number = np.empty(len(points), dtype=np.int32)
-    number[used] = np.arange(len(used))
-    a, b, c = (scaled[found.simplices[:, n]] for n in range(3))
-    inward = dot(cross(b - a, c - a), found.equations[:, :3]) < 0
-    faces = number[found.simplices]
-    faces[inward] = faces[inward][:, ::-1]
-    return points[used], faces
+    start, end = hull.faces.ravel(), np.roll(hull.faces, -1, axis=1).ravel()
+    crossing = (beyond[start] <= 0) & (beyond[end] > 0)  # of the two ways along an edge the one that leads beyond
+    start, end = start[crossing], end[crossing]
+    share = beyond[start] / (beyond[start] - beyond[end])
+    edge = points[start] + share[:, None] * (points[end] - points[start])
+    return Hull(hull.item, hull.pieces, np.concatenate([points[beyond <= 0], edge]), cut=True)

@@ -11,6 +11,7 @@ Begin with ``patches`` and ``mesh``.
     mesh, merge, pieces, box, bound              watertight meshes, convex pieces, stated boxes
     sites, block, hidden, points, pointset       points on the visible surface of whole objects
     outside, rays, blue, cells                   what can be seen from outside; points that keep their distance
+    wrap                                         the convex hulls of many sets of points
     collide, overlap, enclosure                  convex bodies that meet, what they share, what contains what
     nearest                                      the nearest of points in many sets
     vectors                                      products and lengths of arrays of vectors

@@ -11,10 +11,11 @@ operation on numbers is an inner loop of NumPy itself. Knows neither expressions
     cells.c         pieces that several joints move, as ``validity.together`` has it
     moments.c       sums over the surfaces of solids, as ``geometry.quadrature`` has it
     gaps.c          how far hulls reach from their pieces, as ``geometry.merge`` has it
+    wrap.c          the faces of convex hulls, as ``geometry.wrap`` has them
     digits.c        rows of numbers as text, with the bytes of Python's ``%``
     loops           the inner loops of NumPy's functions, and how an array lies in memory
     compiler        the machine compiled, kept and loaded
     tape, plan      straight-line programs of operations; registers and phases for the shapes that are given
-    narrow, states, turning, cells, moments, gaps, digits   what is told to the files in C of these names
+    narrow, states, turning, cells, moments, gaps, wrap, digits   what is told to the files in C of these names
     backend         which backend is used
 """

@@ -43,6 +43,7 @@ class Machine:
                 "print_rows",
                 "print_told",
                 "deepest",
+                "wrap",
             ):
                 getattr(library, name).restype = ctypes.c_int64
             self._run, look = library.run, library.look

@@ -20,7 +20,17 @@ from .. import cache
 
 _SOURCES = [
     Path(__file__).with_name(name)
-    for name in ("machine.c", "narrow.c", "states.c", "turning.c", "cells.c", "moments.c", "digits.c", "gaps.c")
+    for name in (
+        "machine.c",
+        "narrow.c",
+        "states.c",
+        "turning.c",
+        "cells.c",
+        "moments.c",
+        "digits.c",
+        "gaps.c",
+        "wrap.c",
+    )
 ]
 _HEADERS = [Path(__file__).with_name("bodies.h")]
 # products and sums stay apart: one instruction for both would round once, not twice as NumPy does

@@ -338,6 +338,26 @@ def pack_pieces(groups: list[Alike]) -> Pieces:
     return Pieces(corners, faces, done, *(column[order] for column in columns))
 
 
+def pack_inset(corners: np.ndarray, first: np.ndarray, owner: np.ndarray, link: np.ndarray) -> Pieces:
+    """Pieces that are inset already, sorted by link: their corners (N, 3) at rest follow one another, ``first`` (k,) tells where each
+    begins; object and link (a row of the link table) of each."""
+    order = np.argsort(link, kind="stable")
+    count = np.diff(first, append=len(corners))[order]
+    first, owner, link = first[order], owner[order], link[order]
+    wide = 1 << np.ceil(np.log2(np.maximum(count, 8))).astype(np.int64)
+    sizes, kind = np.unique(wide, return_inverse=True)
+    none, slot, low, high = np.zeros(len(order), dtype=np.int64), np.empty_like(order), *np.empty((2, len(order), 3))
+    packed = []
+    for number, size in enumerate(sizes.tolist()):
+        at = np.flatnonzero(kind == number)
+        own = corners[first[at, None] + np.minimum(np.arange(size), count[at, None] - 1)]
+        slot[at], low[at], high[at] = np.arange(len(at)), own.min(axis=1), own.max(axis=1)
+        packed.append(own)
+    done = [np.ones(len(own), dtype=bool) for own in packed]
+    unmet = np.zeros(len(order), dtype=bool)
+    return Pieces(packed, [], done, kind, slot, low, high, owner, link, none, none - 1, none - 1, unmet, order)
+
+
 def _corners_of(ends: np.ndarray) -> np.ndarray:
     """The corners (k, 8, 3) of boxes with ends (k, 2, 3)."""
     pick = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])

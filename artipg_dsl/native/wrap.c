@@ -1,0 +1,200 @@
+/* The faces of convex hulls, point by point, as ``geometry.wrap`` has them. However they are found, they are told only where they are
+   beyond doubt, which leaves one answer. */
+
+#include "bodies.h"
+#include <stdlib.h>
+
+#define CLEAR 1e-14 /* how far beyond a face a point lies that is a corner; the points are within a box of 1 */
+
+/* a triangle that turns outwards; the face across the edge that begins at each corner; the plane */
+typedef struct {
+    int64_t corner[3], across[3];
+    double normal[3], offset;
+    int there, seen;
+} face;
+
+typedef struct {
+    const double *points;
+    face *faces;
+    int64_t *unused, *made, *begins; /* faces to be used again; new faces; the new face that begins at a point, or -1 */
+    int64_t top, spare; /* faces that were ever there; how many are to be used again */
+} hull;
+
+static void less(const double *a, const double *b, double *out) {
+    for (int i = 0; i < 3; i++) out[i] = a[i] - b[i];
+}
+
+static double norm(const double *a) { return sqrt(dot(a, a)); }
+
+static int64_t add(hull *of, int64_t a, int64_t b, int64_t c) {
+    const int64_t k = of->spare ? of->unused[--of->spare] : of->top++;
+    face *made = of->faces + k;
+    double e[3], f[3];
+    less(of->points + 3 * b, of->points + 3 * a, e);
+    less(of->points + 3 * c, of->points + 3 * a, f);
+    cross(e, f, made->normal);
+    const double length = norm(made->normal);
+    for (int i = 0; i < 3; i++) made->normal[i] /= length > 0 ? length : 1.0;
+    made->offset = dot(made->normal, of->points + 3 * a);
+    made->corner[0] = a, made->corner[1] = b, made->corner[2] = c;
+    made->there = 1, made->seen = 0;
+    return k;
+}
+
+static void join(face *faces, int64_t k, int64_t with) { /* by the edge that they share */
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            if (faces[k].corner[i] == faces[with].corner[(j + 1) % 3] && faces[k].corner[(i + 1) % 3] == faces[with].corner[j])
+                faces[k].across[i] = with, faces[with].across[j] = k;
+}
+
+/* Four points far apart; 0 where they span next to nothing. */
+static int begin(hull *of, int64_t count) {
+    const double *p = of->points;
+    double e[3], f[3], n[3], most = -1.0;
+    int64_t a = 0, b = 0, c = 0, d = 0, k;
+    for (k = 1; k < count; k++)
+        if (p[3 * k] < p[3 * a]) a = k;
+    for (k = 0; k < count; k++) {
+        less(p + 3 * k, p + 3 * a, e);
+        if (dot(e, e) > most) most = dot(e, e), b = k;
+    }
+    less(p + 3 * b, p + 3 * a, e);
+    for (k = 0, most = -1.0; k < count; k++) {
+        less(p + 3 * k, p + 3 * a, f);
+        cross(e, f, n);
+        if (dot(n, n) > most) most = dot(n, n), c = k;
+    }
+    less(p + 3 * c, p + 3 * a, f);
+    cross(e, f, n);
+    for (k = 0, most = -1.0; k < count; k++) {
+        less(p + 3 * k, p + 3 * a, f);
+        if (fabs(dot(n, f)) > most) most = fabs(dot(n, f)), d = k;
+    }
+    if (!(most > 1e-9)) return 0;
+    less(p + 3 * d, p + 3 * a, f);
+    if (dot(n, f) > 0) k = b, b = c, c = k; /* d lies behind a, b, c */
+    add(of, a, b, c), add(of, a, d, b), add(of, b, d, c), add(of, c, d, a);
+    for (k = 0; k < 4; k++)
+        for (int64_t with = 0; with < k; with++) join(of->faces, k, with);
+    return 1;
+}
+
+/* The hull with one more point; 0 where the faces that it lies beyond have no single rim. */
+static int extend(hull *of, int64_t point) {
+    const double *p = of->points + 3 * point;
+    const int64_t top = of->top;
+    int64_t k, made = 0, steps = 0;
+    int any = 0, whole = 1;
+    for (k = 0; k < top; k++) {
+        face *one = of->faces + k;
+        one->seen = one->there && dot(one->normal, p) - one->offset > CLEAR;
+        any |= one->seen;
+    }
+    if (!any) return 1;
+    for (k = 0; k < top; k++)
+        for (int i = 0; i < 3 && of->faces[k].seen; i++) {
+            const int64_t beyond = of->faces[k].across[i];
+            if (of->faces[beyond].seen) continue;
+            const int64_t a = of->faces[k].corner[i], b = of->faces[k].corner[(i + 1) % 3], own = add(of, a, b, point);
+            of->faces[own].across[0] = beyond;
+            for (int j = 0; j < 3; j++)
+                if (of->faces[beyond].corner[j] == b) of->faces[beyond].across[j] = own;
+            whole &= of->begins[a] < 0;
+            of->begins[a] = of->made[made++] = own;
+        }
+    for (k = 0; k < made; k++) {
+        face *one = of->faces + of->made[k];
+        const int64_t next = of->begins[one->corner[1]];
+        whole &= next >= 0;
+        if (next >= 0) one->across[1] = next, of->faces[next].across[2] = of->made[k];
+    }
+    if (whole && made) {
+        k = of->made[0];
+        do k = of->faces[k].across[1], steps++;
+        while (k != of->made[0] && steps <= made);
+    }
+    for (k = 0; k < made; k++) of->begins[of->faces[of->made[k]].corner[0]] = -1;
+    for (k = 0; k < top; k++)
+        if (of->faces[k].seen) of->faces[k].there = of->faces[k].seen = 0, of->unused[of->spare++] = k;
+    return whole && steps == made;
+}
+
+/* Whether a point lies behind a face beyond doubt. */
+static int behind(const double *a, const double *normal, double length, double longest, const double *p, double doubt) {
+    double w[3];
+    less(p, a, w);
+    return -dot(normal, w) > doubt * (length + longest * (fabs(w[0]) + fabs(w[1]) + fabs(w[2])));
+}
+
+/* Which corner of a face has the least number. */
+static int least(const face *of) {
+    const int64_t *c = of->corner;
+    return c[0] < c[1] ? (c[0] < c[2] ? 0 : 2) : (c[1] < c[2] ? 1 : 2);
+}
+
+/* Whether the faces are those of the hull beyond doubt: each corner across an edge, and all that are no corners, lie behind. */
+static int certain(const hull *of, int64_t count, double doubt) {
+    for (int64_t k = 0; k < of->top; k++) {
+        const face *one = of->faces + k;
+        double e[3], f[3], n[3];
+        if (!one->there) continue;
+        const int first = least(one);
+        const double *a = of->points + 3 * one->corner[first];
+        less(of->points + 3 * one->corner[(first + 1) % 3], a, e);
+        less(of->points + 3 * one->corner[(first + 2) % 3], a, f);
+        cross(e, f, n);
+        const double length = norm(n), longest = dot(e, e) > dot(f, f) ? dot(e, e) : dot(f, f);
+        for (int i = 0; i < 3; i++) {
+            const face *next = of->faces + one->across[i];
+            for (int j = 0; j < 3; j++)
+                if (next->corner[j] != one->corner[i] && next->corner[j] != one->corner[(i + 1) % 3] &&
+                    !behind(a, n, length, longest, of->points + 3 * next->corner[j], doubt))
+                    return 0;
+        }
+        for (int64_t p = 0; p < count; p++)
+            if (of->begins[p] < 0 && !behind(a, n, length, longest, of->points + 3 * p, doubt)) return 0;
+    }
+    return 1;
+}
+
+static int in_order(const void *one, const void *other) {
+    const int64_t *a = one, *b = other;
+    for (int i = 0; i < 3; i++)
+        if (a[i] != b[i]) return a[i] < b[i] ? -1 : 1;
+    return 0;
+}
+
+/* The faces of the hulls of ``count`` sets of points, each begun where ``start`` says, in a box of 1: triples of numbers within the set, one
+   after the other in ``found``, with room for twice the points; how many of each are in ``many``, 0 where there is doubt. Returns how many
+   there are of all, -1 where there is no memory. */
+OUT int64_t wrap(int64_t count, const int64_t *start, const double *points, double doubt, int64_t *many, int64_t *found) {
+    int64_t most = 4, told = 0, k, n;
+    for (k = 0; k < count; k++)
+        if (start[k + 1] - start[k] > most) most = start[k + 1] - start[k];
+    hull of = {NULL, malloc(4 * most * sizeof(face)), malloc(4 * most * sizeof(int64_t)), malloc(4 * most * sizeof(int64_t)),
+               malloc(most * sizeof(int64_t)), 0, 0};
+    if (!of.faces || !of.unused || !of.made || !of.begins) told = -1;
+    for (k = 0; k < count && told >= 0; k++) {
+        const int64_t size = start[k + 1] - start[k];
+        int whole;
+        of.points = points + 3 * start[k], of.top = of.spare = many[k] = 0;
+        for (n = 0; n < size; n++) of.begins[n] = -1;
+        whole = begin(&of, size);
+        for (n = 0; n < size && whole; n++) whole = extend(&of, n);
+        if (!whole) continue;
+        for (n = 0; n < of.top; n++)
+            for (int i = 0; i < 3 && of.faces[n].there; i++) of.begins[of.faces[n].corner[i]] = 0; /* from here on: what is a corner */
+        if (!certain(&of, size, doubt)) continue;
+        int64_t *out = found + 3 * told;
+        for (n = 0; n < of.top; n++) {
+            if (!of.faces[n].there) continue;
+            for (int i = 0; i < 3; i++) out[3 * many[k] + i] = of.faces[n].corner[(least(of.faces + n) + i) % 3];
+            many[k]++;
+        }
+        qsort(out, (size_t)many[k], 3 * sizeof(int64_t), in_order);
+        told += many[k];
+    }
+    free(of.faces), free(of.unused), free(of.made), free(of.begins);
+    return told;
+}

@@ -1,0 +1,40 @@
+"""Convex hulls: compiled code and NumPy tell the same corners and faces."""
+
+import numpy as np
+
+from artipg_dsl.geometry import wrap
+from artipg_dsl.geometry.wrap import wrap_all
+
+from .machine import bits, needs_compiler
+
+
+def sets():
+    lots = np.random.Generator(np.random.PCG64(11))
+    turn = 0.1 * np.arange(9)
+    for k in range(60):
+        yield lots.normal(size=(4 + 5 * k, 3)) * lots.uniform(0.001, 1.0, size=3)
+        yield np.round(lots.uniform(size=(30, 3)), 1)  # many in one plane, on one line, and twice
+        radii, heights = 1.0 - 0.1 * (np.arange(6) % 2), np.linspace(0.0, lots.uniform(0.1, 2.0), 6)
+        ring = [(r * np.cos(a + k), r * np.sin(a + k), h) for r, h in zip(radii, heights, strict=True) for a in turn]
+        yield np.array(ring)  # steps of a wall
+
+
+@needs_compiler
+def test_hulls_are_the_same(machine, using):
+    every = list(sets())
+    found = []
+    for name in ("numpy", "c"):
+        using(name)
+        found.append([tuple(map(bits, pair)) for pair in wrap_all(every)])
+    assert found[0] == found[1]
+
+
+@needs_compiler
+def test_most_hulls_are_found_by_compiled_code(machine, using, monkeypatch):
+    left = []
+    plain = wrap._beyond_doubt
+    monkeypatch.setattr(wrap, "_beyond_doubt", lambda points: left.append(len(points)) or plain(points))
+    using("c")
+    every = list(sets())
+    wrap_all(every)
+    assert len(left) < len(every) / 5
