@@ -116,15 +116,13 @@ def _rows(found: list[list[Cluster]], tolerance: float, materials: dict[int, np.
 
 
 def _pieces(items: list[Item]) -> Iterator[Convex]:
-    shapes = [(item.group.vertices[item.k], *(a[item.k] for a in item.group.planes)) for item in items]
-    stock = Stock(*zip(*shapes, strict=True)) if len(items) > BUDGET else None
+    shapes = [item.group.shapes[item.k] for item in items]
+    stock = Stock(*list(zip(*shapes, strict=True))[:3]) if len(items) > BUDGET else None
     first, unit = (-1, -1), -1
-    for k, item in enumerate(items):
-        group = item.group
-        if (group.table.number, item.row) != first:
-            first, unit = (group.table.number, item.row), k  # a primitive is named after its first piece
-        corners, normals, offsets = shapes[k]
-        yield Convex(corners, normals, offsets, unit, group.name, int(group.index[item.k]), item, stock, k)
+    for k, (item, (corners, normals, offsets, name, index)) in enumerate(zip(items, shapes, strict=True)):
+        if (item.group.table.number, item.row) != first:
+            first, unit = (item.group.table.number, item.row), k  # a primitive is named after its first piece
+        yield Convex(corners, normals, offsets, unit, name, index, item, stock, k)
 
 
 def wrap(hulls: Iterable[Hull]) -> None:

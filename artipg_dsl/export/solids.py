@@ -15,6 +15,7 @@ import numpy as np
 
 from ..annotate.frames import place
 from ..geometry import mesh
+from ..geometry.pieces import fit_all
 from ..geometry.resolution import FINEST, STANDARD, Resolution, measure_bends, within_budget
 from ..geometry.sites import scatter
 from ..geometry.topology import topology
@@ -56,12 +57,12 @@ class ShapedPieces:
     """Convex pieces of ``rows`` of one site. Where ``is_box``, the piece is a box of ``size`` about ``center`` in the
     directions of the site's rotation; otherwise the hull of vertices (k, P, 3). All in the object's frame.
 
-    ``name`` numbers the declared piece, ``index`` (k,) its steps; ``round`` (k, 3): radius, length along z and whether that
+    ``name`` (k,) numbers the declared piece, ``index`` (k,) its steps; ``round`` (k, 3): radius, length along z and whether that
     ends in half spheres, of what is round about the site's z, else noughts.
     """
 
     table: SiteTable
-    name: int
+    name: np.ndarray
     index: np.ndarray
     rows: np.ndarray
     vertices: np.ndarray
@@ -75,6 +76,11 @@ class ShapedPieces:
     def places(self) -> np.ndarray:
         """(k,) what orders the pieces of one row."""
         return (self.name << 32) + self.index
+
+    @cached_property
+    def shapes(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, int, int]]:
+        """Of each: corners (P, 3), normals (F, 3) and offsets (F,) of its faces, name and index."""
+        return list(zip(self.vertices, *self.planes, self.name.tolist(), self.index.tolist(), strict=True))
 
     @cached_property
     def planes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -147,18 +153,18 @@ def build_pieces(tables: list[SiteTable]) -> list[ShapedPieces]:
     groups: list[ShapedPieces] = []
     scatter(tables)
     for table in tables:
-        for number, cloud in enumerate(table.clouds):
-            for at, hull in cloud.fitted(np.arange(len(cloud.rows))):
-                rows, vertices = cloud.rows[at], cloud.points[at[:, None], hull.used]
-                is_box, size, center = match_box(vertices)
-                center = _place_points(table, rows, center[:, None])[:, 0]
-                columns = rows, _place_points(table, rows, vertices), is_box, size, center, match_round(vertices)
-                for sign in (1.0, -1.0):
-                    c = np.flatnonzero(table.mirror[rows] == sign)
-                    if len(c):
-                        faces = hull.told if sign > 0 else hull.told[:, ::-1]
-                        own, placed, *shape = (column[c] for column in columns)
-                        groups.append(ShapedPieces(table, number, cloud.index[at[c]], own, placed, faces, *shape))
+        for fit in fit_all(table.clouds):
+            is_box, size, center = match_box(fit.corners)
+            center = _place_points(table, fit.rows, center[:, None])[:, 0]
+            columns = _place_points(table, fit.rows, fit.corners), is_box, size, center, match_round(fit.corners)
+            for sign in (1.0, -1.0):
+                c = np.flatnonzero(table.mirror[fit.rows] == sign)
+                if len(c):
+                    faces = fit.hull.told if sign > 0 else fit.hull.told[:, ::-1]
+                    placed, *shape = (column[c] for column in columns)
+                    groups.append(
+                        ShapedPieces(table, fit.cloud[c], fit.index[c], fit.rows[c], placed, faces, *shape)
+                    )
     return groups
 
 

@@ -7,7 +7,7 @@ clouds, whose faces are looked for when they are wanted.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from hashlib import blake2b
@@ -165,6 +165,41 @@ def clouds(primitive: Primitive, params: Params) -> list[Cloud]:
             found.append(Cloud(primitive, -1, variant, rows, np.zeros(len(rows), dtype=np.int64), made.vertices))
         return found
     return [_declared(primitive, number, params) for number in range(len(primitive.pieces))]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fitted:
+    """Pieces with one ``hull``: by the number ``cloud`` (k,) of a cloud and ``index`` (k,), of instances ``rows`` (k,); corners (k, P, 3)."""
+
+    hull: _Hull
+    cloud: np.ndarray
+    index: np.ndarray
+    rows: np.ndarray
+    corners: np.ndarray
+
+
+def fit_all(clouds: Sequence[Cloud]) -> list[Fitted]:
+    """The hulls of the pieces of several clouds; those that may have the same are looked at together."""
+    alike: dict[tuple[tuple[_Hull, ...], int], list[tuple[int, int, int]]] = {}
+    for number, cloud in enumerate(clouds):
+        for index, start, stop in cloud.ranges():
+            alike.setdefault((cloud.known(index), cloud.points.shape[1]), []).append((number, start, stop))
+    found = []
+    for (known, _), ranges in alike.items():
+        of = np.repeat([number for number, _, _ in ranges], [stop - start for _, start, stop in ranges])
+        index, rows, points = (
+            np.concatenate([getattr(clouds[number], name)[start:stop] for number, start, stop in ranges])
+            for name in ("index", "rows", "points")
+        )
+        fitting = _fitting(points, known)
+        hulls = [(np.flatnonzero(fitting == number), hull) for number, hull in enumerate(known)]
+        for k in np.flatnonzero(fitting == len(known)).tolist():
+            cloud = clouds[of[k]]
+            hulls.append((np.array([k]), _own(cloud.primitive, cloud.name(int(index[k])), points[k])))
+        found += [
+            Fitted(hull, of[at], index[at], rows[at], points[at[:, None], hull.used]) for at, hull in hulls if len(at)
+        ]
+    return found
 
 
 def build(primitive: Primitive, params: Params) -> list[PieceGroup]:
@@ -349,7 +384,7 @@ def _fits(points: np.ndarray, hull: _Hull) -> np.ndarray:
     extent = np.maximum((points.max(axis=1, keepdims=True) - low).max(axis=2, keepdims=True), 1e-300)
     scaled = np.ascontiguousarray(((points - low) / extent).transpose(2, 0, 1))
     faces, across = hull.used[hull.faces], hull.used[hull.across]
-    others = np.setdiff1d(np.arange(points.shape[1]), hull.used)
+    others = () if len(hull.used) == points.shape[1] else np.setdiff1d(np.arange(points.shape[1]), hull.used)
     fits = np.ones(len(points), dtype=bool)
     size = max(64, _CHUNK // len(faces))
     for part in range(0, len(points), size):

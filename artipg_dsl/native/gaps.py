@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .calls import call
-
 if TYPE_CHECKING:
     from .backend import Machine
 
@@ -23,13 +21,13 @@ class Stock:
         starts = [np.cumsum([0, *map(len, some)], dtype=np.int64) for some in (points, offsets)]
         self._kept = (arrays[0], starts[0], arrays[1], arrays[2], starts[1])
         self.known: dict[tuple[int, ...], tuple[float, int]] = {}  # what was asked about some of them
-        self.places = [ctypes.c_void_p(a.ctypes.data) for a in self._kept]
+        self.places = [a.ctypes.data for a in self._kept]
 
 
 def deepest(machine: Machine, stock: Stock, pieces: Sequence[int], ways: np.ndarray) -> tuple[float, int]:
     """How far the hull of pieces, told by their numbers, reaches where it does most, and the nearest face there, counted
     over them. ``ways`` (w, 3), up to 64: what extreme points are extreme along."""
     numbers, depth = array("q", pieces), ctypes.c_double()
-    place = ctypes.c_void_p(numbers.buffer_info()[0])
-    face = call(machine.library.deepest, len(pieces), place, *stock.places, len(ways), ways, ctypes.byref(depth))
+    place, _ = numbers.buffer_info()
+    face = machine.deepest(len(pieces), place, *stock.places, len(ways), ways.ctypes.data, ctypes.byref(depth))
     return depth.value, face
