@@ -18,6 +18,7 @@ from . import solids
 BUDGET = 60  # colliders of an object
 STEPS = (0.002, 0.004, 0.008, 0.016, 0.03)  # of the diagonal of the object's box
 Item = solids.Item[solids.ShapedPieces]
+Shape = tuple[np.ndarray, np.ndarray, np.ndarray, int, int]  # as ``ShapedPieces.shapes`` has it
 
 
 @dataclass(slots=True, eq=False)
@@ -56,18 +57,17 @@ class Body:
     """The pieces of one object and the hulls in place of them; ``materials`` by site: what each row is made of."""
 
     def __init__(self, items: list[Item], materials: dict[int, np.ndarray]):
-        pieces = list(_pieces(items))
+        shapes = [item.group.shapes[item.k] for item in items]
+        tolerances = _tolerances(shapes)
+        stock = Stock(*list(zip(*shapes, strict=True))[:3], enough=tolerances[-1]) if len(items) > BUDGET else None
+        pieces = list(_pieces(items, shapes, stock))
         self._order = {id(piece): k for k, piece in enumerate(pieces)}
         if len(pieces) <= BUDGET:
             self.hulls = [Hull(piece.source, (piece,)) for piece in pieces]
             return
-        points = np.concatenate([piece.points for piece in pieces])
-        extent = points.max(axis=0) - points.min(axis=0)
-        diagonal = float(np.sqrt(extent[0] ** 2 + extent[1] ** 2 + extent[2] ** 2))
         units: dict[int, list[Convex]] = {}
         for piece in pieces:
             units.setdefault(piece.unit, []).append(piece)
-        tolerances = [step * diagonal for step in STEPS]
 
         @cache
         def merged(tolerance: float) -> list[Cluster]:
@@ -115,9 +115,15 @@ def _rows(found: list[list[Cluster]], tolerance: float, materials: dict[int, np.
     return [*(gather_clusters(parts, tolerance) for parts in single.values()), *others]
 
 
-def _pieces(items: list[Item]) -> Iterator[Convex]:
-    shapes = [item.group.shapes[item.k] for item in items]
-    stock = Stock(*list(zip(*shapes, strict=True))[:3]) if len(items) > BUDGET else None
+def _tolerances(shapes: list[Shape]) -> list[float]:
+    """How far hulls may reach from the pieces of an object: more and more, metres."""
+    points = np.concatenate([corners for corners, *_ in shapes]) if shapes else np.zeros((1, 3))
+    extent = points.max(axis=0) - points.min(axis=0)
+    diagonal = float(np.sqrt(extent[0] ** 2 + extent[1] ** 2 + extent[2] ** 2))
+    return [step * diagonal for step in STEPS]
+
+
+def _pieces(items: list[Item], shapes: list[Shape], stock: Stock | None) -> Iterator[Convex]:
     first, unit = (-1, -1), -1
     for k, (item, (corners, normals, offsets, name, index)) in enumerate(zip(items, shapes, strict=True)):
         if (item.group.table.number, item.row) != first:

@@ -55,6 +55,21 @@ def gap(pieces: Sequence[Convex]) -> float:
     return 0.0 if len(pieces) == 1 else _asked(tuple(pieces))[0]
 
 
+def _within(pieces: Sequence[Convex], tolerance: float) -> bool:
+    """Whether the hull of pieces reaches from them by no more than a tolerance, which is less than what is enough for their stock."""
+    if len(pieces) == 1:
+        return True
+    stock, machine = pieces[0].stock, backend.machine()
+    if stock is None or machine is None:
+        return gap(pieces) <= tolerance
+    numbers = tuple([piece.number for piece in pieces])
+    found = stock.bounded.get(numbers)
+    if found is None:
+        found, _ = gaps.deepest(machine, stock, numbers, _TURNED, stock.enough)
+        stock.bounded[numbers] = found
+    return found <= tolerance
+
+
 def _hollow(pieces: Sequence[Convex]) -> tuple[np.ndarray, float]:
     """The plane (normal (3,), offset) of the face beyond which the hull of several pieces reaches farthest from them."""
     _, face = _asked(tuple(pieces))
@@ -170,7 +185,7 @@ def _grid(run: list[list[Convex]], tolerance: float) -> list[Cluster]:
     def fits(count: int) -> bool:
         looked_at = range(count) if len(run) == 1 else (0, count // 4)  # steps around an axis are alike
         sectors = (_sector(steps, count, k) for steps in run for k in looked_at)
-        return all(gap(part) <= tolerance for part in sectors if part)
+        return all(_within(part, tolerance) for part in sectors if part)
 
     count = [*counts, most][bisect_left(counts, True, key=fits)]  # with more sectors gaps are less
     sectors = [_sectors(steps, count) for steps in run]
@@ -200,7 +215,7 @@ def _chained(parts: list[Cluster], tolerance: float) -> list[Cluster]:
     """Clusters one after the other, put together as long as the hull of all adds less than ``tolerance``."""
     found: list[Cluster] = []
     for part in parts:
-        if found and gap(found[-1] + part) <= tolerance:
+        if found and _within(found[-1] + part, tolerance):
             found[-1] = found[-1] + part
         else:
             found.append(part)

@@ -57,7 +57,7 @@ class Machine:
         long, address = ctypes.c_int64, ctypes.c_void_p
         self._run.argtypes = [address] * 5 + [long] * 4
         self.print_rows.argtypes = [long] * 4 + [address, ctypes.c_char_p, address, address]  # called often for little
-        self.deepest.argtypes = [long] + [address] * 6 + [long, address, address]
+        self.deepest.argtypes = [long] + [address] * 6 + [long, address, ctypes.c_double, address]
         look.argtypes, look.restype = [long, long, address], None
         found = np.zeros(5, dtype=np.int64)
         shown = np.zeros((7, 3))[::2, 1]

@@ -54,16 +54,17 @@ static int64_t extreme(const stock *of, int64_t count, const int64_t *pieces, in
 }
 
 /* How far the hull of ``pieces`` (count,) reaches from the nearest where it does most, ``depth``, among the middles of pairs of extreme
-   points; returns the face of the nearest piece that the first of such places is farthest beyond, counted over all pieces. */
+   points; returns the face of the nearest piece that the first of such places is farthest beyond, counted over all pieces. What reaches
+   farther than ``enough`` may be told by any place that does. */
 OUT int64_t deepest(int64_t count, const int64_t *pieces, const double *points, const int64_t *point_start, const double *normals,
-                    const double *offsets, const int64_t *face_start, int64_t ways, const double *way, double *depth) {
+                    const double *offsets, const int64_t *face_start, int64_t ways, const double *way, double enough, double *depth) {
     const stock of = {points, normals, offsets, point_start, face_start};
     const double *corner[MOST];
     const int64_t many = extreme(&of, count, pieces, ways, way, corner);
     int64_t face = 0, hint = 0;
     double most = -INFINITY;
     for (int64_t i = 0; i < many; i++)
-        for (int64_t j = i + 1; j < many; j++) {
+        for (int64_t j = i + 1; j < many && most <= enough; j++) {
             double p[3], least;
             int64_t k, near = hint, base = 0;
             for (int n = 0; n < 3; n++) p[n] = (corner[i][n] + corner[j][n]) / 2;

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 
 #define CLEAR 1e-14 /* how far beyond a face a point lies that is a corner; the points are within a box of 1 */
+#define DEEP 1e-6   /* and how far behind all one that is in no doubt, but for faces that are needles: */
+#define NEEDLE 1e-5 /* twice the area of one, by the square of its longest edge at the first corner */
 
 /* a triangle that turns outwards; the face across the edge that begins at each corner; the plane */
 typedef struct {
@@ -18,6 +20,7 @@ typedef struct {
     face *faces;
     int64_t *unused, *made, *begins; /* faces to be used again; new faces; the new face that begins at a point, or -1 */
     int64_t top, spare; /* faces that were ever there; how many are to be used again */
+    unsigned char *deep; /* whether a point lies deep within */
 } hull;
 
 static void less(const double *a, const double *b, double *out) {
@@ -85,13 +88,16 @@ static int extend(hull *of, int64_t point) {
     const double *p = of->points + 3 * point;
     const int64_t top = of->top;
     int64_t k, made = 0, steps = 0;
-    int any = 0, whole = 1;
+    int whole = 1;
+    double most = -INFINITY;
     for (k = 0; k < top; k++) {
         face *one = of->faces + k;
-        one->seen = one->there && dot(one->normal, p) - one->offset > CLEAR;
-        any |= one->seen;
+        const double away = dot(one->normal, p) - one->offset;
+        one->seen = one->there && away > CLEAR;
+        if (one->there && away > most) most = away;
     }
-    if (!any) return 1;
+    of->deep[point] = most < -DEEP;
+    if (!(most > CLEAR)) return 1;
     for (k = 0; k < top; k++)
         for (int i = 0; i < 3 && of->faces[k].seen; i++) {
             const int64_t beyond = of->faces[k].across[i];
@@ -152,8 +158,9 @@ static int certain(const hull *of, int64_t count, double doubt) {
                     !behind(a, n, length, longest, of->points + 3 * next->corner[j], doubt))
                     return 0;
         }
+        const int needle = !(length > NEEDLE * longest);
         for (int64_t p = 0; p < count; p++)
-            if (of->begins[p] < 0 && !behind(a, n, length, longest, of->points + 3 * p, doubt)) return 0;
+            if (of->begins[p] < 0 && (needle || !of->deep[p]) && !behind(a, n, length, longest, of->points + 3 * p, doubt)) return 0;
     }
     return 1;
 }
@@ -173,8 +180,8 @@ OUT int64_t wrap(int64_t count, const int64_t *start, const double *points, doub
     for (k = 0; k < count; k++)
         if (start[k + 1] - start[k] > most) most = start[k + 1] - start[k];
     hull of = {NULL, malloc(4 * most * sizeof(face)), malloc(4 * most * sizeof(int64_t)), malloc(4 * most * sizeof(int64_t)),
-               malloc(most * sizeof(int64_t)), 0, 0};
-    if (!of.faces || !of.unused || !of.made || !of.begins) told = -1;
+               malloc(most * sizeof(int64_t)), 0, 0, malloc(most)};
+    if (!of.faces || !of.unused || !of.made || !of.begins || !of.deep) told = -1;
     for (k = 0; k < count && told >= 0; k++) {
         const int64_t size = start[k + 1] - start[k];
         int whole;
@@ -195,6 +202,6 @@ OUT int64_t wrap(int64_t count, const int64_t *start, const double *points, doub
         qsort(out, (size_t)many[k], 3 * sizeof(int64_t), in_order);
         told += many[k];
     }
-    free(of.faces), free(of.unused), free(of.made), free(of.begins);
+    free(of.faces), free(of.unused), free(of.made), free(of.begins), free(of.deep);
     return told;
 }
