@@ -59,7 +59,10 @@ class Body:
     def __init__(self, items: list[Item], materials: dict[int, np.ndarray]):
         shapes = [item.group.shapes[item.k] for item in items]
         tolerances = _tolerances(shapes)
-        stock = Stock(*list(zip(*shapes, strict=True))[:3], enough=tolerances[-1]) if len(items) > BUDGET else None
+        stock = None
+        if len(items) > BUDGET:
+            corners, normals, offsets, _, _ = zip(*shapes, strict=True)
+            stock = Stock(corners, normals, offsets, tolerances[-1])
         pieces = list(_pieces(items, shapes, stock))
         self._order = {id(piece): k for k, piece in enumerate(pieces)}
         if len(pieces) <= BUDGET:

@@ -162,9 +162,7 @@ def build_pieces(tables: list[SiteTable]) -> list[ShapedPieces]:
                 if len(c):
                     faces = fit.hull.told if sign > 0 else fit.hull.told[:, ::-1]
                     placed, *shape = (column[c] for column in columns)
-                    groups.append(
-                        ShapedPieces(table, fit.cloud[c], fit.index[c], fit.rows[c], placed, faces, *shape)
-                    )
+                    groups.append(ShapedPieces(table, fit.cloud[c], fit.index[c], fit.rows[c], placed, faces, *shape))
     return groups
 
 

@@ -182,8 +182,8 @@ def fit_all(clouds: Sequence[Cloud]) -> list[Fitted]:
     """The hulls of the pieces of several clouds; those that may have the same are looked at together."""
     alike: dict[tuple[tuple[_Hull, ...], int], list[tuple[int, int, int]]] = {}
     for number, cloud in enumerate(clouds):
-        for index, start, stop in cloud.ranges():
-            alike.setdefault((cloud.known(index), cloud.points.shape[1]), []).append((number, start, stop))
+        for step, start, stop in cloud.ranges():
+            alike.setdefault((cloud.known(step), cloud.points.shape[1]), []).append((number, start, stop))
     found = []
     for (known, _), ranges in alike.items():
         of = np.repeat([number for number, _, _ in ranges], [stop - start for _, start, stop in ranges])
