@@ -2,7 +2,8 @@
 
 All formats of one category in one run on the same objects, which are sampled before the clock starts: objects per second
 of CPU time, one thread. The model of links and joints, which formats written together share, is measured apart. Files
-go to a temporary folder. Two tables: objects per second, then KiB and files of an object.
+go to a temporary folder, best one in memory (`TMPDIR=/dev/shm`): an ext4 without a journal takes half a millisecond for
+a new file where many have been deleted within the last minutes, as here. Two tables: objects per second, then KiB and files of an object.
 
     python benchmarks/export_formats.py [-n 16] [Microwave ...]
 """
