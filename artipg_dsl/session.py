@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypedDict
 
 from . import kept
 from .diagnostics import CompileError, Report, did_you_mean
+from .diagnostics.suggest import any_of
 from .garbage import uncollected
 from .resources import categories_dir, library_dir
 from .shapes import Misfit, fit
@@ -257,6 +258,23 @@ class Session:
             return False
         return True
 
+    def _warn_rigid(self, batch: Batch, span: Span) -> None:
+        """Name the joints of objects whose loops leave none of them to move."""
+        loops, names = batch.loops, batch.joints().name
+        if loops is None:
+            return
+        for joints, follows in zip(loops.variable, loops.follows, strict=True):
+            there = joints >= 0
+            if there.any() and follows[there].all():
+                held = any_of([names[k] for k in joints[there][:_NAMED].tolist()], "and")
+                self.report.warning(
+                    "rigid-loop",
+                    span,
+                    f"no joint on the loops of `{batch.program.name}` can move: `close` determines {held}",
+                    hint="a loop of four hinges with parallel axes moves, a triangle does not: add a joint, or `connect` the parts",
+                )
+                return
+
     def _warn_of_cost(self, batch: Batch, span: Span) -> None:
         """Name the parts that the check of an object takes long for."""
         from .geometry.errors import PrimitiveError  # start-up
@@ -343,6 +361,7 @@ class Session:
         batch = self._looked_at()
         if batch is not None and self._follows(batch, lowering):
             self._warn_floating(batch, lowering)
+            self._warn_rigid(batch, typed.category.decl.name_span)
             self._warn_of_cost(batch, typed.category.decl.name_span)
             self._warn_untested(batch, lowering, typed.category.decl.name_span)
         program = lowering.program

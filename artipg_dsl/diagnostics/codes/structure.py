@@ -234,6 +234,35 @@ STRUCTURE = (
         """,
     ),
     Code(
+        "rigid-loop",
+        "no joint on a closed loop can move",
+        """
+        A loop takes freedoms from its joints, two of them where all axes are parallel. A triangle of two joints and the
+        hinge that `close` states has none left: its joints are written to files, and none of them moves. A linkage of
+        four bars has one freedom.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { steel }
+        vocabulary semantic { frame }
+        category Frame {
+          root part base : Cuboid(size = [20cm, 2cm, 2cm])
+          part post : Cuboid(size = [1cm, 1cm, 15cm])
+          align post.bottom = base.top - 1cm
+          align post.right = base.left + 1mm
+          joint lean : revolute base -> post about line(at = post.bottom.center + [0mm, 0mm, 1cm], along = y) range -60deg .. 60deg
+          part brace : Cuboid(size = [20cm, 1cm, 1cm])
+          align brace.right = post.left + 1mm
+          align brace.top = post.top
+          joint tilt : revolute post -> brace about line(at = post.top.center - [0mm, 0mm, 1cm], along = y) range -60deg .. 60deg
+          close line(at = brace.front.center, along = y) on line(at = base.front.center + [0cm, 0mm, 14.5cm], along = y)
+          label semantic.frame on base, post, brace
+          material steel on base, post, brace
+        }
+        """,
+    ),
+    Code(
         "needs-clearance",
         "a `clearance` that cannot be solved for",
         """
