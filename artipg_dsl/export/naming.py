@@ -15,9 +15,11 @@ class Names:
         self.taken = {name.casefold() for name in taken}
 
     def __call__(self, name: str) -> str:
+        stem, dot, rest = name.partition(".")
+        kept = stem.casefold() in _KEPT  # with any ending
         found, count = name, 1
-        while found.casefold() in self.taken or found.casefold().partition(".")[0] in _KEPT:
+        while found.casefold() in self.taken or kept and count == 1:
             count += 1
-            found = f"{name}_{count}"
+            found = f"{stem}_{count}{dot}{rest}" if kept else f"{name}_{count}"
         self.taken.add(found.casefold())
         return found
