@@ -213,11 +213,7 @@ def _cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
     balls = (joint >= 0) & np.append(~(tree.slides | tree.turns), False)[joint]
     slack = add_columns(np.where(balls, radius * np.maximum(np.abs(start), np.abs(stop)), 0.0))
     start, stop = np.where(balls, 0.0, start), np.where(balls, 0.0, stop)
-    part = _where_gates_let(tree, joint, Cells(row, piece, other, start, stop, radius, slack))
-    joint = way.joint[part.row]
-    again = (joint >= 0) & np.append(tree.turns & (tree.advance == 0.0), False)[joint]  # each turn is like the first
-    part.stop = np.where(again, np.minimum(part.stop, part.start + FULL), part.stop)
-    return part
+    return _where_gates_let(tree, joint, Cells(row, piece, other, start, stop, radius, slack))
 
 
 def _where_gates_let(tree: Tree, joint: np.ndarray, part: Cells) -> Cells:
@@ -263,6 +259,10 @@ def least_share(
     part = _cells(tree, body, way)
     joint = way.joint
     giving = (joint >= 0) & np.append(yields, False)[joint]
+    again = (
+        np.append(tree.turns & (tree.advance == 0.0), False)[joint] & (joint >= 0) & ~giving
+    )  # each turn is like the first
+    part.stop = np.where(again[part.row], np.minimum(part.stop, part.start + FULL), part.stop)
     far = np.where(giving, np.append(tree.high - tree.joints.rest, 1.0)[joint], np.inf)
     far = np.where(far > 0.0, far, np.inf)
     body.ready(part.piece, part.other)
