@@ -7,13 +7,15 @@ import json
 import os
 import subprocess
 import sys
+from io import FileIO
 from pathlib import Path
+from typing import IO
 
 import pytest
 
 from artipg_dsl import sample
 from artipg_dsl.errors import UserError
-from artipg_dsl.export import registry
+from artipg_dsl.export import objects, registry
 
 from .helpers import CHEST, Apgc, command, environment, tree
 
@@ -146,19 +148,19 @@ def test_a_target_that_cannot_be_written(apgc: Apgc, made: Path, monkeypatch: py
 
 
 def fail_after(patch: pytest.MonkeyPatch, count: int, error: BaseException) -> None:
-    """The next ``count`` files are written, then ``error`` strikes in the middle of one."""
-    write = Path.write_bytes
+    """The next ``count`` files of objects are written, then ``error`` strikes in the middle of one."""
     left = [count]
 
-    def limited(self: Path, data: bytes) -> int:
-        if self.suffix != ".json":
-            left[0] -= 1
-            if left[0] < 0:
-                write(self, data[: len(data) // 2])
-                raise error
-        return write(self, data)
+    class Full(FileIO):
+        def write(self, data: bytes) -> int:
+            super().write(data[: len(data) // 2])
+            raise error
 
-    patch.setattr(Path, "write_bytes", limited)
+    def limited(name: str, mode: str) -> IO[bytes]:
+        left[0] -= 1
+        return open(name, mode) if left[0] >= 0 else Full(name, mode)
+
+    patch.setattr(objects, "open", limited, raising=False)
 
 
 @pytest.mark.parametrize("error", [OSError(errno.ENOSPC, "No space left on device"), KeyboardInterrupt()])
