@@ -33,10 +33,8 @@ PRESS = 0.0024  # units that a finger is pressed in before it goes sideways
 RADIUS, LENGTH = 0.01, 0.15  # units of a finger
 _MASS = 0.2  # kg of a finger
 _CALMED = 4.0  # N s/m that a hand damps what it holds
-_ROTOR = (
-    1e-3,
-    0.05,
-)  # kg m2 or kg that joints have besides what they move, at most, and by which what follows is drawn
+# kg m2 or kg that joints have besides what they move, at most, and by which what follows is drawn
+_ROTOR = (1e-3, 0.05)
 GRIP = 4.0  # friction of finger and object
 STIFF = 4000.0  # newton per metre of a hand
 _DEEP = 0.02  # units that a finger comes on to meet what it is to go along
