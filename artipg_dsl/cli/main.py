@@ -57,9 +57,10 @@ class Parser(argparse.ArgumentParser):
         options, unknown = self.parse_known_args(words)
         if unknown:
             command = self.commands[options.command]
-            close = get_close_matches(unknown[0], re.findall(r"--?[a-z]+", command.format_usage()), n=1)
+            known = {option.lstrip("-"): option for option in re.findall(r"--?[a-z][a-z-]*", command.format_usage())}
+            close = get_close_matches(unknown[0].lstrip("-"), known, n=1, cutoff=0.7)  # dashes say nothing
             if close:
-                error(f"apgc {options.command} has no option {unknown[0]}", f"did you mean {close[0]}?")
+                error(f"apgc {options.command} has no option {unknown[0]}", f"did you mean {known[close[0]]}?")
                 self.exit(USAGE)
             command.error(f"unexpected argument {unknown[0]}")
         return options

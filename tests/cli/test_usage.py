@@ -20,6 +20,8 @@ from .helpers import CHEST, Apgc, command, environment
     [
         ("sampel Microwave", "there is no command `sampel`", "did you mean `sample`?"),
         ("sample Microwave --formt glb", "apgc sample has no option --formt", "did you mean --format?"),
+        ("sample Microwave --detail-strenght 1", "no option --detail-strenght", "did you mean --detail-strength?"),
+        ("sample Microwave --no-mesh", "apgc sample has no option --no-mesh", "did you mean --no-meshes?"),
         ("sample Microwave more", "unexpected argument more", "apgc sample --help"),
         ("sample Microwave -n 0", "0 is not a number from 1", "apgc sample --help"),
         ("sample", "required: DIR|NAME|FILE", "apgc sample --help"),
