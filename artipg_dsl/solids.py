@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from functools import partial
+from typing import Any, TypeVar
 
 from .diagnostics import Report
 from .geometry import facts
@@ -22,6 +23,8 @@ from .lower.solve.feasible import plain
 from .semantics.check import TypedProgram
 from .semantics.symbols import Symbol
 from .syntax import ast
+
+_T = TypeVar("_T")
 
 _HINT = "two edges match where both surfaces give the same curve from end to end; compare the signs and the ranges of u and v"
 
@@ -99,7 +102,7 @@ def _cover(symbol: Symbol, lowered: Lowered, report: Report) -> None:
     if not stated:
         return
     found = facts.recall_fact(
-        lowered.primitive, "missed", lambda: measure_missed(lowered.primitive), lambda far: far, _distance
+        lowered.primitive, "missed", lambda: measure_missed(lowered.primitive), lambda far: far, partial(_found, float)
     )
     if found is None or found[0] < LOOSE:
         return
@@ -118,7 +121,11 @@ def _hold(symbol: Symbol, lowered: Lowered, report: Report) -> None:
     if not _stated(symbol, ast.SurfaceDecl):
         return
     found = facts.recall_fact(
-        lowered.primitive, "beyond", lambda: find_piece_beyond(lowered.primitive, LOOSE), lambda f: f, _named
+        lowered.primitive,
+        "beyond",
+        lambda: find_piece_beyond(lowered.primitive, LOOSE),
+        lambda f: f,
+        partial(_found, str),
     )
     if found is None:
         return
@@ -153,24 +160,14 @@ def _true(data: object) -> bool:
     return True
 
 
-def _named(data: Any) -> tuple[str, str] | None:
-    """A name and words, from data."""
+def _found(kind: type[_T], data: Any) -> tuple[_T, str] | None:
+    """Something of a kind and words, from data."""
     if data is None:
         return None
-    name, words = data
-    if not isinstance(name, str) or not isinstance(words, str):
-        raise TypeError("a piece is named, and what it does is words")
-    return name, words
-
-
-def _distance(data: Any) -> tuple[float, str] | None:
-    """What ``measure_missed`` gives, from data."""
-    if data is None:
-        return None
-    far, place = data
-    if not isinstance(far, float) or not isinstance(place, str):
-        raise TypeError("how much of a solid is missed is a number and a place")
-    return far, place
+    value, words = data
+    if not isinstance(value, kind) or not isinstance(words, str):
+        raise TypeError(f"what is found is a {kind.__name__} and words")
+    return value, words
 
 
 def _tell(symbol: Symbol, lowered: Lowered, error: PrimitiveError, report: Report) -> None:

@@ -338,10 +338,9 @@ def _outwards(primitive: Primitive) -> np.ndarray:
         length = np.sqrt((normal**2).sum(axis=-1, keepdims=True))
         normal = normal / np.maximum(length, 1e-300)
         scale = np.abs(point).max(axis=(1, 2))[:, None, None]
-        asked = np.concatenate([point + side * _PROBE * scale * normal for side in (1.0, -1.0)], axis=1)
-        asked = np.concatenate(
-            [asked, _AWAY * scale], axis=1
-        )  # one call: a long formula takes its time for few places, too
+        # one call: a long formula takes its time for few places, too
+        sides = [point + side * _PROBE * scale * normal for side in (1.0, -1.0)]
+        asked = np.concatenate([*sides, _AWAY * scale], axis=1)
         arguments = [chosen[n][:, None] for n in primitive.parameters]
         (value,) = inside(*arguments, *np.moveaxis(asked, -1, 0))
         held = np.broadcast_to(value < 0, asked.shape[:2])

@@ -126,9 +126,8 @@ def _swept(
             turn = rotation_about(axis, least + (k + 0.5) * step)
             at, wide = apply(turn, arm), apply(np.abs(turn), half)
             lows, highs = np.minimum(lows, at - wide), np.maximum(highs, at + wide)
-        slack = (radius[rows] * step / 2)[:, None] * np.sqrt(
-            np.maximum(1.0 - axis * axis, 0.0)
-        )  # across the axis alone
+        across = np.sqrt(np.maximum(1.0 - axis * axis, 0.0))  # along its axis nothing turns
+        slack = (radius[rows] * step / 2)[:, None] * across
         found_low[rows] = origin[rows] + lows - slack + ends[:, rows].min(axis=0)
         found_high[rows] = origin[rows] + highs + slack + ends[:, rows].max(axis=0)
     balls, corner = ~(slides | turns), np.maximum(np.abs(low - origin), np.abs(high - origin))
