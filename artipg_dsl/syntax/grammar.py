@@ -12,7 +12,7 @@ from . import ast
 from .build_module import TreeBuilder
 from .driver import Driver
 from .layout import Layout
-from .tables import Tables, recall_tables, tables_of
+from .tables import read_tables, tables_of
 
 if TYPE_CHECKING:
     from lark import Lark, UnexpectedInput
@@ -25,18 +25,14 @@ class Machine:
         self.layout = Layout()
         self.builder = TreeBuilder(self.layout)
         self._text, self._cached = grammar_path().read_text(encoding="utf-8"), use_cache
-        self.tables = self._tables()
+        self.tables = read_tables(self._text) or tables_of(self.lark)
         self.layout.reserved = self.tables["reserved"]
         self._driver = Driver(self.tables, self.layout, self.builder)
-
-    def _tables(self) -> Tables:
-        found = recall_tables(self._text) if self._cached else None
-        return found or tables_of(self.lark, self._text if self._cached else None)
 
     @cached_property
     def lark(self) -> Lark:
         """Lark's parser of the same grammar."""
-        from .generator import generate  # start-up: for texts with mistakes, and where no tables are kept
+        from .generator import generate  # start-up: for texts with mistakes, and a grammar that was changed
 
         return generate(self._text, self.layout, self._cached)
 

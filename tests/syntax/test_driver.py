@@ -9,13 +9,12 @@ from pathlib import Path
 import pytest
 from lark import Lark, UnexpectedInput
 
-from artipg_dsl import cache
 from artipg_dsl.diagnostics import Report
 from artipg_dsl.resources import categories_dir, library_dir
 from artipg_dsl.source import Source
 from artipg_dsl.syntax import generator, tables
 from artipg_dsl.syntax.build_module import TreeBuilder
-from artipg_dsl.syntax.grammar import Machine, grammar_path, machine
+from artipg_dsl.syntax.grammar import grammar_path, machine
 from artipg_dsl.syntax.layout import Layout
 from artipg_dsl.syntax.parse import parse
 from artipg_dsl.syntax.token import Token
@@ -83,29 +82,31 @@ def test_mistakes_are_those_of_lark(by_lark):
     assert wrong > CUTS // 2
 
 
-def test_lark_is_asked_about_mistakes_alone(tmp_path, monkeypatch):
-    """Where the tables are kept, a text is parsed without lark, which takes long to start."""
-    monkeypatch.setenv("APGC_CACHE", str(tmp_path))
-    Machine()
+def test_the_tables_are_those_of_the_grammar(update_golden):
+    text = grammar_path().read_text(encoding="utf-8")
+    path = grammar_path().with_name("tables.json")
+    current = tables.to_json(tables.tables_of(machine().lark), text)
+    if update_golden:
+        path.write_text(current, encoding="utf-8")
+    else:
+        assert path.read_text(encoding="utf-8") == current, "run pytest tests/syntax/test_driver.py --update-golden"
+    assert tables.to_json(tables.read_tables(text), text) == current
+
+
+def test_tables_of_another_grammar_are_not_taken():
+    text = grammar_path().read_text(encoding="utf-8")
+    assert tables.read_tables(text + "\n") is None
+
+
+def test_lark_is_asked_about_mistakes_alone():
+    """A text is parsed without lark, which takes long to start."""
     program = (
         "import sys; from artipg_dsl.syntax.grammar import machine; from artipg_dsl.source import Source;"
         "text = 'category C { part a : B when c is D | none }'; assert machine().tree(Source('', text), text);"
         "print('lark' in sys.modules)"
     )
-    assert subprocess.check_output([sys.executable, "-c", program], text=True).strip() == "False"
-
-
-def test_spoilt_tables_are_made_anew(tmp_path, monkeypatch):
-    monkeypatch.setenv("APGC_CACHE", str(tmp_path))
-    text = grammar_path().read_text(encoding="utf-8")
-    entry = tables._entry(text)
-    whole = Machine().tables
-    for spoilt in (b"", b"{", cache.MARK + b"x"):
-        (tmp_path / entry).write_bytes(spoilt)
-        assert tables.recall_tables(text) is None
-    cache.write(entry, b'{"terminals": [], "states"')
-    assert tables.recall_tables(text) is None
-    assert Machine().tables["states"] == whole["states"]
+    found = subprocess.check_output([sys.executable, "-c", program], text=True, env={**os.environ, "APGC_CACHE": "off"})
+    assert found.strip() == "False"
 
 
 def test_a_mistake_is_told_as_lark_sees_it():
