@@ -17,6 +17,7 @@ the whole folder, and what a folder read back does not hold as it should. Begin 
     maniskill, maniskill_check          a layout for robots that open and turn things
     where2act, where2act_check          a layout for trials of a hand
     hand, forecast, foretold            what comes of them, in SAPIEN and as annotations say
+    scaled                              a robot in another unit of length
     outlines                            masks as polygons
     hdf5, pcd, ply, pth                 files
     findings                            faults that a reader finds

@@ -6,6 +6,9 @@ but for plain pushes, the point goes within 60 degrees of where it was led. What
 made by one round finger that is led 0.05 beyond the point, as their other motions are (their fingertips go 0.012 beyond,
 less than a wide door needs to turn by 0.01), and before it goes sideways it comes on until it meets something; a pull is made by a
 point that holds fast, like a sucker. Either hand is a spring, which pulls the harder the further it is behind.
+
+Objects stand in SAPIEN in that unit, as Where2Act's do: PhysX leaves out corners of a hull that lie within 0.7 mm of the others,
+and of the key of a phone in metres it leaves five.
 """
 
 from __future__ import annotations
@@ -22,6 +25,7 @@ import numpy as np
 from ..export.robot import Robot, RobotJoint
 from ..export.substitute import simple_joints
 from ..export.urdf import urdf_files
+from .scaled import resistance_scale, scaled, value_scale
 
 PRIMITIVES = ("pushing", "pushing-up", "pushing-left", "pulling", "pulling-up", "pulling-left")
 PLAIN = ("revolute", "continuous", "prismatic")  # joints along which a hand is led
@@ -105,11 +109,12 @@ def rotor(joint: RobotJoint) -> float:
 @dataclass(eq=False)
 class Latch:
     """Holds a ``joint`` of SAPIEN (number ``k``) where it rests while what it waits for is not there: ``gates`` are numbers of joints, from
-    and to. Elsewhere it goes between its ``ends`` (1, 2)."""
+    and to. Elsewhere it goes between its ``ends`` (1, 2). Within ``near`` of rest it catches."""
 
     joint: Any
     k: int
     rest: float
+    near: float
     ends: np.ndarray
     gates: list[tuple[int, float, float]]
     shut: bool = False
@@ -123,38 +128,59 @@ class Latch:
         waits = any(not low <= now[gate] <= high for gate, low, high in self.gates)
         if self.shut and not waits:
             self.free()
-        elif waits and not self.shut and abs(now[self.k] - self.rest) < _LATCHED:
+        elif waits and not self.shut and abs(now[self.k] - self.rest) < self.near:
             self.shut = True
-            self.joint.set_limits(np.array([[self.rest - _LATCHED, self.rest + _LATCHED]], dtype=np.float32))
+            self.joint.set_limits(np.array([[self.rest - self.near, self.rest + self.near]], dtype=np.float32))
+
+
+def _scene(sapien: Any, per: float) -> Any:
+    """One where a metre is ``per`` long, and gravity with it. SAPIEN keeps one setting for all scenes to come, which is put back."""
+    given, config = (sapien.physx.get_scene_config() for _ in range(2))
+    config.gravity = given.gravity * per
+    sapien.physx.set_scene_config(config)
+    try:
+        scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
+    finally:
+        sapien.physx.set_scene_config(given)
+    scene.set_timestep(STEP)
+    return scene
 
 
 class Standing:
     """One object in SAPIEN, its base held, with the friction and the damping that its file states. Joint values are by name,
-    those of ``order``. A joint that waits for others is latched while it rests and they are not there yet: URDF cannot say so.
-    What follows another joint is drawn after it, and what it rubs and weighs its leader feels."""
+    those of ``order``, in radians and metres. A joint that waits for others is latched while it rests and they are not there yet: URDF
+    cannot say so. What follows another joint is drawn after it, and what it rubs and weighs its leader feels.
 
-    def __init__(self, robot: Robot):
+    ``unit``: metres of what is 1 in the scene; ``per`` metre it has kilograms by the third power, newton by the fourth. ``long`` and ``heavy``
+    (joints): what 1 of a joint's value is there, and 1 of what resists it."""
+
+    def __init__(self, robot: Robot, unit: float = 1.0):
         sapien = _sapien()
-        self.robot, self.scene = robot, sapien.Scene([sapien.physx.PhysxCpuSystem()])
-        self.scene.set_timestep(STEP)
+        self.unit, self.per, simple = unit, 1.0 / unit, simple_joints(robot)
+        self.robot, self.scene = scaled(simple, unit), _scene(sapien, self.per)
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = True
         with TemporaryDirectory() as place:
-            for name, data in urdf_files(untied(robot)).items():
+            for name, data in urdf_files(untied(self.robot)).items():
                 (Path(place) / name).parent.mkdir(parents=True, exist_ok=True)
                 (Path(place) / name).write_bytes(data)
             self.body = loader.load(str(Path(place) / "object_physics.urdf"))
-        stated = {joint.name: joint for joint in simple_joints(robot).joints}
-        stated |= {joint.name: joint for joint in robot.joints if joint.curve is not None}
+        curves = {joint.name: joint.curve for joint in robot.joints}
+        simple = replace(simple, joints=tuple(replace(j, curve=curves.get(j.name)) for j in simple.joints))
+        stated = {joint.name: joint for joint in scaled(simple, unit).joints}
         self.active = self.body.active_joints
         self.order = [joint.name for joint in self.active]
+        plain = {joint.name: joint for joint in simple.joints}
+        self.long = np.array([value_scale(plain[name], unit) for name in self.order])
+        self.heavy = np.array([resistance_scale(plain[name], unit) for name in self.order])
+        self.bristle = _BRISTLE * self.long
         self.rubs = np.array([stated[name].friction for name in self.order])
         self.damping = [stated[name].damping for name in self.order]
         bodies = {link.name: link for link in self.body.links}
         self.links = [bodies[link.name] for link in robot.links]
         self.latches = list(self._latches(stated))
-        for joint, name in zip(self.active, self.order, strict=True):
-            joint.set_armature(np.array([rotor(stated[name])]))
+        for joint, name, heavy in zip(self.active, self.order, self.heavy, strict=True):
+            joint.set_armature(np.array([rotor(plain[name]) * heavy]))
         self.towed = list(self._towed(stated))
 
     def _latches(self, stated: Mapping[str, RobotJoint]) -> Iterator[Latch]:
@@ -162,7 +188,7 @@ class Standing:
         for k, (name, joint) in enumerate(zip(self.order, self.active, strict=True)):
             gates = [(at[gate], low, high) for gate, low, high in stated[name].gates if gate in at]
             if gates:
-                yield Latch(joint, k, stated[name].rest, joint.get_limits(), gates)
+                yield Latch(joint, k, stated[name].rest, _LATCHED * float(self.long[k]), joint.get_limits(), gates)
 
     def _towed(self, stated: Mapping[str, RobotJoint]) -> Iterator[tuple[int, int, RobotJoint, float]]:
         """Followers: their number, that of their leader, and how stiffly they are drawn. Leaders feel what they rub."""
@@ -170,7 +196,8 @@ class Standing:
             mimic = stated[name].mimic
             if mimic is None or mimic[0] not in self.order or _ties(stated[name]):
                 continue
-            yield k, self.order.index(mimic[0]), stated[name], _TOWED * _ROTOR[stated[name].kind == "prismatic"]
+            stiff = _TOWED * _ROTOR[stated[name].kind == "prismatic"] * float(self.heavy[k])
+            yield k, self.order.index(mimic[0]), stated[name], stiff
             ratio = 1.0
             while mimic is not None and mimic[0] in self.order:  # up to the one that leads all
                 ratio, leader = ratio * mimic[1], self.order.index(mimic[0])
@@ -184,21 +211,23 @@ class Standing:
             return
         weighs, felt = np.asarray(self.body.compute_passive_force(True, False), dtype=np.float64), np.zeros(len(now))
         for k, leader, joint, _ in reversed(self.towed):
-            here, beyond = (float(joint.following(now[leader] + more)) for more in (0.0, _LITTLE))
+            little = _LITTLE * float(self.long[leader])
+            here, beyond = (float(joint.following(now[leader] + more)) for more in (0.0, little))
             self.active[k].set_drive_target(here)
-            felt[leader] += (beyond - here) / _LITTLE * (felt[k] + weighs[k])
+            felt[leader] += (beyond - here) / little * (felt[k] + weighs[k])
         self.body.set_qf(-felt)
 
     def place(self, values: Mapping[str, float]) -> None:
         """Put the joints there, at a standstill."""
         for latch in self.latches:
             latch.free()
-        self.body.set_qpos([values[name] for name in self.order])
+        self.body.set_qpos(np.array([values[name] for name in self.order]) * self.long)
         self.body.set_qvel(np.zeros(len(self.order)))
         self.held = self.now()
-        for joint, rubs, damping, at in zip(self.active, self.rubs, self.damping, self.held, strict=True):
+        known = zip(self.active, self.rubs, self.damping, self.held, self.bristle, strict=True)
+        for joint, rubs, damping, at, bristle in known:
             joint.set_friction(0.0)
-            stiff = rubs / _BRISTLE  # a drive that holds the joint where it is, with no more force than its friction
+            stiff = rubs / bristle  # a drive that holds the joint where it is, with no more force than its friction
             limit = {"force_limit": rubs} if rubs > 0 else {}
             joint.set_drive_properties(stiff, stiff * STEP if rubs > 0 else damping, mode="force", **limit)
             joint.set_drive_target(at)
@@ -208,10 +237,11 @@ class Standing:
         self._tow(self.held)
 
     def now(self) -> np.ndarray:
+        """Values in the scene."""
         return np.asarray(self.body.get_qpos(), dtype=np.float64)
 
     def values(self) -> dict[str, float]:
-        return dict(zip(self.order, self.now().tolist(), strict=True))
+        return dict(zip(self.order, (self.now() / self.long).tolist(), strict=True))
 
     def step(self) -> None:
         now = self.now()
@@ -219,8 +249,9 @@ class Standing:
             latch.turn(now)
         self._tow(now)
         off = self.held - now
-        for k in np.flatnonzero((np.abs(off) > _BRISTLE) & (self.rubs > 0)):  # what slips is held where it has come to
-            self.held[k] = now[k] + np.copysign(_BRISTLE, off[k])
+        slips = (np.abs(off) > self.bristle) & (self.rubs > 0)
+        for k in np.flatnonzero(slips):  # what slips is held where it has come to
+            self.held[k] = now[k] + np.copysign(self.bristle[k], off[k])
             self.active[k].set_drive_target(self.held[k])
         self.scene.step()
 
@@ -236,42 +267,43 @@ class Standing:
             for _ in range(tenth):
                 step()
             now = self.now()
-            if np.abs(now - before).max(initial=0.0) < STILL:
+            if (np.abs(now - before) / self.long).max(initial=0.0) < STILL:
                 return True
             before = now
         return False
 
     def frame(self, link: int) -> tuple[np.ndarray, np.ndarray]:
-        """Where a link stands: rotation (3, 3) and origin (3,)."""
+        """Where a link stands in the scene: rotation (3, 3) and origin (3,)."""
         pose = self.links[link].entity_pose
         return pose.to_transformation_matrix()[:3, :3].astype(float), np.asarray(pose.p, float)
 
 
 class Arena(Standing):
-    """An object and a finger. ``unit`` in metres; ``groups`` (links): links of one number move as one."""
+    """An object and a finger in a scene in its units. ``groups`` (links): links of one number move as one."""
 
     def __init__(self, robot: Robot, unit: float, groups: np.ndarray):
-        super().__init__(robot)
+        super().__init__(robot, unit)
         sapien = _sapien()
-        self.unit, self.groups, self.pose = unit, groups, sapien.Pose
+        self.groups, self.pose, heavy = groups, sapien.Pose, self.per**3
         self.number = {link.entity.name: k for k, link in enumerate(self.links)}
         skin = sapien.physx.PhysxMaterial(GRIP, GRIP, 0.01)
-        builder, half = self.scene.create_actor_builder(), LENGTH * unit / 2
-        builder.add_capsule_collision(sapien.Pose([-half, 0, 0]), RADIUS * unit, half, material=skin)
+        builder, half = self.scene.create_actor_builder(), LENGTH / 2
+        builder.add_capsule_collision(sapien.Pose([-half, 0, 0]), RADIUS, half, material=skin)
         self.finger = builder.build(FINGER)
         self.mass = self.finger.find_component_by_type(sapien.physx.PhysxRigidDynamicComponent)
         self.mass.disable_gravity = True
         self.mass.set_locked_motion_axes([False] * 3 + [True] * 3)
-        self.mass.set_mass(_MASS)
-        self.mass.set_inertia([1e-2] * 3)
+        self.mass.set_mass(_MASS * heavy)
+        self.mass.set_inertia([1e-2 * heavy] * 3)
         for shape in (shape for body in (*self.links, self.mass) for shape in body.collision_shapes):
-            shape.physical_material, shape.contact_offset = skin, NEAR
+            shape.physical_material, shape.contact_offset = skin, NEAR * self.per
         self.drive = self.scene.create_drive(None, sapien.Pose(), self.finger, sapien.Pose())
         for axis in "xyz":
-            getattr(self.drive, f"set_drive_property_{axis}")(STIFF, 2 * np.sqrt(STIFF * _MASS), 1e6, "force")
+            draws = heavy * STIFF, heavy * 2 * np.sqrt(STIFF * _MASS), 1e6 * heavy * self.per
+            getattr(self.drive, f"set_drive_property_{axis}")(*draws, "force")
 
     def place(self, values: Mapping[str, float]) -> None:
-        self._finger(np.array([0.0, 0.0, -20.0 * self.unit]), np.array([1.0, 0, 0]))
+        self._finger(np.array([0.0, 0.0, -20.0]), np.array([1.0, 0, 0]))
         super().place(values)
 
     def _finger(self, place: np.ndarray, along: np.ndarray) -> None:
@@ -291,7 +323,7 @@ class Arena(Standing):
         """One trial from these joint values, at which the object is still."""
         self.place(values)
         turn, shift = self.frame(trial.link)
-        local = trial.point - self.robot.links[trial.link].origin
+        local = trial.point * self.per - self.robot.links[trial.link].origin
         start, normal = turn @ local + shift, turn @ trial.normal
         if trial.primitive.startswith("pushing"):
             fault = self._push(trial, start, normal)
@@ -299,19 +331,18 @@ class Arena(Standing):
             self._hold(trial, local, start)
             fault = ""
         turn, shift = self.frame(trial.link)
-        return Outcome(fault, self.values(), start, turn @ local + shift)
+        return Outcome(fault, self.values(), start * self.unit, (turn @ local + shift) * self.unit)
 
     def _push(self, trial: Trial, point: np.ndarray, normal: np.ndarray) -> str:
-        touch, unit = point + normal * RADIUS * self.unit, self.unit
-        sideways = trial.primitive != "pushing"
-        begin = touch - trial.toward * START * unit
+        touch, sideways = point + normal * RADIUS, trial.primitive != "pushing"
+        begin = touch - trial.toward * START
         self._finger(begin, trial.toward)
         self.links[0].put_to_sleep()  # it stands: what touches it wakes it
         self.step()
         if self._met() is not None:
             return BEGUN
         met, at = None, begin
-        path = line(begin, touch + trial.toward * (_DEEP if sideways else FAR) * unit, unit)
+        path = line(begin, touch + trial.toward * (_DEEP if sideways else FAR))
         for now in self._lead(path):
             at = now
             if met is None:
@@ -323,16 +354,16 @@ class Arena(Standing):
         if met is None:
             return MISSED
         if sideways:
-            pressed = at + trial.toward * PRESS * unit
-            aside = line(pressed, pressed + trial.lead * FAR * unit, unit)
-            for _ in self._lead(np.concatenate([line(at, pressed, unit), aside])):
+            pressed = at + trial.toward * PRESS
+            aside = line(pressed, pressed + trial.lead * FAR)
+            for _ in self._lead(np.concatenate([line(at, pressed), aside])):
                 pass
         self._calm(_WAIT, self.step)
         return ""
 
     def _met(self) -> int | None:
         """The link that the finger presses, of several the one that is pressed most."""
-        found, most = None, _IMPULSE
+        found, most = None, _IMPULSE * self.per**4
         for contact in self.scene.get_contacts():
             names = [body.entity.name for body in contact.bodies]
             if FINGER not in names:
@@ -344,13 +375,13 @@ class Arena(Standing):
 
     def _hold(self, trial: Trial, local: np.ndarray, point: np.ndarray) -> None:
         """By forces at the point: a spring between hand and link would draw light links on against what their joints rub."""
-        link, path = self.links[trial.link], line(point, point + trial.lead * FAR * self.unit, self.unit)
-        here, before = self.pose(local), point
+        link, path = self.links[trial.link], line(point, point + trial.lead * FAR)
+        here, before, heavy = self.pose(local), point, self.per**3
 
         def draw(at: np.ndarray) -> None:
             nonlocal before
             now = (link.entity_pose * here).p
-            link.add_force_at_point(STIFF * (at - now) - _CALMED / STEP * (now - before), now)
+            link.add_force_at_point(heavy * (STIFF * (at - now) - _CALMED / STEP * (now - before)), now)
             before = now
             self.step()
 
@@ -359,10 +390,10 @@ class Arena(Standing):
         self._calm(_WAIT, lambda: draw(path[-1]))
 
 
-def line(begin: np.ndarray, end: np.ndarray, unit: float) -> np.ndarray:
+def line(begin: np.ndarray, end: np.ndarray) -> np.ndarray:
     """Places (k, 3) of a hand on its way, one a step."""
     far = np.sqrt(((end - begin) ** 2).sum())
-    steps = max(1, round(far / (_SPEED * unit) / STEP))
+    steps = max(1, round(far / _SPEED / STEP))
     return begin + np.linspace(0, 1, steps + 1)[1:, None] * (end - begin)
 
 

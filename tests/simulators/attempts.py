@@ -14,9 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from artipg_dsl.annotate.cloud import Points, sample_points
+from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.annotate.states import draw_values, joint_twist, own_joints
+from artipg_dsl.export.partnet_mobility import folder_frame
 from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.layouts.forecast import Scene, foretell
 from artipg_dsl.layouts.hand import Arena, Trial, succeeds
@@ -237,15 +238,8 @@ def try_object(batch: Batch, count: int, each: int, seed: int = 0) -> list[Attem
     groups = np.where(own >= 0, own, -1)
     robot = Robots(batch).robot(0)
     with written(robot, "urdf") as subject:
-        arena = Arena(subject.robot, unit_of(batch), groups)
+        arena = Arena(subject.robot, folder_frame(robot).unit, groups)
         case = Case(batch, robot, arena, list(joints.name), seed)
         if not case.rows or not case.states:
             return []
         return case.attempt([*case.random(count), *case.worded(each)])
-
-
-def unit_of(batch: Batch) -> float:
-    """Half the diagonal of the box of the one object at rest, in metres."""
-    points: Points = sample_points(batch, 4096)
-    at = points.position[0]
-    return float(np.sqrt(((at.max(axis=0) - at.min(axis=0)) ** 2).sum())) / 2
