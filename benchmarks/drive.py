@@ -19,12 +19,12 @@ sys.path[:0] = [str(ROOT / "tests")]
 
 from simulators.strangers.ways import WAYS, Way  # noqa: E402
 
-SHIPPED = sorted(path.stem for path in (ROOT / "categories").glob("*.apg"))
+from artipg_dsl.session import categories  # noqa: E402
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("categories", nargs="*", default=SHIPPED)
+    parser.add_argument("categories", nargs="*", default=categories())
     parser.add_argument("-n", type=int, default=2, help="objects of each category")
     parser.add_argument("--seed", type=int, default=11)
     parser.add_argument("--way", action="append", choices=list(WAYS), help="this driver alone (repeatable)")
@@ -54,7 +54,7 @@ def main() -> None:
 
 
 def _export(category: str, folder: Path, count: int, seed: int) -> None:
-    sample = [sys.executable, "-m", "artipg_dsl", "sample", str(ROOT / "categories" / f"{category}.apg")]
+    sample = [sys.executable, "-m", "artipg_dsl", "sample", category]
     options = ["-n", str(count), "--seed", str(seed), "--format", "urdf,mjcf", "-o", str(folder)]
     subprocess.run([*sample, *options], check=True, stdout=subprocess.DEVNULL)
 

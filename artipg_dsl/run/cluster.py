@@ -17,7 +17,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from ..errors import UserError
+from ..errors import UsageError, UserError
 from ..export.write import is_there
 from .chunk import Chunk
 from .job import Job
@@ -60,11 +60,16 @@ def write_on_cluster(job: Job, address: str, workers: int, chunks: list[Chunk], 
             yield chunk
 
 
-def require_cluster(address: str) -> None:
-    """Raises UserError where Dask is not installed, or no scheduler answers at ``address``."""
+def require_cluster(address: str, workers: int) -> None:
+    """Raises UserError where Dask is not installed, or no scheduler answers at ``address``, whose processes nobody here counts."""
     if address == _LOCAL:
         _import_dask()
     else:
+        if workers > 1:
+            raise UsageError(
+                f"--workers {workers} does not apply to a cluster that runs elsewhere: {address} has its own workers",
+                f"leave out --workers, or write `{_LOCAL}` for a cluster of {workers} processes here",
+            )
         with _client(address, 1):
             pass
 

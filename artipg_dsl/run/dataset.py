@@ -58,7 +58,7 @@ def write_dataset(
     if cluster:
         from .cluster import require_cluster  # start-up
 
-        require_cluster(cluster)
+        require_cluster(cluster, workers)
     manifest = make_ready(out, wanted, force)  # once nothing stands in the way: it may replace what is there
     counting = "counts" not in manifest and job.tables is None  # what is made from tables was counted when these were
     pieces = _pieces(

@@ -77,3 +77,10 @@ def test_a_scheduler_that_does_not_answer(tmp_path: Path, capsys: pytest.Capture
         before = tree(tmp_path / command[0])
         assert main([*asked, "--force"]) == 1 and tree(tmp_path / command[0]) == before
         assert "no Dask scheduler answers at nonsense://x" in capsys.readouterr().err
+
+
+def test_workers_of_a_cluster_elsewhere_are_its_own(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ["sample", str(CHEST), "-n", "2", "-o", str(tmp_path / "o"), "--cluster", "tcp://head:8786", "--workers"]
+    assert main([*asked, "3"]) == 2 and not (tmp_path / "o").exists()
+    said = capsys.readouterr().err
+    assert "--workers 3 does not apply" in said and "tcp://head:8786 has its own" in said
