@@ -44,7 +44,7 @@ MASSES = {
     "Keyboard": (0.25, 2),
     "KitchenPot": (0.4, 8),
     "Knife": (0.03, 0.7),
-    "Lamp": (1, 14),
+    "Lamp": (0.4, 14),
     "Laptop": (0.9, 4.5),
     "Lighter": (0.01, 0.8),
     "Microwave": (9, 27),
