@@ -28,7 +28,7 @@ MASSES = {
     "Cart": (6, 60),
     "Chair": (3, 45),
     "Clip": (0.003, 0.08),
-    "Clock": (0.3, 14),
+    "Clock": (0.2, 14),
     "CoffeeMachine": (1, 14),
     "Dishwasher": (12, 70),
     "Dispenser": (0.25, 55),

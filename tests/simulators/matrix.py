@@ -20,6 +20,7 @@ SHIPPED = sorted(path.stem for path in (ROOT / "categories").glob("*.apg"))
 # categories whose objects do not stand by themselves: what a wall or a worktop holds, and what lies on a table
 HELD = {
     "clip",
+    "clock",
     "door",
     "doorhandle",
     "fan",
