@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict
@@ -148,8 +150,24 @@ class Session:
     @cached_property
     def lowering(self) -> Lowering | None:
         """The constraint graph of the category; None after errors, and for a file without a category."""
-        with uncollected():
+        with uncollected(), self._told_if_too_deep():
             return self._lowered()
+        return None
+
+    @contextmanager
+    def _told_if_too_deep(self) -> Iterator[None]:
+        """Report where values follow one from another through more calls within calls than Python allows."""
+        try:
+            yield
+        except RecursionError:
+            assert self.typed is not None and self.typed.category is not None
+            decl = self.typed.category.decl
+            self.report.error(
+                "too-deep",
+                decl.name_span,
+                f"`{decl.name}` cannot be compiled: hundreds of values or parts follow one from another",
+                hint="put groups of parts into templates, or use `repeat` for parts that are alike",
+            )
 
     def _lowered(self) -> Lowering | None:
         from . import solids
@@ -201,8 +219,10 @@ class Session:
             )
         if lowering is None or self.report.failed:
             raise CompileError(self.report)
+        sampler = None
         try:
-            sampler = Sampler(lowering.program)
+            with self._told_if_too_deep():
+                sampler = Sampler(lowering.program)
         except PlanError as error:
             self.report.error(
                 "circular-definition",
@@ -210,7 +230,8 @@ class Session:
                 f"these values depend on one another in a circle: {error}",
                 hint="determine one of them from something else",
             )
-            raise CompileError(self.report) from None
+        if sampler is None:
+            raise CompileError(self.report)
         program = lowering.program
         digests = {name: facts.digest_of(primitive) for name, primitive in program.primitives.items()}
         told: Kept = {"hash": program.hash, "primitives": digests}

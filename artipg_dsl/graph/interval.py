@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from .expr import Column, Expr
+from .order import bottom_up
 
 if TYPE_CHECKING:
     from .program import Draw
@@ -29,12 +30,21 @@ class Intervals:
         self.memo: dict[Expr, Interval] = {}
 
     def of(self, node: Expr) -> Interval:
-        found = self.memo.get(node)
-        if found is None:
-            self.memo[node] = EVERYTHING
-            low, high = self._of(node)
-            found = self.memo[node] = (-math.inf if low != low else low, math.inf if high != high else high)
-        return found
+        if node not in self.memo:
+            for at in bottom_up(node, self.inner, self.memo):
+                self.memo[at] = EVERYTHING  # in a circle of definitions
+                low, high = self._of(at)
+                self.memo[at] = (-math.inf if low != low else low, math.inf if high != high else high)
+        return self.memo[node]
+
+    def inner(self, node: Expr) -> Iterable[Expr]:
+        """What the interval of a node follows from."""
+        if node.op != "col":
+            return node.args
+        if node.value in self.definitions:
+            return (self.definitions[node.value],)
+        draw = self.draws.get(node.value)
+        return () if draw is None or draw.kind == "choice" else draw.ends
 
     def _of(self, node: Expr) -> Interval:
         op = node.op

@@ -6,13 +6,14 @@ expression in a scope. What no output, draw or requirement needs is not computed
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 from ..garbage import uncollected
-from ..graph.expr import Column, Expr, Scope, both, call, negate, show
+from ..graph.expr import CROSSING, Column, Expr, Scope, both, call, negate, show
 from ..graph.formula import literal, source
+from ..graph.order import bottom_up
 from ..graph.program import Bound, Draw, Program, Union
 from .lines import Line, Step, taped, whole
 
@@ -149,10 +150,10 @@ class _Emitter:
     # ------------------------------------------------------------ nodes
 
     def node(self, node: Expr) -> str:
-        found = self.names.get(node)
-        if found is None:
-            found = self.names[node] = self.make(node)
-        return found
+        if node not in self.names:
+            for at in bottom_up(node, _made_before, self.names):
+                self.names[at] = self.make(at)
+        return self.names[node]
 
     def make(self, node: Expr) -> str:
         if node.op == "const":
@@ -317,6 +318,17 @@ class _Emitter:
             self.loose.append((number, bound))
             return
         self.line(f"narrow({low}, {high}, {bound.side!r}, {value}, {guard})")
+
+
+_OTHERWISE = CROSSING | {"col", "solve", "root"}
+
+
+def _made_before(node: Expr) -> Iterator[Expr]:
+    """The arguments that are asked for before the first line that fetches one from another table."""
+    for arg in () if node.op in _OTHERWISE else node.args:
+        yield arg
+        if arg.scope is not None and arg.scope is not node.scope:
+            return
 
 
 def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:

@@ -10,6 +10,7 @@ from ..diagnostics import Report
 from ..diagnostics.suggest import did_you_mean
 from ..graph.program import UNLABELLED
 from ..resources import library_dir
+from ..source import Span
 from ..syntax import ast
 from . import attachments, declarations, primitives, roles, statements
 from .checker import Checker, Context
@@ -55,6 +56,14 @@ def check(workspace: Workspace, module: ModuleScope, report: Report) -> TypedPro
     for symbol in symbols:
         _declaration(ck, symbol)
     roles.check_nesting(ck, symbols)
+    if not module.tree.declarations and not report.failed:
+        start = module.tree.span.start
+        report.error(
+            "nothing-declared",
+            Span(module.source, start, start),
+            "nothing is declared in this file",
+            hint="`apgc new Name` writes a category to start from; is it the right file, and saved?",
+        )
     categories = [s for s in module.own() if s.kind == "category"]
     for extra in categories[1:]:
         report.error(

@@ -33,3 +33,20 @@ def in_branches(body: tuple[Stmt, ...]) -> Iterator[Stmt]:
         if isinstance(stmt, WhenStmt):
             yield from in_branches(stmt.body)
             yield from in_branches(stmt.otherwise)
+
+
+def too_deep(tree: Node, most: int) -> Node | None:
+    """A node within more than ``most`` others, the outermost of the first such; the passes go down a tree by a call for each."""
+    inside: list[tuple[Node, int]] = [(tree, 0)]
+    while inside:
+        node, depth = inside.pop()
+        if depth > most:
+            return node
+        held = [getattr(node, name) for name in node.__dataclass_fields__]
+        while held:
+            value = held.pop()
+            if isinstance(value, tuple):
+                held += value
+            elif isinstance(value, Node):
+                inside.append((value, depth + 1))
+    return None

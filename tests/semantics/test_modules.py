@@ -9,20 +9,20 @@ LID = "apg 1\nuse primitives { Cuboid }\n"
 
 def test_a_module_beside_the_file_comes_before_the_library(tmp_path):
     own = "apg 1\nrole Handle { slot knob }\n"
-    report, typed = check_text(tmp_path, "apg 1\nuse handles { Handle }\n", handles=own)
+    report, typed = check_text(tmp_path, "apg 1\nuse handles { Handle }\nlet own = 1\n", handles=own)
     assert codes(report) == []
     assert typed.main.find("Handle").module.source.name == str(tmp_path / "handles.apg")
 
 
 def test_the_library_is_found_and_named_without_its_folder(tmp_path):
-    report, typed = check_text(tmp_path, "apg 1\nuse handles { Handle }\n")
+    report, typed = check_text(tmp_path, "apg 1\nuse handles { Handle }\nlet own = 1\n")
     assert codes(report) == []
     assert typed.main.find("Handle").module.source.name == "library/handles.apg"
 
 
 def test_a_symbol_is_the_same_object_in_every_scope(tmp_path):
     a = "apg 1\nuse b { R }\ntemplate T : R { }\n"
-    report, typed = check_text(tmp_path, "apg 1\nuse a { T }\nuse b { R }\n", a=a, b="apg 1\nrole R { }\n")
+    report, typed = check_text(tmp_path, "apg 1\nuse a { T }\nuse b { R }\nlet own = 1\n", a=a, b="apg 1\nrole R { }\n")
     assert codes(report) == []
     assert parent_of(typed.main.find("T")) is typed.main.find("R")
 

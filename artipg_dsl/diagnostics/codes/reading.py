@@ -38,6 +38,17 @@ READING = (
         """,
     ),
     Code(
+        "too-deep",
+        "expressions, blocks or parts are nested too deeply",
+        """
+        More than 200 expressions or blocks stand one within another: a sum of more than 200 terms for one.
+        Or the compiler cannot follow how a value comes about, because each of hundreds follows from the one before: the
+        place is then that of the category. Name parts of a sum with `let`, use a `repeat` for what is alike, and put groups
+        of parts into templates, which are solved one by one.
+        """,
+        "apg 1\ncategory Tower {\n  param high : ratio in 0 .. 1\n  let low = " + "-" * 201 + "high\n}\n",
+    ),
+    Code(
         "missing-brace",
         "a brace is never closed",
         """
@@ -132,6 +143,19 @@ READING = (
         Two modules cannot use each other, directly or through others: the order in which modules are read must not
         matter. Move what both need into a third one. It takes two files to cause this error: `a.apg` with `use b { ...
         }` and `b.apg` with `use a { ... }`.
+        """,
+    ),
+    Code(
+        "nothing-declared",
+        "a file declares nothing",
+        """
+        The file holds no declaration: it is empty, or holds comments, the version and `use` alone. There is nothing to
+        check, to import or to sample, so the file was probably saved too early, or is not the one that is meant. `apgc new
+        Name` writes a category to start from.
+        """,
+        """
+        apg 1
+        # a stool
         """,
     ),
     Code(

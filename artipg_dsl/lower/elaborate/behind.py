@@ -14,11 +14,12 @@ from .place import begins
 Body = tuple[ast.Stmt, ...]
 
 
-def said_inside(env: Env, body: Body) -> Body:
-    """A body in which every ``align``, ``connect`` and ``joint`` stands where the part that it places is declared."""
+def said_inside(env: Env, body: Body, more: Iterable[tuple[ast.Stmt, str]] = ()) -> Body:
+    """A body in which every ``align``, ``connect`` and ``joint`` stands where the part that it places is declared; ``more``
+    are those from around the body, with the part of a branch in it that each places."""
     if not any(isinstance(s, ast.WhenStmt) for s in body):
         return body
-    moved: list[tuple[ast.Stmt, str]] = []
+    moved = list(more)
     kept: list[ast.Stmt] = []
     for statement in body:
         if isinstance(statement, ast.WhenStmt):
@@ -62,10 +63,9 @@ def _taking(env: Env, when: ast.WhenStmt, moved: list[tuple[ast.Stmt, str]]) -> 
     """A ``when`` with the statements of parts that its branches declare; itself where there are none."""
     branches = []
     for branch in (when.body, when.otherwise):
-        more = [s for s, name in moved if name in parts(branch)]
+        here = [s for s, name in moved if name in parts(branch)]
         deeper = [(s, name) for s, name in moved if name not in parts(branch)]
-        inner = tuple(_taking(env, s, deeper) if isinstance(s, ast.WhenStmt) else s for s in branch)
-        branches.append(said_inside(env, (*inner, *more)))
+        branches.append(said_inside(env, (*branch, *here), deeper))
     same = [[*map(id, new)] == [*map(id, old)] for new, old in zip(branches, (when.body, when.otherwise), strict=True)]
     if all(same):
         return when
