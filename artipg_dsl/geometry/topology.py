@@ -190,18 +190,19 @@ def _match(
 ) -> list[tuple[int, int, bool]]:
     """Pairs of edges that are the same curve, the second perhaps reversed; every edge has exactly one partner."""
     pairs = []
-    forward = np.stack([np.abs(curves - curves[:, e : e + 1]).max(axis=(0, 2, 3)) for e in range(curves.shape[1])])
-    back = np.stack([np.abs(curves - curves[:, e : e + 1, ::-1]).max(axis=(0, 2, 3)) for e in range(curves.shape[1])])
-    gap = np.minimum(forward, back)
-    np.fill_diagonal(gap, np.inf)
-    gap[points] = np.inf
-    gap[:, points] = np.inf
-    for edge in np.flatnonzero(~points):
-        partners = np.flatnonzero(gap[edge] < _TOLERANCE)
+    middle = curves[0, :, len(_ALONG) // 2]
+    may = np.abs(middle[:, None] - middle).max(axis=2) < _TOLERANCE  # edges that are apart here are no partners
+    np.fill_diagonal(may, False)
+    may[:, points] = False
+    for edge in map(int, np.flatnonzero(~points)):
+        near = np.flatnonzero(may[edge])
+        forward, back = _apart(curves, edge, near)
+        close = np.minimum(forward, back) < _TOLERANCE
+        partners = near[close]
         if len(partners) == 1:
             other = int(partners[0])
             if edge < other:
-                pairs.append((int(edge), other, bool(back[edge, other] < forward[edge, other])))
+                pairs.append((edge, other, bool((back < forward)[close][0])))
             continue
         names = [f"{_EDGES[e % 4]} of {surfaces(primitive)[patches[e // 4]].name}" for e in (edge, *partners)]
         name = surfaces(primitive)[patches[edge // 4]].name
@@ -209,16 +210,24 @@ def _match(
         if len(partners):
             message = f"its edge {names[0]} is shared by {len(partners) + 1} surfaces: {', '.join(names)} ({place})"
             raise PrimitiveError(primitive, name, message)
-        near = int(np.argmin(gap[edge]))
-        hint = ""
-        if np.isfinite(gap[edge, near]):
-            other_name = surfaces(primitive)[patches[near // 4]].name
+        gap = np.minimum(*_apart(curves, edge, np.arange(curves.shape[1])))
+        gap[edge], gap[points] = np.inf, np.inf
+        nearest, hint = int(np.argmin(gap)), ""
+        if np.isfinite(gap[nearest]):
+            other_name = surfaces(primitive)[patches[nearest // 4]].name
             hint = (
-                f"; the nearest is {_EDGES[near % 4]} of {other_name}, {100 * gap[edge, near]:.3g} % of its size away"
+                f"; the nearest is {_EDGES[nearest % 4]} of {other_name}, {100 * gap[nearest]:.3g} % of its size away"
             )
         message = f"its edge {_EDGES[edge % 4]} meets no other edge: the surface leaks there{hint} ({place})"
         raise PrimitiveError(primitive, name, message)
     return pairs
+
+
+def _apart(curves: np.ndarray, edge: int, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How far other edges are from one that runs the same way, and from it reversed."""
+    own, theirs = curves[:, edge, None], curves[:, others]
+    forward, back = np.abs(theirs - own), np.abs(theirs - own[:, :, ::-1])
+    return forward.max(axis=(0, 2, 3)), back.max(axis=(0, 2, 3))
 
 
 def _where(params: Params, point: np.ndarray) -> str:
