@@ -159,8 +159,17 @@ def rivals(places: np.ndarray, symmetry: Fold) -> int:
     for k, sign in enumerate(symmetry.signs):
         if sign is not None:
             points[..., k] = sign * np.abs(points[..., k])
-    away = np.linalg.norm(points[:, :, None] - places[:, None], axis=-1)  # (rows, points, places)
-    wall = np.full_like(away[..., :1], np.inf)
-    before, after = np.concatenate([wall, away[..., :-1]], axis=-1), np.concatenate([away[..., 1:], wall], axis=-1)
-    least = np.sort(np.where((away < before) & (away <= after), away, np.inf), axis=-1)
-    return 2 if (least[..., 1] < 1.1 * least[..., 0]).any() else 1
+    return 2 if any(map(_near_two, points, places)) else 1  # the first of the rows often tells
+
+
+def _near_two(points: np.ndarray, places: np.ndarray) -> bool:
+    """Whether about one of the points (points, 2) two places of a curve are nearer than their neighbours, the second hardly farther."""
+    x, y = (points[:, None, k] - places[:, k] for k in (0, 1))
+    away = np.sqrt(x * x + y * y)
+    falls = np.ones((len(points), len(places) + 1), dtype=bool)  # to a place from the one before
+    falls[:, 1:-1] = away[:, 1:] < away[:, :-1]
+    falls[:, -1] = False
+    least = falls[:, :-1] & ~falls[:, 1:]
+    several = np.count_nonzero(least, axis=1) > 1
+    found = np.partition(np.where(least[several], away[several], np.inf), 1, axis=1)
+    return bool((found[:, 1] < 1.1 * found[:, 0]).any())
