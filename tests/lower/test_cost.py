@@ -53,8 +53,7 @@ def test_a_path_of_eight_arcs_takes_few_formulas_and_a_text_that_grows_evenly():
 
 def test_a_formula_is_seen_along_a_path_at_once_as_at_each_place():
     x, t = E.var("x"), E.var("v")
-    probe = object.__new__(Probe)
-    probe.values = {"": np.zeros(5), "x": np.linspace(0.5, 2.0, 5)}
+    probe = Probe.of({"": np.zeros(5), "x": np.linspace(0.5, 2.0, 5)})
     places = [k / 8 for k in range(9)]
     for held in ([E.mul(x, E.call("sin", t)), E.add(x, t)], [E.mul(t, E.call("log", t)), x]):
         each = np.stack([probe(*(substitute(e, {t: E.const(p)}) for e in held)) for p in places])

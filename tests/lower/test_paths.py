@@ -77,6 +77,5 @@ def winding(turns, power):
 
 @pytest.mark.parametrize(("turns", "power"), [(0.75, 1.0), (20.0, 1.0), (60.0, 8.0), (1024.0, 1.0), (5000.0, 2.0)])
 def test_turns_of_a_path_are_exact(turns, power):
-    probe = object.__new__(Probe)
-    probe.values = {"": np.zeros(1)}
+    probe = Probe.of({"": np.zeros(1)})
     assert turned(probe, winding(turns, power)) / math.tau == pytest.approx(turns, rel=1e-2)

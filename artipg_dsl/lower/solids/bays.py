@@ -110,7 +110,7 @@ def bay_pieces(seen: Probe, probe: Probe, bay: Bay, name: str, sections: list[li
         for count in (c for c in (1, 2, 3, 4, 6, 8, 12, 16, 24, 48, 72, 96, 144, 192) if c <= most):
             if bent and count < 3:
                 continue
-            lost = [change(probe, rings, narrow, k / count, (k + 1) / count) for k in range(count)]
+            lost = [rings.change(narrow, k / count, (k + 1) / count) for k in range(count)]
             share = probe(*(drawn.share(E.const(float(k)), count) for k in range(count)))
             if ((share.max(axis=0) + max(lost)) <= (_CUT if len(sections) == 1 else _GAP)).mean() > 0.98:
                 break
@@ -206,6 +206,8 @@ class Rings:
     def __init__(self, probe: Probe, corners: Sequence[Point]):
         self.probe, self.corners = probe, corners
         self.known: dict[float, np.ndarray] = {}
+        self.even = not any(c.reads & BLEND.reads for corner in corners for c in corner)
+        self.changes: dict[tuple[float, float], float] = {}
 
     def at(self, v: Expr) -> list[Point]:
         return [swapped(corner, {BLEND: v}) for corner in self.corners]
@@ -216,6 +218,21 @@ class Rings:
             self.known[v] = values.T.reshape(values.shape[1], len(self.corners), 2)
         return self.known[v]
 
+    def change(self, narrow: Expr, low: float, high: float) -> float:
+        """By what share a hull between two polygons must be drawn in to lie within the straight lines between partners.
+
+        Halfway the hull is the polygon of all middles between a corner of one and a corner of the other.
+        """
+        step = (0.0, 0.0) if self.even else (low, high)
+        if step not in self.changes:
+            first, last = map(self.shown, step)
+            half = (first + last) / 2
+            pairs = (first[:, :, None] + last[:, None]).reshape(len(half), -1, 2) / 2
+            least = self.probe(substitute(narrow, {BLEND: E.const((low + high) / 2)}))[0]
+            share = float((_beyond(half, pairs).max(axis=(1, 2)) / least).max())
+            self.changes[step] = 0.0 if share < 1e-7 else min(1.05 * share, 0.9)
+        return self.changes[step]
+
 
 def _beyond(ring: np.ndarray, points: np.ndarray) -> np.ndarray:
     """(rows, points, edges): how far points (rows, points, 2) lie beyond each edge of a polygon (rows, edges, 2)."""
@@ -225,19 +242,6 @@ def _beyond(ring: np.ndarray, points: np.ndarray) -> np.ndarray:
     away = points[:, :, None] - ring[:, None]
     reach = (away[..., 0] * edge[:, None, :, 1] - away[..., 1] * edge[:, None, :, 0]) * turns[:, None, None]
     return reach / np.sqrt((edge**2).sum(axis=-1))[:, None]
-
-
-def change(probe: Probe, rings: Rings, narrow: Expr, low: float, high: float) -> float:
-    """By what share a hull between two polygons must be drawn in to lie within the straight lines between partners.
-
-    Halfway the hull is the polygon of all middles between a corner of one and a corner of the other.
-    """
-    first, last = rings.shown(low), rings.shown(high)
-    half = (first + last) / 2
-    pairs = (first[:, :, None] + last[:, None]).reshape(len(half), -1, 2) / 2
-    least = probe(substitute(narrow, {BLEND: E.const((low + high) / 2)}))[0]
-    share = float((_beyond(half, pairs).max(axis=(1, 2)) / least).max())
-    return 0.0 if share < 1e-7 else min(1.05 * share, 0.9)
 
 
 def _sagitta(bay: Bay, ends: list[Point], low: Expr, half: Expr, high: Expr) -> Expr:

@@ -151,6 +151,10 @@ def turned(probe: Probe, rail: Stretch) -> float:
     It is the sum of the angles between equal steps. A step that turns by more than half a turn shows less than that, so
     the steps are halved until they show what the speed of turning says, and where they never do, the speed is believed.
     """
+    return probe.once(_turned, rail)
+
+
+def _turned(probe: Probe, rail: Stretch) -> float:
     steps = 256
     while True:
         shown, meant = angles(probe, rail, steps).sum(axis=0), _speeds(probe, rail, steps).mean(axis=0)

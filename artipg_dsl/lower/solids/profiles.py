@@ -111,7 +111,11 @@ def right_of(direction: Point, sign: Expr) -> Point:
 
 def samples(probe: Probe, span: Span, count: int) -> np.ndarray:
     """(rows, count + 1, 2): places at equal steps."""
-    values = probe.along(span.by_fraction, [k / count for k in range(count + 1)], V)
+    return probe.once(_samples, span.by_fraction, count)
+
+
+def _samples(probe: Probe, curve: Point, count: int) -> np.ndarray:
+    values = probe.along(curve, [k / count for k in range(count + 1)], V)
     return np.ascontiguousarray(values.transpose(2, 0, 1))
 
 
@@ -124,9 +128,14 @@ def turning(points: np.ndarray) -> np.ndarray:
 
 def straight(probe: Probe, span: Span) -> bool:
     """Whether a span is a straight line, for every test value."""
-    if all(derive(derive(c, "v"), "v") is ZERO for c in span.position):
+    return probe.once(_straight, span.by_fraction)
+
+
+def _straight(probe: Probe, curve: Point) -> bool:
+    if all(derive(derive(c, "v"), "v") is ZERO for c in curve):
         return True
-    return bool((np.abs(np.nan_to_num(turning(samples(probe, span, 12)), nan=1.0)) < 1e-9).all())
+    seen = probe.once(_samples, curve, 12)
+    return bool((np.abs(np.nan_to_num(turning(seen), nan=1.0)) < 1e-9).all())
 
 
 def _cuts(probe: Probe, span: Span, symmetry: Fold) -> list[Cut]:
@@ -334,11 +343,16 @@ def _side_of(away: Point, normal: Point, t: Expr, ends: tuple[Point, Point], low
 
 def extreme(probe: Probe, spans: Sequence[Span], axis: int, sign: int) -> Expr:
     """The greatest (``sign`` 1) or least (-1) coordinate along an axis that the spans reach."""
+    return probe.once(_extreme, tuple(span.by_fraction for span in spans), axis, sign)
+
+
+def _extreme(probe: Probe, curves: Sequence[Point], axis: int, sign: int) -> Expr:
     factor = E.const(float(sign))
     found: list[Expr] = []
-    for span in spans:
-        height = E.mul(factor, span.by_fraction[axis])
-        found += [substitute(height, {V: end}) for end in (ZERO, ONE)] if straight(probe, span) else tops(probe, height)
+    for curve in curves:
+        height = E.mul(factor, curve[axis])
+        line = probe.once(_straight, curve)
+        found += [substitute(height, {V: end}) for end in (ZERO, ONE)] if line else tops(probe, height)
     greatest = probe.greatest(found)
     return greatest if sign > 0 else E.neg(greatest)
 
