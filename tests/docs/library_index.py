@@ -12,7 +12,7 @@ from artipg_dsl.diagnostics import Report
 from artipg_dsl.resources import library_dir
 from artipg_dsl.source import Source
 from artipg_dsl.syntax import ast
-from artipg_dsl.syntax.parse import parse
+from artipg_dsl.syntax.trees import tree_of
 
 HEAD = """# The library
 
@@ -87,7 +87,7 @@ def entries() -> tuple[Entry, ...]:
 
 @cache
 def _tree(path: Path) -> ast.Module:
-    tree = parse(Source(path.name, path.read_text(encoding="utf-8")), Report())
+    tree = tree_of(Source(path.name, path.read_text(encoding="utf-8")), Report())
     assert tree is not None, path.name
     return tree
 

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from lark import Lark, UnexpectedInput
+from lark import UnexpectedInput
 
 from artipg_dsl.diagnostics import Report
 from artipg_dsl.resources import categories_dir, library_dir
@@ -42,7 +42,8 @@ def by_lark():
     builder = TreeBuilder(layout)
     comments = {"COMMENT": layout.comment, "DOC": layout.comment}
     text = grammar_path().read_text(encoding="utf-8")
-    parser = Lark(text, **generator.OPTIONS, transformer=builder, postlex=layout, lexer_callbacks=comments)
+    live = {"transformer": builder, "postlex": layout, "lexer_callbacks": comments}
+    parser = generator._built(text, live)
     layout.reserved = machine().layout.reserved
 
     def tree(source):
