@@ -33,7 +33,7 @@ class Driver:
         self.ignored, self.kept = frozenset(tables["ignored"]), frozenset(layout.always_accept)
         self.any = re.compile("|".join(f"(?P<{name}>{pattern})" for name, pattern in self.patterns))
         self.rules = [
-            (name, size, inner, single, _action(builder, action))
+            (name, size, inner, single, single and size == 1 and not inner, _action(builder, action))
             for name, action, size, inner, single in tables["rules"]
         ]
 
@@ -52,20 +52,24 @@ class Driver:
 
     def _reduce(self, kind: str, states: list[int], values: list[Any]) -> None:
         """Apply the rules that end before a token of this kind, until a state takes it. Raises _Mistake."""
+        table, rules = self.states, self.rules
         while True:
-            to = self.states[states[-1]].get(kind)
+            to = table[states[-1]].get(kind)
             if to is None:
                 raise _Mistake
             if to >= 0:
                 return
-            name, size, inner, single, action = self.rules[~to]
+            name, size, inner, single, same, action = rules[~to]
+            if same:  # most of the time: a level of an expression is the next one alone
+                states[-1] = table[states[-2]][name]
+                continue
             found = values[-size:] if size else []
             if size:
                 del states[-size:], values[-size:]
             for k in reversed(inner):
                 found[k : k + 1] = found[k]
             values.append(found[0] if single and len(found) == 1 else action(found))
-            states.append(self.states[states[-1]][name])
+            states.append(table[states[-1]][name])
             if kind is _END and states[-1] == self.last:
                 return
 
