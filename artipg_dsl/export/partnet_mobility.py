@@ -19,7 +19,7 @@ from ..annotate.cloud import Surface, sample_surface
 from ..annotate.sampling import Sampling
 from .decimals import numbers, told
 from .mesh_obj import Shape, move_points, mtl_text, obj_text
-from .partnet_tree import CategoryWords, build_tree, to_entry, words_of
+from .partnet_tree import CategoryWords, build_tree, said_of, to_entry, words_of
 from .partnet_words import JOINTS, LIFTED, link_label, root_label, spell_category, to_snake_case
 from .write import ExportError
 
@@ -140,7 +140,9 @@ class _Folder:
         robot = robots.robot(i)
         everything = _everything(robot)
         frame = DatasetFrame.around(everything.min(axis=0), everything.max(axis=0))
-        words = words_of(spell_category(robots.batch.program.name), _said(robots, i))
+        own = slice(int(robots.part_start[i]), int(np.searchsorted(robots.parts.owner, i, side="right")))
+        said = said_of(robots.batch, i, robots.parts.semantic[own])
+        words = words_of(spell_category(robots.batch.program.name), said)
         return _Folder(robots, i, robot, everything, frame, words, _members(robots, i, robot, frame, words))
 
     @property
@@ -195,13 +197,6 @@ def _everything(robot: Robot) -> np.ndarray:
     if not points:
         raise ExportError(f"{robot.name} has nothing visible", "leave partnet-mobility out of --format")
     return np.concatenate(points)
-
-
-def _said(robots: Robots, i: int) -> set[str]:
-    """The semantic words of an object's parts."""
-    words = robots.batch.program.vocabularies.get("semantic", ())
-    own = slice(int(robots.part_start[i]), int(np.searchsorted(robots.parts.owner, i, side="right")))
-    return {words[k] for k in np.unique(robots.parts.semantic[own]).tolist() if k}
 
 
 def _members(

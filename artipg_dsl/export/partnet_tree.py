@@ -9,7 +9,10 @@ from functools import lru_cache
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 if TYPE_CHECKING:
+    from ..runtime.batch import Batch
     from .partnet_mobility import FolderLink, Leaf
 
 
@@ -34,8 +37,16 @@ def _table() -> dict[str, Any]:
     return json.loads(resources.files("artipg_dsl.export").joinpath("partnet_paths.json").read_text(encoding="utf-8"))
 
 
+def said_of(batch: Batch, i: int, semantic: np.ndarray) -> set[str]:
+    """What object ``i`` has that cases may need: the words with the numbers ``semantic`` of its parts, and each choice that was drawn for
+    the whole, as ``kind=spot``."""
+    words = batch.program.vocabularies.get("semantic", ("",))
+    chosen = {f"{name}={value}" for name, value in batch.drawn(i).items() if isinstance(value, str)}
+    return chosen | {words[k] for k in np.unique(semantic).tolist() if k}
+
+
 def words_of(category: str, said: set[str]) -> CategoryWords | None:
-    """The words of a category of PartNet for an object that has some of ours; None for a category that it has not."""
+    """The words of a category of PartNet for an object that has what ``said_of`` says; None for a category that it has not."""
     for case in _table().get(category, ()):
         if said.issuperset(case["needs"]):
             return CategoryWords(case["root"], case["paths"])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..export.partnet_mobility import FolderLink, Leaf
-from ..export.partnet_tree import CategoryWords, build_tree, words_of
+from ..export.partnet_tree import CategoryWords, build_tree, said_of, words_of
 from ..export.partnet_words import spell_category, to_snake_case
 from .words import REST, vocabulary
 
@@ -80,7 +80,7 @@ def object_parts(batch: Batch, points: Points, levels: Levels) -> Iterator[Parts
     above = children(batch)
     last = [site.path.rpartition(".")[2] for site in program.sites]
     for i in range(len(batch)):
-        said = {semantic[k] for k in np.unique(parts.semantic[part_start[i] : part_start[i + 1]]).tolist() if k}
+        said = said_of(batch, i, parts.semantic[part_start[i] : part_start[i + 1]])
         words = words_of(levels.name, said) or CategoryWords(to_snake_case(program.name), {})
         told = points.link, points.instance, points.element, points.semantic, points.primitive
         rows, place = np.unique(np.stack([array[i] for array in told], axis=1), axis=0, return_inverse=True)

@@ -251,3 +251,33 @@ def test_one_folder_one_layout_and_a_category_once(lay: Lay) -> None:
     lay("shapenetpart", "Laptop", n=1, folder=folder, force=True)
     assert [path.name for path in (folder / "03642806").iterdir()] == ["Laptop7n000000.txt"]
     assert not faults(folder)
+
+
+KINDS = {
+    "Lamp": {
+        "table_or_floor_lamp": {"desk", "table", "floor"},
+        "wall_lamp": {"spot", "sconce"},
+        "ceiling_lamp": {"pendant"},
+    },
+    "Clock": {
+        "pendulum_clock": {"regulator", "cuckoo", "tall"},
+        "table_clock": {"round", "square", "desk", "mantel", "alarm"},
+    },
+}
+
+
+@pytest.mark.parametrize("name", sorted(KINDS))
+def test_which_tree_an_object_has_is_told_by_what_was_chosen(lay: Lay, name: str) -> None:
+    """And its points are of classes of that tree: PartNet numbers those of all trees of a category in one list."""
+    folder = lay("partnet-seg", name, n=24, shares=(24, 0, 0))
+    assert not faults(folder)
+    kinds = [one.drawn["kind"] for one in sample(name, n=24, seed=7, checked=False)]
+    want = [next(tree for tree, own in KINDS[name].items() if kind in own) for kind in kinds]
+    for level in vocabulary("partnet").classes[name]["levels"]:
+        rows_ = (folder / f"stats/after_merging_label_ids/{name}-level-{level}.txt").read_text().splitlines()
+        trees = np.array(["", *(row.split()[1].split("/")[1] for row in rows_)])
+        with h5py.File(folder / f"sem_seg_h5/{name}-{level}/train-00.h5") as file:
+            label = file["label_seg"][()]
+        assert [set(trees[own]) - {""} for own in label] == [{tree} for tree in want]
+        assert (label > 0).mean() > 0.75
+    assert set(want) == set(KINDS[name])
