@@ -4,7 +4,8 @@
     python benchmarks/structure.py FOLDER Door TrashCan        # those of some categories
     python benchmarks/structure.py FOLDER --json found.json    # and what was found, to look at
 
-`structure.json` says what is right, and how this was made. An object is right if all of its facts are.
+`structure.json` says what is right, and how this was made. An object is right if all of its facts are. Categories of which it says
+nothing are fitted, too, where they are named. The distances are those of `fitting.py`.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from fitting import Case, real
+import numpy as np
+from fitting import real
 
 from artipg_dsl.fit.pose import Frame
 
@@ -49,7 +51,7 @@ def wrong(values: dict[str, Any], facts: Facts, counted: dict[str, Any]) -> dict
 
 
 def share(right: int, of: int) -> str:
-    return f"{right} of {of} ({100 * right / max(of, 1):.0f} %)"
+    return f"{right} of {of}" if of else "-"
 
 
 def main() -> None:
@@ -61,33 +63,34 @@ def main() -> None:
     truth = json.loads(TRUTH.read_text())
     truth.pop("about")
     counted = truth.pop("counted")
-    rows: list[tuple[int, int, bool]] = []
-    kept: dict[str, list[Case]] = {}
+    rows, kept, distances, times = [], {}, [], []
     for category in asked.categories or truth:
-        cases, _ = real(asked.folder, category, NAMES.get(category, category), Frame())
-        kept[category] = cases
-        missed = [wrong(case.values, truth[category][case.name], counted.get(category, {})) for case in cases]
-        own = [
-            (len(truth[category][c.name]) - len(bad), len(truth[category][c.name]), not bad)
-            for c, bad in zip(cases, missed, strict=True)
-        ]
-        rows += own
-        print(
-            f"{category:<17} facts {share(sum(r[0] for r in own), sum(r[1] for r in own))}, objects {share(sum(r[2] for r in own), len(own))}"
-        )
-        for case, bad in zip(cases, missed, strict=True):
-            for name, said in bad.items():
-                print(
-                    f"    {case.name}: {name} is {', '.join(map(str, said))}; right: {truth[category][case.name][name]}",
-                    flush=True,
-                )
-    print(
-        f"all: facts {share(sum(r[0] for r in rows), sum(r[1] for r in rows))}, objects {share(sum(r[2] for r in rows), len(rows))}"
-    )
+        cases, seconds = real(asked.folder, category, NAMES.get(category, category), Frame())
+        right, of, whole = 0, 0, 0
+        for case in cases:
+            facts = truth.get(category, {}).get(case.name, {})
+            missed = wrong(case.values, facts, counted.get(category, {}))
+            right, of, whole = right + len(facts) - len(missed), of + len(facts), whole + (not missed)
+            print(f"{category} {case.name}: {case.distance:.2f} % off, {case.verdict}", flush=True)
+            for name, said in missed.items():
+                print(f"    {name} is {', '.join(map(str, said))}; right: {facts[name]}", flush=True)
+        rows.append((category, cases, seconds, right, of, whole if of else 0, len(cases) if of else 0))
+        kept[category] = [case.values for case in cases]
+        distances += [(case.distance, case.boxes) for case in cases]
+        times += [seconds] * len(cases)
+    print("\n| category | objects | distance | boxes | CPU seconds | facts right | objects all right |")
+    print("|---|---|---|---|---|---|---|")
+    for category, cases, seconds, right, of, whole, judged in rows:
+        near = ", ".join(f"{case.distance:.2f}" for case in cases)
+        boxes = ", ".join(f"{case.boxes:.2f}" for case in cases)
+        told = f"{seconds:.1f} | {share(right, of)} | {share(whole, judged)}"
+        print(f"| {category} | {len(cases)} | {near} | {boxes} | {told} |")
+    off, off_of_boxes = np.median(distances, axis=0)
+    right, of, whole, judged = (sum(row[k] for row in rows) for k in (3, 4, 5, 6))
+    told = f"{np.median(times):.1f} | **{share(right, of)}** | **{share(whole, judged)}**"
+    print(f"| **all, medians** | {len(times)} | **{off:.2f}** | **{off_of_boxes:.2f}** | {told} |")
     if asked.json:
-        asked.json.write_text(
-            json.dumps({name: [case.values for case in cases] for name, cases in kept.items()}, indent=1) + "\n"
-        )
+        asked.json.write_text(json.dumps(kept, indent=1) + "\n")
 
 
 if __name__ == "__main__":
