@@ -27,7 +27,7 @@ MASSES = {
     "Camera": (0.13, 1.2),
     "Cart": (6, 60),
     "Chair": (3, 45),
-    "Clip": (0.003, 0.08),
+    "Clip": (0.003, 0.1),
     "Clock": (0.2, 14),
     "CoffeeMachine": (1, 14),
     "Dishwasher": (12, 70),

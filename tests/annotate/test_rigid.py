@@ -35,6 +35,8 @@ EVERY = os.environ.get("ARTIPG_EVERY") == "1"
 # what requires more of its arguments than a probe can guess: the category that it stands in is moved as a whole instead
 WITHIN = {
     "CasementFilling": "Window",
+    "ClampHalf": "Clip",
+    "ClipHalf": "Clip",
     "DoorBay": "Refrigerator",
     "DoorHutch": "Table",
     "SwanNeck": "Faucet",

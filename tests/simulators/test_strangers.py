@@ -39,6 +39,7 @@ SOFT = {
     "foldingrack": {"mujoco-constant"},
     "camera": {"mujoco-constant", "pybullet-geared"},
     "chair": {"mujoco-constant"},
+    "clip": {"mujoco-constant"},
     "doorhandle": {"mujoco-constant", "mujoco-urdf"},
     "fan": {"mujoco-constant"},
     "folding_chair": {"pybullet-geared"},
