@@ -2,7 +2,7 @@
 
 Within a link, primitives that touch or overlap hang together; all of them must, with the one declared first. A link must
 come near what holds it: their pieces (those of a slide anywhere on its way) within 2 cm, or the axis of a hinge, as long
-as what turns about it, within 2 cm of both.
+as what turns about it, within 2 cm of both, or pieces of what a closed loop ties it to.
 """
 
 from __future__ import annotations
@@ -142,14 +142,31 @@ class Solids:
         joint = tree.joint[asked]
         far = asked[~self._axis_holds(asked, holder[asked], joint, begin, end)]
         far = far[~self._near(far, holder[far], begin, end)]
+        looped = np.zeros(count, dtype=bool)
+        if len(far) and tree.batch.loops is not None:
+            looped[tree.batch.loops.link] = True
+            far = self._unheld_by_loops(far, tree.batch.loops.link, begin, end)
         found: dict[str, list[int]] = {}
         for link in far.tolist():
             name = tree.batch.program.links[tree.links.definition[link]].path
-            found.setdefault(name, []).append(int(tree.links.owner[link]))
-        return [
-            (f"nothing holds `{name}`: the link that carries it is more than 2 cm away", np.unique(o))
-            for name, o in found.items()
-        ]
+            away = (
+                "neither the link that carries it nor what `close` ties it to is"
+                if looped[link]
+                else "the link that carries it is not"
+            )
+            found.setdefault(f"nothing holds `{name}`: {away} within 2 cm", []).append(int(tree.links.owner[link]))
+        return [(words, np.unique(o)) for words, o in found.items()]
+
+    def _unheld_by_loops(self, far: np.ndarray, ties: np.ndarray, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """Those of the links ``far`` from what carries them that no chain of closed loops, ``ties`` (2, C), holds near one that is not."""
+        held = np.ones(len(begin), dtype=bool)
+        held[far] = False
+        ties = np.concatenate([ties, ties[::-1]], axis=1)
+        ties = ties[:, ~held[ties[0]]]
+        link, other = ties[:, self._near(ties[0], ties[1], begin, end)]
+        while (more := held[other] & ~held[link]).any():
+            held[link[more]] = True
+        return far[~held[far]]
 
     def _links_allowed(self) -> np.ndarray:
         return np.unique(self.link[_may_float(self.tree.batch)])

@@ -103,7 +103,7 @@ JOINTED = (
     ],
 )
 def test_links_must_come_near_what_holds_them(joint: str, gap: str, floats: bool) -> None:
-    words = ["nothing holds `lid`: the link that carries it is more than 2 cm away"] * floats
+    words = ["nothing holds `lid`: the link that carries it is not within 2 cm"] * floats
     assert found(JOINTED.format(joint=joint, gap=gap)) == words
 
 
@@ -117,7 +117,33 @@ def test_a_wheel_far_from_its_body_is_held_by_an_axle_that_reaches_both() -> Non
 """
     )
     assert found(text.format(gap="15mm")) == []
-    assert found(text.format(gap="50mm")) == ["nothing holds `wheel`: the link that carries it is more than 2 cm away"]
+    assert found(text.format(gap="50mm")) == ["nothing holds `wheel`: the link that carries it is not within 2 cm"]
+
+
+@pytest.mark.parametrize(("aside", "held"), [("2cm", True), ("6cm", False)])
+def test_what_a_loop_ties_to_something_that_is_held(aside: str, held: bool) -> None:
+    """A block that slides far above what carries it, at the end of a rod, which a crank on a post moves."""
+    text = """
+  root part bed : Cuboid(size = [40cm, 8cm, 1cm])
+  part post : Cuboid(size = [1cm, 1cm, 12cm])
+  connect post.bottom on bed.top
+  part crank : Cuboid(size = [3cm, 5mm, 5mm])
+  align crank.center = [1.5cm, 1cm, 12cm]
+  joint turn : revolute bed -> crank about line(at = [0, 1cm, 12cm], along = y) range -90deg .. 0deg
+  part rod : Cuboid(size = [10cm, 5mm, 5mm])
+  align rod.center = [8cm, 2cm, 12cm]
+  joint knee : revolute crank -> rod about line(at = [3cm, 2cm, 12cm], along = y) range -180deg .. 180deg
+  part block : Cuboid(size = [1cm, 5mm, 1cm])
+  align block.center = [13cm, {aside} + 1cm, 12cm]
+  joint slide : prismatic bed -> block along x range -5cm .. 5cm
+  close rod.front.center on block.center - [0, {aside} - 1cm, 0]
+"""
+    words = (
+        []
+        if held
+        else ["nothing holds `block`: neither the link that carries it nor what `close` ties it to is within 2 cm"]
+    )
+    assert found(text.format(aside=aside)) == words
 
 
 def test_a_range_upside_down_is_drawn_again_and_counted_at_its_line() -> None:

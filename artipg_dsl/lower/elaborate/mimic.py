@@ -71,8 +71,11 @@ def refuse_curves(links: Links) -> None:
         elif led is not None:
             message = f"`{led.path}` follows another joint: what follows it has a factor and an offset alone"
         elif program.closures:
-            message = "the object has a closed loop of joints: what follows one has a factor and an offset alone"
-            hint = "drop `close`, or let the loop move it"
+            message = (
+                f"`{joint.path}` follows another joint by a formula: beside a closed loop, as `close` makes one, "
+                "it can only by a factor and an offset"
+            )
+            hint = "write `mimic joint * factor + offset`; or drop `mimic` and `close` its link on one of the loop"
         else:
             continue
         links.context.error("bad-mimic", links.mimics[number][1].span, message, hint=hint)
