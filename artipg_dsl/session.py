@@ -253,17 +253,32 @@ class Session:
             facts.flush()
         return self.report
 
-    def _looked_at(self) -> Batch | None:
-        """A few objects to look at; None where none can be drawn, which is reported when objects are asked for."""
+    def _looked_at(self, span: Span) -> Batch | None:
+        """A few objects to look at; None where not all can be drawn, which is reported."""
         import numpy as np  # start-up: most commands do without
 
         from .runtime.kernels import TooMany  # start-up
+        from .runtime.repairs import describe_cause  # start-up
         from .sampling.statistics import Exhausted  # start-up
 
         try:
             return self.sampler.batch(np.arange(_LOOKED_AT), 0)
-        except (CompileError, Exhausted, TooMany):
-            return None
+        except CompileError:
+            return None  # it has told the report
+        except TooMany as error:
+            self.report.warning(
+                "none-drawn", span, f"no object can be drawn: {error}", hint="bound the counts of its repeats"
+            )
+        except Exhausted as error:
+            worst = max(error.statistics.failures().items(), key=lambda item: item[1])[0]
+            self.report.warning(
+                "none-drawn",
+                span,
+                f"no valid `{self.sampler.program.name}` in {error.attempts} attempts at an object; what failed most: "
+                + describe_cause(self.sampler.program, worst),
+                hint="widen the ranges, or state what one value leaves to the next",
+            )
+        return None
 
     def _follows(self, batch: Batch, lowering: Lowering) -> bool:
         """Whether every joint that follows another by a formula can, in a few objects; the first that cannot is reported."""
@@ -379,7 +394,7 @@ class Session:
                 f"nothing places `{part.name}`: it is centred along x, y and z",
                 hint=f"place it {_how_to_place(part)}; if the centre is meant, write `align {part.name}.center = ...`",
             )
-        batch = self._looked_at()
+        batch = self._looked_at(typed.category.decl.name_span)
         if batch is not None and self._follows(batch, lowering):
             self._warn_floating(batch, lowering)
             self._warn_rigid(batch, typed.category.decl.name_span)

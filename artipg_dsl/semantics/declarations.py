@@ -160,6 +160,14 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
         base = ScalarType(kind.dimension) if isinstance(kind, VecType) and kind.dimension is not None else kind
         if not fits(step, RATIO) and not fits(step, base):
             ck.mismatch(node.vary, step, base, f"the step of {what} is a ratio or")
+        share = constant(node.vary) if fits(step, RATIO) and not fits(RATIO, base) else None
+        if share is not None and share > 1:
+            ck.error(
+                "illegal-value",
+                node.vary.span,
+                f"a step of {100 * share:g}% of {what} is more than the value itself",
+                hint=f"write `vary {share:g}%`, or an amount with its unit",
+            )
     _follows(ck, ctx, node)
 
 

@@ -221,6 +221,34 @@ VALUES = (
         """,
     ),
     Code(
+        "none-drawn",
+        "an object cannot be drawn in all attempts",
+        """
+        `apgc check` draws a few objects to look at. For one of them none of 100 attempts met all requirements, so `apgc
+        sample` would stop as well. The message says what failed most: a `require`, or a number that has to be legal,
+        such as the room between the margins of a repeat. What can be proved to fail always is an error of its own
+        (`impossible`). Widen the ranges, or let the range of one value follow from another.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Bench {
+          count feet in 2 .. 4
+          root part seat : Cuboid(size = [30cm, 1m, 3cm])
+          repeat foot[k] in 0 ..< feet spread seat along y margin 60cm {
+            part post : Cuboid(size = [3cm, 3cm, 40cm])
+            connect post.top on seat.bottom
+            align post.center.y = foot.center.y
+          }
+          material oak on seat, foot.post
+          label semantic.seat on seat
+          label semantic.leg on foot.post
+        }
+        """,
+    ),
+    Code(
         "impossible",
         "a requirement can never hold",
         """
