@@ -220,8 +220,12 @@ def _by_history(
 
     if token.type == "RBRACE" and accepted & file_words() and "RBRACE" not in accepted:
         return found("this brace has no matching `{`", "remove it, or add the missing `{` above")
+    if token.type == "ON" and accepted == {"LBRACE"} and [t.type for t in history[-2:]] == ["MATERIAL", "NAME"]:
+        return _misplaced(
+            history[-2], history[:-2], True, source, text
+        )  # `material oak on` of a body, not `material oak {`
     if last is None or last.type in ("_NL", "LBRACE", "RBRACE"):
-        beginning = _at_beginning(token, last, accepted, tools, found, source, text)
+        beginning = _at_beginning(token, history, accepted, tools, found, source, text)
         return beginning._replace(line_alone=True) if beginning is not None else None
     values = accepted >= _VALUE
     if values and token.type in statement_words() | file_words() and _first_on_line(token, source):
@@ -267,9 +271,10 @@ def _by_history(
 
 
 def _at_beginning(
-    token: Token, last: Token | None, accepted: set[str], tools: Machine, found: Maker, source: Source, text: str
+    token: Token, before: list[Token], accepted: set[str], tools: Machine, found: Maker, source: Source, text: str
 ) -> Found | None:
-    """The token stands where a statement begins."""
+    """The token stands where a statement begins, behind the tokens ``before``."""
+    last = before[-1] if before else None
     top = "CATEGORY" in accepted
     beginners = (file_words() if top else statement_words()) & accepted
     if not beginners:
@@ -286,7 +291,7 @@ def _at_beginning(
     if not re.fullmatch(r"[A-Za-z_]\w*", token.value):
         return found(f"no statement begins with {_quoted(token)}")
     if top and token.type in statement_words() or not top and token.type in file_words():
-        return _misplaced(token, last, top, source, text)
+        return _misplaced(token, before, top, source, text)
     words = terminal_words()
     if token.type in words and last is not None and last.type == "_NL":
         return found(
@@ -309,8 +314,8 @@ def _at_beginning(
     return found(f"no statement begins with `{token.value}`", hint)
 
 
-def _misplaced(token: Token, last: Token | None, top: bool, source: Source, text: str) -> Found:
-    """A statement at the top of a file, or a declaration of the file within a body."""
+def _misplaced(token: Token, before: list[Token], top: bool, source: Source, text: str) -> Found:
+    """A statement at the top of a file, or a declaration of the file within a body, behind the tokens ``before``."""
     at = token.start_pos or 0
     span = Span(source, at, token.end_pos or at)
     brace = opening_brace(text)
@@ -321,9 +326,10 @@ def _misplaced(token: Token, last: Token | None, top: bool, source: Source, text
             "syntax", span, f"`{token.value}` is not allowed inside a body", at, "move it to the top level of the file"
         )
     notes: Notes = ()
+    last = next((t for t in reversed(before) if t.type != "_NL"), None)
     if last is not None and last.type == "RBRACE":
         end = last.end_pos or 0
-        notes = ((Span(source, end - 1, end), "this brace ends the declaration above"),)
+        notes = ((Span(source, end - 1, end), "this brace ends the declaration above: is it one too many?"),)
     message = f"`{token.value}` is not allowed at the top level of a file"
     hint = "put it in a category, template, role or primitive"
     return Found("syntax", span, message, at, hint, notes, fatal=True)
