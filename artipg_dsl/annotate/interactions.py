@@ -100,17 +100,26 @@ class _Above:
 def acting_joints(batch: Batch, points: PointSet) -> dict[str, np.ndarray]:
     """For each word that acts, the number in its object of the joint that it is for at each point, -1 where it does not
     hold or nothing moves: (P, n) each."""
-    links, tables = batch.links(), batch.sites()
     acting = [label for label in batch.program.labels if label.vocabulary not in ("semantic", "field")]
-    first = np.searchsorted(links.owner, np.arange(len(batch)))
     number = np.append(np.asarray(batch.joints().number, dtype=np.int64), -1)
-    rows = points.row.ravel()
     found = {field_name(label): np.full(points.site.size, -1, dtype=np.int64) for label in acting}
-    above = _Above(batch)
-    for label, target, at in select_holding(batch, tables, points, acting):
-        table, row = tables[target.site], rows[at]
-        found[field_name(label)][at] = number[above.meant(label, first[table.owner[row]] + table.link[row])]
+    for label, at, joint in joints_meant(batch, points, acting):
+        found[field_name(label)][at] = number[joint]
     return {name: values.reshape(points.site.shape) for name, values in sorted(found.items())}
+
+
+def joints_meant(
+    batch: Batch, points: PointSet, labels: Sequence[Label]
+) -> Iterator[tuple[Label, np.ndarray, np.ndarray]]:
+    """For each of the labels, target by target, the flat numbers (k,) of the points at which it holds, and the joint that it is for
+    at each: a row (k,) of the table, -1 where nothing moves."""
+    links, tables = batch.links(), batch.sites()
+    first = np.searchsorted(links.owner, np.arange(len(batch)))
+    rows = points.row.ravel()
+    above = _Above(batch)
+    for label, target, at in select_holding(batch, tables, points, labels):
+        table, row = tables[target.site], rows[at]
+        yield label, at, above.meant(label, first[table.owner[row]] + table.link[row])
 
 
 def _found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Iterator[tuple[Label, Target, np.ndarray]]:

@@ -1,8 +1,8 @@
 """What a program states to no effect: parameters whose value shows nowhere, alternatives nobody takes or nobody could tell, labels
-that hold nowhere.
+that hold nowhere, or where what is pressed would not move.
 
 Found by trial: a value is moved within its range, all else kept, and the objects are looked at again; an alternative is
-taken on purpose, and compared with the others; a label is looked for at points of what it is on.
+taken on purpose, and compared with the others; a label is looked for at points of what it is on, and its joint moved there.
 """
 
 from __future__ import annotations
@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..annotate.interactions import find_possible, look_at
+from ..annotate.interactions import find_possible, joints_meant, look_at
 from ..annotate.points import field_name, select_holding
+from ..annotate.states import joint_twist
 from ..graph.expr import TRUE
 from ..graph.program import Draw, Label
 from ..runtime.batch import Batch
@@ -26,6 +27,9 @@ _FEW = 48  # objects tried at first
 _MANY = 400  # objects tried before a parameter is called dead
 _LOOKS = ((_FEW, 64), (_MANY, 512))  # objects, and points on each primitive that a label names
 _ROWS = 8  # of primitives on which a label may hold, at least, for it to be called dead
+_PRESSES = ("press", "push")  # words of what a fingertip does, along the normal
+_ACROSS = 0.45  # the cosine of the widest angle between a normal and a way that it counts as across: 63 degrees
+_ACROSS_SHARE = 1 / 3  # of the points of a label, at least, that lie across the way
 _ROUND = (0.37, -0.23, 0.61)  # of its range, how far a value is moved, round and round
 
 
@@ -141,6 +145,33 @@ def find_dead_labels(batch: Batch) -> list[Dead]:
     for (label, _), may in find_possible(some, [label for label in labels if _statement(label) in left]).items():
         rows[_statement(label)] += int(may.sum())
     return [Dead(name, where, "holds nowhere") for name, where in sorted(left) if rows[name, where] >= _ROWS]
+
+
+def find_idle_labels(batch: Batch) -> list[Dead]:
+    """Labels of what is pressed or pushed that hold, for the most part, where the joint that they are for moves along the surface: as on the
+    sides of a key, which a fingertip slides off. Not those of links that nothing moves."""
+    labels = [label for label in batch.program.labels if label.name in _PRESSES and label.vocabulary != "semantic"]
+    if not labels:
+        return []
+    some = evaluate_again(batch, np.arange(min(_FEW, len(batch))))
+    tables, joints = some.sites(), some.joints()
+    asked = {target.site for label in labels for target in label.targets}
+    points = look_at(some, [np.full(len(table), table.number in asked) for table in tables], _LOOKS[0][1])
+    position, normal = points.position.reshape(-1, 3), points.normal.reshape(-1, 3)
+    motion = joint_twist(some, np.zeros(len(joints.owner)))
+    across: dict[tuple[tuple[str, str], int], list[np.ndarray]] = {}
+    for label, at, joint in joints_meant(some, points, labels):
+        at, joint = at[joint >= 0], joint[joint >= 0]
+        way = motion.at(joint, position[at])
+        speed, along = np.sqrt((way * way).sum(axis=1)), np.abs((way * normal[at]).sum(axis=1))
+        for definition in np.unique(joints.definition[joint]).tolist():
+            mine = joints.definition[joint] == definition
+            across.setdefault((_statement(label), definition), []).append(along[mine] > _ACROSS * speed[mine])
+    return [
+        Dead(name, where, f"holds where `{some.program.joints[definition].path}` moves along the surface")
+        for ((name, where), definition), ok in sorted(across.items())
+        if np.concatenate(ok).mean() < _ACROSS_SHARE
+    ]
 
 
 def _statement(label: Label) -> tuple[str, str]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from artipg_dsl.quality.coverage import find_together, list_factors, measure_coverage
-from artipg_dsl.quality.dead import find_dead_alternatives, find_dead_labels, find_dead_parameters
+from artipg_dsl.quality.dead import find_dead_alternatives, find_dead_labels, find_dead_parameters, find_idle_labels
 from artipg_dsl.quality.fingerprint import fingerprint_objects
 
 from .programs import CHEST, sampled
@@ -186,6 +187,27 @@ category Drawer {
     _, batch = sampled(text)
     found = [(dead.name, dead.why) for dead in find_dead_labels(batch)]
     assert found == [("act.push", "holds nowhere"), ("act.turn", "holds nowhere")]
+
+
+@pytest.mark.parametrize(("where", "found"), [("n.x > 0.5", ["act.press"]), ("n.z > 0.5", [])])
+def test_what_is_pressed_where_it_would_not_move_is_found(where: str, found: list[str]) -> None:
+    """The x of a part that stands along x lies across: the label is on the side of the key."""
+    text = f"""
+vocabulary act {{ press : along, grasp }}
+category Bell {{
+  root part body : Cuboid(size = [2cm, 10cm, 10cm])
+  part key : Cylinder(radius = 5mm, height = 6mm) along x
+  align key.back = body.front + 2mm
+  joint go : prismatic body -> key along -x range 0mm .. 1mm
+  label semantic.body on body
+  label semantic.button on key
+  label act.press on key where {where}
+  label act.grasp on key where n.x > 0.5
+}}"""
+    _, batch = sampled(text)
+    idle = find_idle_labels(batch)
+    assert [dead.name for dead in idle] == found
+    assert all("`go` moves along the surface" in dead.why for dead in idle)
 
 
 def test_a_label_below_deeper_ones_holds_nowhere() -> None:
