@@ -17,7 +17,7 @@ _ONE_AT_A_TIME = Lock()
 MOST_ERRORS = 10
 """So many syntax errors are reported for one file."""
 
-DEEPEST = 200
+_DEEPEST = 200
 """So many nodes of a tree may stand one within another."""
 
 
@@ -48,12 +48,12 @@ def _parse(tools: Machine, source: Source, report: Report) -> ast.Module | None:
             continue
         for problem in tools.builder.problems:
             report.error("syntax", problem.span, problem.message, hint=problem.hint)
-        deep = None if broken else too_deep(tree, DEEPEST)
+        deep = None if broken else too_deep(tree, _DEEPEST)
         if deep is not None:
             report.error(
                 "too-deep",
                 deep.span,
-                f"more than {DEEPEST} expressions or blocks stand one within another here",
+                f"more than {_DEEPEST} expressions or blocks stand one within another here",
                 hint="name a part of it with `let`, or put it into a template",
             )
         return None if broken or deep is not None or tools.builder.problems else tree
