@@ -221,9 +221,8 @@ def _by_history(
     if token.type == "RBRACE" and accepted & file_words() and "RBRACE" not in accepted:
         return found("this brace has no matching `{`", "remove it, or add the missing `{` above")
     if token.type == "ON" and accepted == {"LBRACE"} and [t.type for t in history[-2:]] == ["MATERIAL", "NAME"]:
-        return _misplaced(
-            history[-2], history[:-2], True, source, text
-        )  # `material oak on` of a body, not `material oak {`
+        # `material oak on` of a body, not the declaration `material oak {`
+        return _misplaced(history[-2], history[:-2], True, source, text)
     if last is None or last.type in ("_NL", "LBRACE", "RBRACE"):
         beginning = _at_beginning(token, history, accepted, tools, found, source, text)
         return beginning._replace(line_alone=True) if beginning is not None else None
