@@ -150,28 +150,32 @@ def find_dead_labels(batch: Batch) -> list[Dead]:
 def find_idle_labels(batch: Batch) -> list[Dead]:
     """Labels of what is pressed or pushed that hold, for the most part, where the joint that they are for moves along the surface: as on the
     sides of a key, which a fingertip slides off. Not those of links that nothing moves."""
-    labels = [label for label in batch.program.labels if label.name in _PRESSES and label.vocabulary != "semantic"]
-    if not labels:
-        return []
     some = evaluate_again(batch, np.arange(min(_FEW, len(batch))))
-    tables, joints = some.sites(), some.joints()
+    return [
+        Dead(name, where, f"holds where `{some.program.joints[joint].path}` moves along the surface")
+        for ((name, where), joint), across in sorted(look_across(some).items())
+        if across.mean() < _ACROSS_SHARE
+    ]
+
+
+def look_across(batch: Batch) -> dict[tuple[tuple[str, str], int], np.ndarray]:
+    """For each label of what is pressed or pushed, by name and line, and each joint (of the program) that it is for: at which of the points
+    (k,) where it holds the joint moves across the surface."""
+    labels = [label for label in batch.program.labels if label.name in _PRESSES and label.vocabulary != "semantic"]
+    tables, joints = batch.sites(), batch.joints()
     asked = {target.site for label in labels for target in label.targets}
-    points = look_at(some, [np.full(len(table), table.number in asked) for table in tables], _LOOKS[0][1])
+    points = look_at(batch, [np.full(len(table), table.number in asked) for table in tables], _LOOKS[0][1])
     position, normal = points.position.reshape(-1, 3), points.normal.reshape(-1, 3)
-    motion = joint_twist(some, np.zeros(len(joints.owner)))
-    across: dict[tuple[tuple[str, str], int], list[np.ndarray]] = {}
-    for label, at, joint in joints_meant(some, points, labels):
+    motion = joint_twist(batch, np.zeros(len(joints.owner)))
+    found: dict[tuple[tuple[str, str], int], list[np.ndarray]] = {}
+    for label, at, joint in joints_meant(batch, points, labels):
         at, joint = at[joint >= 0], joint[joint >= 0]
         way = motion.at(joint, position[at])
-        speed, along = np.sqrt((way * way).sum(axis=1)), np.abs((way * normal[at]).sum(axis=1))
-        for definition in np.unique(joints.definition[joint]).tolist():
-            mine = joints.definition[joint] == definition
-            across.setdefault((_statement(label), definition), []).append(along[mine] > _ACROSS * speed[mine])
-    return [
-        Dead(name, where, f"holds where `{some.program.joints[definition].path}` moves along the surface")
-        for ((name, where), definition), ok in sorted(across.items())
-        if np.concatenate(ok).mean() < _ACROSS_SHARE
-    ]
+        speed, out = np.sqrt((way * way).sum(axis=1)), np.abs((way * normal[at]).sum(axis=1))
+        own = joints.definition[joint]
+        for definition in np.unique(own).tolist():
+            found.setdefault((_statement(label), definition), []).append((out > _ACROSS * speed)[own == definition])
+    return {key: np.concatenate(across) for key, across in found.items()}
 
 
 def _statement(label: Label) -> tuple[str, str]:

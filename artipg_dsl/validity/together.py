@@ -258,9 +258,8 @@ def least_share(
     part = _cells(tree, body, way)
     joint = way.joint
     giving = (joint >= 0) & np.append(yields, False)[joint]
-    again = (
-        np.append(tree.turns & (tree.advance == 0.0), False)[joint] & (joint >= 0) & ~giving
-    )  # each turn is like the first
+    alike = np.append(tree.turns & (tree.advance == 0.0), False)[joint]  # each turn is like the first
+    again = alike & (joint >= 0) & ~giving
     part.stop = np.where(again[part.row], np.minimum(part.stop, part.start + FULL), part.stop)
     far = np.where(giving, np.append(tree.high - tree.joints.rest, 1.0)[joint], np.inf)
     far = np.where(far > 0.0, far, np.inf)
