@@ -79,7 +79,8 @@ def test_the_page_names_the_categories_that_layouts_take() -> None:
 
 
 def test_the_page_names_the_levels_of_partnet() -> None:
-    (text,) = re.findall(r"^\* Levels: (.*?)\. A category", PAGE, re.M)
+    (found,) = re.findall(r"^\* Levels: (.*?)\. A\s+category", PAGE, re.M | re.DOTALL)
+    text = " ".join(found.split())
     named = {
         name: levels.split(", ")
         for levels, _, names in (row.partition(" of ") for row in text.split("; "))
