@@ -87,7 +87,7 @@ def _sapien() -> Any:
     return sapien
 
 
-def untied(robot: Robot) -> Robot:
+def _untied(robot: Robot) -> Robot:
     """The same robot without joints that mimic others by another ratio than 1 or -1: SAPIEN 3.0.3 inverts it, which holds both fast."""
     simple = simple_joints(robot)
     return replace(
@@ -100,7 +100,7 @@ def _ties(joint: RobotJoint) -> bool:
     return joint.mimic is not None and abs(joint.mimic[1]) == 1.0
 
 
-def rotor(joint: RobotJoint) -> float:
+def _rotor(joint: RobotJoint) -> float:
     """The armature that MJCF and USD state, and URDF has no place for: without it a gram goes through the ends of its joint. kg m2
     or kg, and no more than a hand does not feel."""
     return min(joint.armature, _ROTOR[joint.kind == "prismatic"])
@@ -161,7 +161,7 @@ class Standing:
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = True
         with TemporaryDirectory() as place:
-            for name, data in urdf_files(untied(self.robot)).items():
+            for name, data in urdf_files(_untied(self.robot)).items():
                 (Path(place) / name).parent.mkdir(parents=True, exist_ok=True)
                 (Path(place) / name).write_bytes(data)
             self.body = loader.load(str(Path(place) / "object_physics.urdf"))
@@ -180,7 +180,7 @@ class Standing:
         self.links = [bodies[link.name] for link in robot.links]
         self.latches = list(self._latches(stated))
         for joint, name, heavy in zip(self.active, self.order, self.heavy, strict=True):
-            joint.set_armature(np.array([rotor(plain[name]) * heavy]))
+            joint.set_armature(np.array([_rotor(plain[name]) * heavy]))
         self.towed = list(self._towed(stated))
 
     def _latches(self, stated: Mapping[str, RobotJoint]) -> Iterator[Latch]:

@@ -1,10 +1,11 @@
 """Which trials are made of an object, what its annotations say of each, and what came of it.
 
 Random ones: a joint's declaration at random, one of its links, a point of its surface that can be seen from outside, a
-direction at random in the half of the sphere that meets the surface, and a primitive. Ones of a word: a labelled point, led as
-the word says, where its joint has room for that (a push along the inward normal, a pull along the outward one, what is held
-along its own motion), and for comparison any point of the same link in any direction by the same primitive. The joints are at rest,
-or each of them with even odds at rest or anywhere, or what others wait for is open; as things come to stand by themselves.
+direction at random in the half of the sphere that meets the surface, and a primitive. Ones of a word: a labelled point that can be
+seen as things stand, led as the word says, where its joint has room for that (a push along the inward normal, a pull along the outward
+one, what is held along its own motion), and for comparison any point of the same link in any direction by the same primitive. The
+joints are at rest, or each of them with even odds at rest or anywhere, or what others wait for is open; as things come to stand by
+themselves.
 """
 
 from __future__ import annotations
@@ -13,12 +14,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import trimesh
 
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.annotate.states import draw_values, joint_twist, own_joints
 from artipg_dsl.export.partnet_mobility import folder_frame
 from artipg_dsl.export.robot import Robot, Robots
+from artipg_dsl.geometry.outside import spread_directions
 from artipg_dsl.layouts.forecast import Scene, foretell
 from artipg_dsl.layouts.hand import Arena, Trial, succeeds
 from artipg_dsl.layouts.where2act import led_links
@@ -31,6 +34,7 @@ STATES = 3  # of an object: at rest, and at random
 POINTS = 64  # of a link
 TILT, HELD = 15.0, 30.0  # degrees about the normal, or about the motion of what is held, that a hand comes or goes by
 WORDS = ("push", "press", "pull", "open", "close", "lift", "turn", "slide")
+ABOVE, GRAZING = 1e-6, 0.02  # metres over a point that rays begin at; sine of the least angle they leave it by
 ROOM = 0.02  # rad or units that a joint needs for a trial of a word, or half of its range
 
 
@@ -56,7 +60,8 @@ class Case:
     def __init__(self, batch: Batch, robot: Robot, arena: Arena, names: list[str], seed: int):
         self.batch, self.robot, self.arena, self.unit = batch, robot, arena, arena.unit
         self.names, self.joints = names, batch.joints()
-        self.draw = np.random.default_rng([seed, int(batch.numbers[0])])
+        self.seed = [seed, int(batch.numbers[0])]
+        self.draw = np.random.default_rng(self.seed)
         self.cloud = sample_points(
             batch, Sampling(POINTS, per="link", surface="outside"), np.zeros(len(names)), motion=True
         )
@@ -136,6 +141,8 @@ class Case:
     def worded(self, each: int) -> Iterator[tuple[Trial, int, str, bool]]:
         """Of every word on every link, up to ``each`` trials of labelled points, and as many of other points of it."""
         seen: dict[tuple[str, int], int] = {}
+        shown = np.stack([self.seen(values) for _, values in self.states])
+        self.draw = np.random.default_rng([*self.seed, 1])  # the same however many random ones there are
         for row in self.rows:
             link = int(self.cloud.link[row, 0])
             kind = int(self.joints.definition[self.chains[link][0]])
@@ -144,7 +151,7 @@ class Case:
                 if label is None or not (label[row] > 0).any() or seen.get((word, kind), 0) >= 2 * each:
                     continue
                 for _ in range(each):
-                    found = self.one(word, row, np.flatnonzero(label[row] > 0))
+                    found = self.one(word, row, shown[:, row] & (label[row] > 0))
                     if found is not None:
                         seen[word, kind] = seen.get((word, kind), 0) + 1
                         trial, state = found
@@ -152,12 +159,16 @@ class Case:
                         point = int(self.draw.integers(POINTS))
                         yield self.make(trial.primitive, row, point, state), state, word, False
 
-    def one(self, word: str, row: int, points: np.ndarray) -> tuple[Trial, int] | None:
-        """A trial of a word at one of the points that bear it, in a state in which its joint has room; None where there is none."""
+    def one(self, word: str, row: int, fit: np.ndarray) -> tuple[Trial, int] | None:
+        """A trial of a word at one of the points that are ``fit`` (states, POINTS), in a state in which its joint has room; None where there is
+        none."""
         assert self.cloud.acting is not None
         gripped = self.cloud.labels.get("affordance.grasp")
         for k in self.draw.permutation(len(self.states)):
             values = self.states[k][1]
+            points = np.flatnonzero(fit[k])
+            if not len(points):
+                continue
             point = int(points[self.draw.integers(len(points))])
             link = int(self.cloud.link[row, point])
             turn, shift = self.batch.pose(values)
@@ -183,6 +194,31 @@ class Case:
             if self.room(joint, values, float(np.sign(base @ motion))):
                 return self.make(primitive, row, point, int(k), self.tilted(base, tilt)), int(k)
         return None
+
+    def seen(self, values: np.ndarray) -> np.ndarray:
+        """Which points (rows, POINTS) can be seen from outside with the joints at ``values``: a lid may have shut on what is seen at 0. Of the
+        rays by which ``artipg_dsl/geometry/outside.py`` tells, one enters no mesh; those that begin behind a mesh, as where a surface is
+        hollow, may leave it."""
+        turn, shift = self.batch.pose(values)
+        corners, faces, start = [], [], 0
+        for k, link in enumerate(self.robot.links):
+            for visual in link.visuals:
+                corners.append((visual.shape.vertices + link.origin) @ turn[k].T + shift[k])
+                faces.append(visual.shape.faces + start)
+                start += len(visual.shape.vertices)
+        mesh = trimesh.Trimesh(np.concatenate(corners), np.concatenate(faces), process=False)
+        link = self.cloud.link
+        normal = np.einsum("rpij,rpj->rpi", turn[link], self.cloud.normal)
+        place = np.einsum("rpij,rpj->rpi", turn[link], self.cloud.position) + shift[link] + ABOVE * normal
+        ways = spread_directions()
+        leaves = np.argwhere(normal @ ways.T > GRAZING)
+        along = ways[leaves[:, 2]]
+        met, ray = mesh.ray.intersects_id(place[leaves[:, 0], leaves[:, 1]], along, multiple_hits=True)
+        free = np.ones(len(leaves), dtype=bool)
+        free[ray[(mesh.face_normals[met] * along[ray]).sum(axis=1) < 0]] = False
+        found = np.zeros(link.shape, dtype=bool)
+        found[leaves[free, 0], leaves[free, 1]] = True
+        return found
 
     def far(self, joint: int) -> float:
         """The way from rest to the farther end."""
