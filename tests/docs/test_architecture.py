@@ -68,8 +68,8 @@ def rows(heading: str) -> list[list[str]]:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
 
 
-def test_every_room_is_on_the_map_with_files_that_are_there() -> None:
-    found = rows("The rooms")
+def test_every_package_is_on_the_map_with_files_that_are_there() -> None:
+    found = rows("The packages")
     named = [name for row in found for name in re.findall(r"`([\w/]+)`", row[0])]
     assert sorted(named) == sorted(room for room in ROOMS if room != "diagnostics/codes")
     for row in found:
