@@ -28,7 +28,7 @@ _MESHES = 60  # objects of a report whose meshes are looked at
 EMITS = {
     "graph": "the constraint graph (default); `apgc sample` reads it from an .apgc file",
     "ast": "the syntax tree",
-    "typed": "declarations with their types, and what names stand for",
+    "typed": "declarations with their types, and what each name stands for",
     "plan": "the order of evaluation",
     "python": "a Python module that samples the tables with NumPy alone",
 }
@@ -49,9 +49,9 @@ def _add_watch(to: argparse.ArgumentParser) -> None:
         "--out",
         type=picture,
         metavar="FILE",
-        help="also draw a contact sheet to this file whenever nothing is wrong",
+        help="also draw a contact sheet to this file whenever there are no errors",
     )
-    to.add_argument("--force", action="store_true", help="overwrite a picture that is there before")
+    to.add_argument("--force", action="store_true", help="overwrite an existing picture")
 
 
 def _add_fmt(to: argparse.ArgumentParser) -> None:
@@ -73,7 +73,7 @@ def _add_new(to: argparse.ArgumentParser) -> None:
         "--from",
         dest="source",
         metavar="CATEGORY",
-        help="start from a copy of a shipped category or of a file: to change ranges, alternatives or labels",
+        help="start from a copy of a shipped category or of a file, to change its ranges, alternatives or labels",
     )
     to.add_argument("--force", action="store_true", help="overwrite an existing file")
 
@@ -95,13 +95,14 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
         type=positive,
         default=2048,
         metavar="N",
-        help="number of points per object, or per link, part, ... with --per (default: 2048)",
+        help="number of points per object, or with --per per link, part, ... (default: 2048)",
     )
     to.add_argument(
         "--surface",
         choices=("boundary", "outside"),
         default="boundary",
-        help="where points lie: boundary, on the union of all primitives (default); outside, on what is visible of it with all joints at 0",
+        help="where points lie: boundary, the surface of the union of primitives (default); "
+        "outside, what is visible of it with all joints at 0",
     )
     to.add_argument(
         "--spread",
@@ -123,7 +124,7 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--weights",
         metavar="LIST",
-        help="with --balance: divide by these weights instead, such as handle=3,knob=2 (all others 1)",
+        help="with --balance: divide by these weights instead, such as handle=3,knob=2 (default: 1)",
     )
     to.add_argument(
         "--format",
@@ -134,7 +135,7 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--tables",
         action="store_true",
-        help="write the drawn values of the objects instead of points and annotations (with --format: in addition to those formats)",
+        help="write the drawn values of the objects instead of points and annotations (with --format: in addition)",
     )
     to.add_argument(
         "--states",
@@ -151,7 +152,7 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
         "--gripper",
         default="standard",
         metavar="LIST",
-        help="gripper that grasps are made for: standard (default), any, or sizes such as stroke=8cm,width=2cm",
+        help="gripper that must be able to execute the grasps: standard (default), any, or sizes such as stroke=8cm,width=2cm",
     )
     to.add_argument(
         "--views",
@@ -164,9 +165,9 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
         help="write mutants of the objects instead: apa (swap templates), dpa (change counts), cpa (perturb parameters)",
     )
     to.add_argument(
-        "--variant", type=whole, metavar="K", help="with --mutate: make another mutant of each object (default: 0)"
+        "--variant", type=whole, metavar="K", help="with --mutate: number of the mutant of each object (default: 0)"
     )
-    add_details(to, "let the points and meshes wear the details of real objects that `apgc bind` has kept in a folder")
+    add_details(to, "apply the details of real objects that `apgc bind` has stored in this folder to points and meshes")
     add_meshes(to)
     add_bareness(to)
     to.add_argument(
@@ -176,9 +177,7 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
         help="sequential (default), or prior: resample to the declared distributions; prior:N considers N attempts per object (default: 32)",
     )
     to.add_argument(
-        "--params",
-        metavar="FILE",
-        help="read objects from a JSON file of values; those that are not valid are repaired",
+        "--params", metavar="FILE", help="read objects from a JSON file of values; invalid ones are repaired"
     )
     to.add_argument(
         "--repair",
@@ -228,7 +227,7 @@ def _add_mutate(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--ops",
         metavar="LIST",
-        help="operations, always applied in this order: apa (swap templates), dpa (change counts), cpa (perturb parameters) (default: all)",
+        help="operations, always applied in this order: apa (swap templates), dpa (change counts), cpa (perturb parameters); default: all",
     )
     to.add_argument("-n", "--number", type=positive, metavar="N", help="number of mutants per object (default: 1)")
     to.add_argument(
@@ -246,13 +245,17 @@ def _add_mutate(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--one",
         metavar="NAME",
-        help="write groups that differ in this value alone: each object, followed by its mutants",
+        help="write groups that differ only in this value: each object, followed by its mutants",
     )
-    to.add_argument("--variant", type=whole, metavar="K", help="make other mutants (default: 0)")
+    to.add_argument("--variant", type=whole, metavar="K", help="number of the first mutant of each object (default: 0)")
     to.add_argument(
-        "--distinct", action="store_true", help="leave out mutants nearly the same as another of their original"
+        "--distinct",
+        action="store_true",
+        help="leave out mutants that are nearly the same as another one of their original",
     )
-    add_details(to, "let the points and meshes wear the details that `apgc bind` has kept of the originals")
+    add_details(
+        to, "apply the details of the originals that `apgc bind` has stored in this folder to points and meshes"
+    )
     to.add_argument("--only", type=numbers, metavar="NUMBERS", help="originals by number, such as 37 or 37,40..45")
     to.add_argument("--params", metavar="FILE", help="read the originals from a JSON file of values")
     to.add_argument(
@@ -283,20 +286,26 @@ def _add_render(to: argparse.ArgumentParser) -> None:
         default="part",
         help="what the colours show (default: part)",
     )
-    to.add_argument("--open", action="store_true", help="open the joints of all objects (default: of every other one)")
+    to.add_argument(
+        "--open", action="store_true", help="open the joints of all objects (default: of every other object)"
+    )
     to.add_argument(
         "--view",
         metavar="VIEW",
         help="viewpoint: front, back, left, right, top, iso, or AZIMUTH,ELEVATION in degrees, as in --view=-120,30",
     )
-    to.add_argument("--tile", type=positive, default=256, metavar="PIXELS", help="width of each object (default: 256)")
+    to.add_argument(
+        "--tile", type=positive, default=256, metavar="PIXELS", help="width of each object in pixels (default: 256)"
+    )
     add_clothes(to)
     add_meshes(to, steps=64)
     to.add_argument("--force", action="store_true", help="overwrite an existing file")
 
 
 def _add_explain(to: argparse.ArgumentParser) -> None:
-    to.add_argument("code", nargs="?", metavar="CODE", help="such as missing-unit (default: list all codes)")
+    to.add_argument(
+        "code", nargs="?", metavar="CODE", help="an error code, such as missing-unit (default: list all codes)"
+    )
 
 
 def _add_validate(to: argparse.ArgumentParser) -> None:
@@ -311,14 +320,16 @@ def _add_validate(to: argparse.ArgumentParser) -> None:
         help="number of random joint states in which to check each object, besides rest and each joint alone (default: random:64)",
     )
     to.add_argument(
-        "--meshes", action="store_true", help="check the visible meshes as well, in as many states (needs manifold3d)"
+        "--meshes",
+        action="store_true",
+        help="also check the visible meshes, in the same number of states (needs manifold3d)",
     )
     to.add_argument("--json", action="store_true", help="print the evidence as JSON")
 
 
 def _add_report(to: argparse.ArgumentParser) -> None:
     to.add_argument("programs", nargs="*", metavar="NAME|FILE", help="shipped categories or .apg files")
-    to.add_argument("--all", action="store_true", help="all shipped categories")
+    to.add_argument("--all", action="store_true", help="report on all shipped categories")
     add_drawing(to, 1000)
     shape = to.add_mutually_exclusive_group()
     shape.add_argument("--json", action="store_true", help="print the figures as JSON")
@@ -334,16 +345,21 @@ def _add_report(to: argparse.ArgumentParser) -> None:
         nargs="?",
         const=_MESHES,
         metavar="N",
-        help=f"check the visible meshes of the first N objects as well (default: {_MESHES}), in as many states as `apgc validate --meshes`",
+        help=f"check the visible meshes of the first N objects too (default: {_MESHES}), in as many states as `apgc validate --meshes`",
     )
     to.add_argument("--strict", action="store_true", help="exit with 1 if a goal is not met")
-    to.add_argument("--force", action="store_true", help="overwrite the page")
+    to.add_argument("--force", action="store_true", help="overwrite an existing page")
     add_sharing(to)
 
 
 def _add_ledger(to: argparse.ArgumentParser) -> None:
     add_program(to)
-    to.add_argument("part", nargs="?", metavar="PART", help="such as door (default: all parts)")
+    to.add_argument(
+        "part",
+        nargs="?",
+        metavar="PART",
+        help="a part, or one of its ports, such as door or lid.seat (default: all parts)",
+    )
 
 
 # ---------------------------------------------------------------- shared
@@ -356,7 +372,13 @@ def _add_profile(to: argparse.ArgumentParser) -> None:
 
 
 def _add_cache(to: argparse.ArgumentParser) -> None:
-    to.add_argument("action", nargs="?", choices=("show", "clear"), default="show", help="show (default), or clear")
+    to.add_argument(
+        "action",
+        nargs="?",
+        choices=("show", "clear"),
+        default="show",
+        help="show location and size (default), or clear",
+    )
 
 
 def _add_compare(to: argparse.ArgumentParser) -> None:
@@ -364,7 +386,9 @@ def _add_compare(to: argparse.ArgumentParser) -> None:
     add_drawing(to, 200)
     add_real(to)
     to.add_argument("--json", action="store_true", help="print the figures as JSON")
-    to.add_argument("--prior-out", metavar="FILE", help="with --map: write a prior of the presence of parts")
+    to.add_argument(
+        "--prior-out", metavar="FILE", help="with --map: write a prior with the shares of parts in the real objects"
+    )
     to.add_argument("--force", action="store_true", help="overwrite an existing prior")
 
 
@@ -373,25 +397,25 @@ def _add_layout(to: argparse.ArgumentParser) -> None:
 
 
 COMMANDS = {
+    "new": ("create a category to start from", _add_new),
     "check": ("check programs for errors", _add_check),
     "watch": ("check a program whenever it is saved, and draw it", _add_watch),
     "fmt": ("format programs", _add_fmt),
-    "new": ("create a category to start from", _add_new),
     "compile": ("compile a program, and show one of its stages", _add_compile),
     "sample": ("generate annotated objects", _add_sample),
     "export": ("write objects in other formats", _add_export),
-    "compare": ("compare samples of a category with real objects", _add_compare),
-    "fit": ("find the objects that are closest to real ones", add_fit),
-    "bind": ("store the surfaces of real objects as details of the objects fitted to them", add_bind),
     "layout": ("check a folder in a layout against the model", _add_layout),
     "mutate": ("make mutants of the objects in a folder", _add_mutate),
     "render": ("draw a contact sheet of samples", _add_render),
-    "explain": ("explain an error code", _add_explain),
-    "categories": ("list the shipped categories", None),
     "validate": ("report which links collide or block one another", _add_validate),
     "report": ("measure the quality of a category over many samples", _add_report),
     "ledger": ("show what determines each value of a part", _add_ledger),
     "profile": ("show where the time goes, by stage and by part", _add_profile),
+    "fit": ("find the objects that are closest to real ones", add_fit),
+    "bind": ("store the surfaces of real objects as details of the objects fitted to them", add_bind),
+    "compare": ("compare samples of a category with real objects", _add_compare),
+    "explain": ("explain an error code", _add_explain),
+    "categories": ("list the shipped categories", None),
     "cache": ("show or clear the cache", _add_cache),
 }
 """What each command does, and what adds its options; the module of its name runs it."""

@@ -15,23 +15,18 @@ def add_fit(to: argparse.ArgumentParser) -> None:
     to.add_argument("--seed", type=whole, metavar="N", help="random seed (default: 0)")
     to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
     to.add_argument(
-        "--at-rest",
-        action="store_true",
-        help="leave all joints at rest (default: move them where nothing at rest fits)",
+        "--at-rest", action="store_true", help="leave all joints at rest (default: move them if nothing fits at rest)"
     )
     to.add_argument("--plain", action="store_true", help="draw no pictures")
     to.add_argument("--json", action="store_true", help="print the summary as JSON")
-    to.add_argument("--force", action="store_true", help="fit everything again")
+    to.add_argument("--force", action="store_true", help="fit everything again, and drop fits of other files")
     add_sharing(to)
 
 
 def add_bind(to: argparse.ArgumentParser) -> None:
     to.add_argument("fitted", metavar="FITTED", help="a folder that `apgc fit` has written")
     to.add_argument(
-        "files",
-        nargs="*",
-        metavar="REAL",
-        help="the files that were fitted, if they are elsewhere by now, or folders of them",
+        "files", nargs="*", metavar="REAL", help="the files that were fitted, or folders of them, if they have moved"
     )
     to.add_argument("-o", "--out", type=folder, default="bound", metavar="DIR", help="output folder (default: bound)")
     to.add_argument(
@@ -39,17 +34,17 @@ def add_bind(to: argparse.ArgumentParser) -> None:
         type=positive,
         default=8192,
         metavar="N",
-        help="points of each surface that are assigned (default: 8192)",
+        help="number of points of each surface to assign (default: 8192)",
     )
     to.add_argument(
         "--assignment",
         choices=("mutual", "both", "project", "aware", "transport", "nearest"),
         default="mutual",
-        help="which points belong together; nearest is Eq. 2 of the paper (default: mutual)",
+        help="how points of the two surfaces are assigned; nearest is Eq. 2 of the paper (default: mutual)",
     )
     to.add_argument(
-        "--visible", action="store_true", help="leave out what was hidden and follows from symmetries of its primitive"
+        "--visible", action="store_true", help="do not complete hidden surface by the symmetries of its primitive"
     )
     to.add_argument("--json", action="store_true", help="print the summary as JSON")
-    to.add_argument("--force", action="store_true", help="bind again what is there already")
+    to.add_argument("--force", action="store_true", help="bind everything again, and drop details of other files")
     add_sharing(to)

@@ -28,7 +28,9 @@ def add_meshes(to: argparse.ArgumentParser, steps: int = 24) -> None:
 
 def add_bareness(to: argparse.ArgumentParser) -> None:
     to.add_argument(
-        "--no-meshes", action="store_true", help="partnet-mobility without meshes, in less time; meta.json says so"
+        "--no-meshes",
+        action="store_true",
+        help="write partnet-mobility without meshes, which is faster; meta.json records it",
     )
 
 
@@ -38,7 +40,7 @@ def add_sharing(to: argparse.ArgumentParser) -> None:
         type=workers,
         default="auto",
         metavar="N",
-        help="number of processes, or auto: one, and one per processor as soon as the work is found to take long (default: auto)",
+        help="number of processes, or auto: start with one, and use one per processor for long work (default: auto)",
     )
 
 
@@ -51,10 +53,12 @@ def add_clothes(to: argparse.ArgumentParser) -> None:
     """Whether meshes of objects wear details."""
     add_details(
         to,
-        "let the meshes wear the details that `apgc bind` has kept in a folder (default: those that the points wear)",
+        "apply the details that `apgc bind` has stored in this folder to the meshes (default: those that the points wear)",
     )
     to.add_argument(
-        "--bare", action="store_true", help="show the structure, without the details that the points of the folder wear"
+        "--bare",
+        action="store_true",
+        help="show the bare structure, without the details that the points of the folder wear",
     )
 
 
@@ -63,13 +67,13 @@ def add_bounding(to: argparse.ArgumentParser) -> None:
         "--memory",
         type=memory,
         metavar="SIZE",
-        help="memory that all processes together may take, such as 512MB (default: 2GB, or half a gigabyte each)",
+        help="memory limit of all processes together, such as 512MB (default: 2GB, or half a gigabyte each if that is more)",
     )
     to.add_argument(
         "--cluster",
         default="",
         metavar="ADDRESS",
-        help="divide the work among the workers of a Dask scheduler, such as tcp://host:8786, or, with local, among --workers processes here",
+        help="distribute the work to the workers of a Dask scheduler, such as tcp://host:8786, or, with local, to --workers processes here",
     )
 
 
@@ -88,12 +92,12 @@ def add_drawing(to: argparse.ArgumentParser, n: int) -> None:
     to.add_argument(
         "--prior",
         metavar="NAME|FILE",
-        help="draw by other weights and narrower ranges, such as presence of parts: a JSON file, or a shipped prior, such as partnet",
+        help="sample with other weights, shares of parts and narrower ranges: a JSON file, or a shipped prior such as partnet",
     )
     to.add_argument(
         "--frame",
         metavar="NAME|FILE",
-        help="turn the objects to lie as those of another collection: a JSON file, a shipped frame, such as partnet, or own",
+        help="orient the objects as in another collection: a JSON file, a shipped frame such as partnet, or own",
     )
     to.set_defaults(default_number=n)
     add_backend(to)
@@ -103,7 +107,7 @@ def add_backend(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--backend",
         choices=("numpy", "c"),
-        help="backend that evaluates formulas; the bytes are the same (default: c if there is a compiler, numpy until it has finished)",
+        help="backend that evaluates formulas; both give the same bytes (default: c if there is a C compiler, and numpy until c is compiled)",
     )
 
 
@@ -133,23 +137,26 @@ def add_real(to: argparse.ArgumentParser) -> None:
     )
     axes = ("x", "-x", "y", "-y", "z", "-z")
     to.add_argument(
-        "--up", choices=("auto", *axes), default="auto", help="upward axis of the files (default: y of glb, else z)"
+        "--up",
+        choices=("auto", *axes),
+        default="auto",
+        help="upward axis of the files (default: y for glb, otherwise z)",
     )
     to.add_argument(
         "--front",
         choices=("auto", *axes),
         default="auto",
-        help="axis that the front faces, such as --front=-y (default: all are tried)",
+        help="axis that the front faces, such as --front=-y (default: try all horizontal axes)",
     )
     to.add_argument(
         "--unit",
         choices=("auto", "m", "cm", "mm", "in"),
         default="auto",
-        help="unit of the files (default: m, or what the category's sizes suggest)",
+        help="unit of the files (default: m, unless the category's sizes suggest another)",
     )
-    to.add_argument("--normalised", action="store_true", help="the files have no scale: find it")
+    to.add_argument("--normalised", action="store_true", help="the files have no scale; determine it")
     to.add_argument(
         "--map",
         metavar="FILE",
-        help="a JSON file of names of labels and the words that they mean; they are compared, and guide `fit`",
+        help="a JSON file that maps names of labels to words of semantic; labels are compared, and guide `apgc fit`",
     )
