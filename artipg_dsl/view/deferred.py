@@ -7,12 +7,15 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from scipy.ndimage import gaussian_filter
 
 from ..geometry.vectors import unit
 from .camera import Camera, Lights
 from .scene import Scene
 
 _SAMPLES = 2  # supersampling per axis
+_NEAR, _FAR = 0.006, 0.025  # how far shadows on the ground run into what is around them, in widths of the picture
+_OPEN = (0.1, 0.7)  # shares of the light from which on, and where wholly, they do so over the larger of these
 _GROUND_REACH = 1.3  # how far from the object its shadow is looked for, in its own sizes
 
 
@@ -195,7 +198,24 @@ def _shadow(engine: Engine, lights: Lights, points: np.ndarray, edge: int, at: n
         for k, strength in zip(chosen.tolist(), (up / up.sum(axis=0))[:, :, None], strict=True):
             got += engine.visible(own, k) * strength
         share[mine] = got.T
+    share = _soften(share, at, edge)
     y, x = np.divmod(at, edge)
     border = np.minimum(np.minimum(x, edge - 1 - x), np.minimum(y, edge - 1 - y)) / edge
     kept = _smooth(0.0, 0.12, border)[:, None]
     return 1 - kept + kept * share**0.85
+
+
+def _soften(share: np.ndarray, at: np.ndarray, edge: int) -> np.ndarray:
+    """Light (n, 3) of the samples ``at`` of which what few lights miss runs into what is around it: the shadows of single lights are
+    streaks where an open sky gives none. What most lights miss keeps its edge, since there the object is near."""
+    known = np.zeros((edge * edge, 4))
+    known[at] = np.column_stack([share, np.ones(len(share))])
+    picture = known.reshape(edge, edge, 4)
+
+    def around(width: float) -> np.ndarray:
+        spread = gaussian_filter(picture, width * edge, truncate=2.5, axes=(0, 1)).reshape(-1, 4)[at]
+        return spread[:, :3] / spread[:, 3:]
+
+    near, far = around(_NEAR), around(_FAR)
+    open_to_sky = _smooth(*_OPEN, near.mean(axis=1))[:, None]
+    return near + (far - near) * open_to_sky
