@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from .robot import Robot, RobotJoint, Robots
 
 _POINTS = 10000
-_LEAVES = 1 << 32  # more than there are parts of an object
 _URDFS = ("mobility.urdf", "mobility_vhacd.urdf", "mobility_cvx.urdf")  # one text under the names that readers ask for
 _CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 _BOX_FACES = np.array(
@@ -397,14 +396,17 @@ def _samples(robots: Robots, i: int, members: list[FolderLink], frame: DatasetFr
     """``point_sample/``: points of the visible surface with normal, colour and leaf."""
     points = _points(robots)
     ids = {(m.number, instance): leaf.id for m in members for instance, leaf in m.leaves.items()}
-    pair = points.link[i].astype(np.int64) * _LEAVES + points.instance[i]
-    known, leaf = np.unique(pair, return_inverse=True)
-    names = [str(ids[divmod(k, _LEAVES)]) for k in known.tolist()]
+    many = int(points.instance[i].max()) + 1
+    pair = points.link[i] * many + points.instance[i]
+    known = np.flatnonzero(np.bincount(pair))
+    names = [str(ids[divmod(k, many)]) for k in known.tolist()]
+    leaf = np.zeros(known[-1] + 1, dtype=np.int64)
+    leaf[known] = np.arange(len(known))
     colours, material = np.array([look[i].colour for look in robots.looks]), points.material[i] + 1
     seen = [f"{r:.0f} {g:.0f} {b:.0f} 1" for r, g, b in np.round(255 * colours).tolist()]
     positions = frame.points(points.position[i])
     both = np.concatenate([positions, _to_dataset_axes(points.normal[i])], axis=1)
-    label = told(positions[:, :0], names, leaf.ravel())
+    label = told(positions[:, :0], names, leaf[pair])
     return {
         "point_sample/pts-10000.txt": told(positions),
         "point_sample/label-10000.txt": label,

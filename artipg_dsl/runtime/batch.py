@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import fields, replace
 from functools import cache, cached_property, lru_cache
-from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from ..graph.reference import Reference
 from . import motion
 from .curves import add_curves
 from .detents import rest_caught
-from .draws import to_plain
+from .drawn import Drawn
 from .gates import Gates, gates_of
 from .kernels import State
 from .loops import Loops, loops_of
@@ -398,23 +397,11 @@ class Batch:
 
         A list has the values of all elements in their order, also where alternatives of a part share the name.
         """
-        found: dict[str, list[tuple[tuple[int, ...], Any]]] = {}
-        repeats: set[str] = set()
-        for number, draw in enumerate(self.program.draws):
-            scope, name = draw.column.scope, draw.column.name
-            rows = np.flatnonzero(self.owner(scope) == index)
-            if not len(rows):
-                continue
-            ranks = [rank[rows].tolist() for _, rank in self.rowmap.ranks(scope)]
-            if ranks:
-                repeats.add(name)
-            places = list(zip(*ranks, strict=True)) if ranks else [()] * len(rows)
-            told = [to_plain(draw, value) for value in self.state.values[number][rows].tolist()]
-            found.setdefault(name, []).extend(zip(places, told, strict=True))
-        return {
-            name: [value for _, value in sorted(several, key=itemgetter(0))] if name in repeats else several[0][1]
-            for name, several in found.items()
-        }
+        return self._drawn.of(index)
+
+    @cached_property
+    def _drawn(self) -> Drawn:
+        return Drawn(self.program, self.rowmap, self.owner, self.state.values, len(self))
 
     def values(self) -> dict[str, np.ndarray]:
         """Each drawn column by its address: one value per row of its table (choices as indices)."""
