@@ -122,7 +122,7 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Condition:
         if value is not None and value == int(value) and isinstance(subject, ast.NameExpr | ast.MemberExpr):
             kind, noted = _quiet(ck, ctx, subject)
             if isinstance(kind, ScalarType) and kind.count:
-                return conjunction((*noted, Compare(_key(ctx, subject), op, int(value), *_ends(ctx, subject))))
+                return conjunction((*noted, Compare(_key(ctx, subject), op, int(value), *ends(ctx, subject))))
         if isinstance(other, ast.NameExpr) and expr.op in ("==", "!="):
             with ck.muted():
                 word = choice_word(ck, ctx, subject, other)
@@ -151,14 +151,15 @@ def _last(ctx: Context, index: ast.Expr, other: ast.Expr) -> bool:
     return False
 
 
-def _ends(ctx: Context, expr: ast.Expr) -> tuple[int, int | None]:
-    """The range of a count where it is written with constants."""
+def ends(ctx: Context, expr: ast.Expr) -> tuple[int, int | None]:
+    """The range of a count where it is written with constants; None: no end is known."""
     entries = ctx.scope.find(expr.name) if isinstance(expr, ast.NameExpr) and ctx.scope is not None else []
     if entries and isinstance(entries[0].node, ast.CountDecl):
         domain = entries[0].node.domain
         low, high = constant(domain.low, ctx.module), constant(domain.high, ctx.module)
         return (0 if low is None else int(low)), (None if high is None else int(high))
-    return 0, None
+    value = constant(expr, ctx.module)
+    return (0, None) if value is None else (int(value), int(value))
 
 
 def _key(ctx: Context, expr: ast.Expr) -> str:

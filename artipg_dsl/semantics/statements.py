@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import any_of, did_you_mean
 from ..language import JOINTS, REPEATS
 from ..syntax import ast
+from ..syntax.walk import walk
 from . import alternatives, conditions, declarations, labels, placing, primitives, roles
 from .entries import of_reference, port_context
+from .guards import Not, consistent
 from .mimic import sole_kind
 from .scope import BodyScope, Guards
 from .symbols import NAMED, names_of
@@ -64,8 +66,9 @@ def check_body(ck: Checker, scope: BodyScope, body: tuple[ast.Stmt, ...], guards
         if isinstance(stmt, ast.WhenStmt):
             conditions.truth(ck, ctx, stmt.guard)
             conditions.check_discrete(ck, ctx, stmt.guard)
-            check_body(ck, scope, stmt.body, scope.branches[id(stmt), True])
-            check_body(ck, scope, stmt.otherwise, scope.branches[id(stmt), False])
+            for truth, branch in ((True, stmt.body), (False, stmt.otherwise)):
+                if branch and not _never(ck, ctx, scope, stmt.guard, truth):
+                    check_body(ck, scope, branch, scope.branches[id(stmt), truth])
         elif isinstance(stmt, ast.RepeatStmt):
             _repeat(ck, ctx, stmt)
             inner = scope.inner[id(stmt)]
@@ -73,6 +76,34 @@ def check_body(ck: Checker, scope: BodyScope, body: tuple[ast.Stmt, ...], guards
             check_body(ck, inner, stmt.body, inner.guards)
         else:
             _statement(ck, ctx, stmt)
+
+
+def _never(ck: Checker, ctx: Context, scope: BodyScope, guard: ast.Expr, truth: bool) -> bool:
+    """Whether a branch of a ``when`` is left out by its guard and those around it, which is reported."""
+    asked = conditions.of(ck, ctx, guard)
+    known = asked if truth else Not(asked)
+    if consistent(ctx.condition, known) or not consistent(ctx.condition):
+        return False
+    words, alone = guard.span.words, not consistent(known)
+    ends = "" if alone else ", given the `when` around it"
+    said = (
+        f"`{words}` never holds{ends}"
+        if truth
+        else f"`{words}` always holds{ends}: nothing under its `else` is ever there"
+    )
+    ranges = [
+        f"`{name}` is in {entry.node.domain.span.text}"
+        for name in dict.fromkeys(node.name for node in walk(guard) if isinstance(node, ast.NameExpr))
+        for entry in scope.find(name)
+        if isinstance(entry.node, ast.CountDecl)
+    ]
+    ck.error(
+        "never-there",
+        guard.span,
+        said,
+        hint=", ".join(ranges) or "correct the condition, or remove what stands under it",
+    )
+    return True
 
 
 def _misplaced(ck: Checker, scope: BodyScope, stmt: ast.Stmt) -> bool:
@@ -326,6 +357,10 @@ def _repeat(ck: Checker, ctx: Context, stmt: ast.RepeatStmt) -> None:
     _form(ck, stmt)
     if stmt.count is not None:
         ck.expect(ctx, stmt.count, COUNT, "the number of elements")
+        _, most = conditions.ends(ctx, stmt.count)
+        if most == 0:
+            said = f"`{stmt.name}` never has an element: `{stmt.count.span.words}` is never more than 0"
+            ck.error("never-there", stmt.count.span, said, hint="widen the range of the count, or remove the repeat")
     for box in ast.present(stmt.spread, stmt.split, stmt.fill):
         kind = ck.infer(ctx, box.value)
         if not isinstance(kind, Boxed) and kind not in (BOX, UNKNOWN):

@@ -127,6 +127,16 @@ MISTAKES = (
         ("repeat x in 5 { }", "repeat x[i] in n { }", "repeat x in n split box along x { }"),
     ),
     Mistake(
+        "the brackets hold the index alone",
+        "the elements follow behind them: `repeat shelf[k] in 0 ..< shelves { ... }`",
+        (
+            "repeat x[i in 0 ..< n] { }",
+            "repeat x[i = n] { }",
+            "repeat x[i, j] in 0 ..< n { }",
+            "repeat x[3] in 0 ..< n { }",
+        ),
+    ),
+    Mistake(
         "a range is written with `..` and includes both ends",
         "`..<` only counts the elements of a repeat",
         ("count n in 1 ..< 5", "param x : length in 1cm ..< 2cm"),

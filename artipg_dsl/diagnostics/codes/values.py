@@ -184,6 +184,24 @@ VALUES = (
         """,
     ),
     Code(
+        "never-there",
+        "nothing under this `when` or repeat can ever exist",
+        """
+        Within the ranges of counts and the options of choices and parts, and within the `when` around it, the condition
+        never holds, or always holds and has an `else`; or the number of elements of a repeat is never more than 0. What
+        stands there would be left out of every object. Correct the condition, widen the range, or remove it.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        category Stool {
+          count legs in 3 .. 4
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+          when legs > 4 { param brace : length in 1cm .. 2cm }
+        }
+        """,
+    ),
+    Code(
         "always-true",
         "a requirement or preference has no effect",
         """

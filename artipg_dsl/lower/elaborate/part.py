@@ -234,14 +234,22 @@ class Instance:
                     )
                 within = env.scope is self.scope or home.scope.within(env.scope)
                 if not within and has_row(home.scope, self.scope) is not E.TRUE:
+                    repeat = self._repeat_below(home.scope)
+                    what = "a slot bound in another" if repeat is None else f"the elements of the repeat `{repeat}`"
                     raise self.part.context.error(
                         "wrong-kind",
                         node.span,
-                        "a slot bound in one `when` cannot refer to a slot bound in another",
-                        hint="name the part itself, or bind the slot in every branch of the same `when`",
+                        f"a slot bound in one `when` cannot refer to {what}",
+                        hint="name the part itself, or bind the slot in every branch of the same `when`"
+                        if repeat is None
+                        else "put the repeat into the same `when`, or bind the slot outside of it",
                     )
                 found.append(Reached(value, home if within else env))
         return found
+
+    def _repeat_below(self, scope: Scope) -> str | None:
+        """The repeat of this part that rows of ``scope`` are elements of, None for no repeat."""
+        return next((s.name for s in scope.ancestors() if s.kind == "repeat" and not self.scope.within(s)), None)
 
     def slot(self, name: str) -> Value:
         """A slot as one reference to all the parts, or all the surfaces, it binds."""
