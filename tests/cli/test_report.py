@@ -182,7 +182,7 @@ def test_the_page_of_the_categories_has_a_row_and_a_picture_of_each() -> None:
     rows = [line.split("|")[1].strip() for line in page.splitlines() if line.startswith("| ")]
     assert rows == ["category", *categories()]
     assert "| " + " | ".join(HEAD) + " |" in page
-    assert all(f"gallery/{path.stem}.png" in page for path in categories().values())
+    assert all(f"gallery/{path.stem}.webp" in page for path in categories().values())
 
 
 class Page(HTMLParser):
