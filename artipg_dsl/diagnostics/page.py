@@ -25,10 +25,10 @@ _INTRODUCTION = f"""\
 
 <!-- Made from the registry in artipg_dsl/diagnostics/codes/ by `{COMMAND}`. -->
 
-What the compiler finds in a program, by code. `apgc explain CODE` prints the same in a terminal, `apgc check FILE`
-finds them all, `apgc check --json` and `--sarif` give them to tools. Each finding names the file, line and column,
-shows the text with carets, further places that belong to it, through which parts a template was used, and what to try.
-Every example brings its code about.
+Everything that the compiler reports about a program, by code. `apgc explain CODE` prints the same in a terminal.
+`apgc check FILE` reports all findings; `apgc check --json` and `--sarif` give them to tools. Each finding names the file,
+line and column, and shows the text with carets, related places, the parts through which a template was used, and what to
+try. Every example triggers its code.
 """
 
 

@@ -9,8 +9,8 @@ EQUATIONS = (
         """
         No equation and no `connect` with faces or frames places the part along any axis, so it is centred in its
         surroundings: right for a core, surprising for most parts. `connect lid to body` with bare names only attaches.
-        Place the part, or say that the centre is meant: `align lid.center = body.center`. `apgc check` warns about it,
-        but the program works.
+        Place the part, or state that it is meant to be centred: `align lid.center = body.center`. `apgc check` warns
+        about this, but the program works.
         """,
         """
         apg 1
@@ -30,10 +30,10 @@ EQUATIONS = (
         "floating-part",
         "a part touches nothing else of its link",
         """
-        In each of the few objects that `apgc check` draws, the part is apart from everything else of its rigid link, so
-        none of them is valid and `apgc sample` has nothing to deliver. Often an equation names the wrong part, a sign
-        is wrong, or nothing places the part and it is centred. Place it on the part that carries it; if what carries it
-        is not modelled, write `allow floating lid because "a glass rod"`.
+        In each of the few objects that `apgc check` draws, the part touches nothing else of its rigid link, so none of
+        them is valid and `apgc sample` has nothing to deliver. Often an equation names the wrong part, a sign is wrong,
+        or nothing places the part, so that it is centred. Place it on the part that carries it; if the carrier is not
+        modelled, write `allow floating lid because "a glass rod"`.
         """,
         """
         apg 1

@@ -16,9 +16,9 @@ READING = (
         "not-utf8",
         "the file is not UTF-8 text",
         """
-        Program texts are UTF-8. The place shown is the first byte that is not; save the file in that encoding. Comments
-        and texts may contain any letters, so there has to be one encoding. Most editors convert under `Save with
-        encoding`.
+        Program texts are UTF-8. The place shown is the first byte that is not; save the file as UTF-8. Comments and
+        texts may contain letters of any script, so there has to be a single encoding. Most editors convert with `Save
+        with encoding`.
         """,
     ),
     Code(
@@ -41,10 +41,10 @@ READING = (
         "too-deep",
         "expressions, blocks or parts are nested too deeply",
         """
-        More than 200 expressions or blocks stand one within another: a sum of more than 200 terms for one.
-        Or the compiler cannot follow how a value comes about, because each of hundreds follows from the one before: the
-        place is then that of the category. Name parts of a sum with `let`, use a `repeat` for what is alike, and put groups
-        of parts into templates, which are solved one by one.
+        Expressions or blocks are nested more than 200 deep; a sum of more than 200 terms counts as well. Or a value
+        depends on a chain of hundreds of others, too long for the compiler to follow; the place shown is then the
+        category. Name parts of a sum with `let`, use a `repeat` for parts that are alike, and put groups of parts into
+        templates, which are solved one by one.
         """,
         "apg 1\ncategory Tower {\n  param high : ratio in 0 .. 1\n  let low = " + "-" * 201 + "high\n}\n",
     ),
@@ -52,9 +52,9 @@ READING = (
         "missing-brace",
         "a brace is never closed",
         """
-        A block that begins with `{` has no `}`. The place shown is the opening brace that seems to have no partner,
-        judging by the indentation after it. Without the partner, the rest of the file would belong to the block. Close
-        the block where it ends, and indent its lines.
+        A block that begins with `{` has no matching `}`. The place shown is the opening brace that seems to have no
+        partner, judging by the indentation after it. As it stands, the rest of the file would belong to the block.
+        Close the block where it ends, and indent its lines.
         """,
         """
         apg 1
@@ -68,9 +68,9 @@ READING = (
         "missing-bracket",
         "a round or square bracket is never closed",
         """
-        The bracket is not closed before its statement ends, or is closed by one of the other kind. Line ends do not
-        count within brackets, so the mistake only shows where the next statement begins. Close the bracket after its
-        last argument.
+        The bracket is not closed before its statement ends, or is closed by a bracket of the other kind. Line breaks do
+        not count within brackets, so the mistake only shows where the next statement begins. Close the bracket after
+        its last argument.
         """,
         """
         apg 1
@@ -98,7 +98,7 @@ READING = (
         "reserved-word",
         "a word of the language is used as a name",
         """
-        Most words that begin a statement, and `in for when is else on none and or not if`, are never names. Words that
+        Most words that begin a statement, and `in for when is else on none and or not if`, cannot be names. Words that
         only begin clauses (`at`, `range`, `weight` ...) are ordinary names wherever a clause is not possible. If a word
         that begins a statement were also a name, the text could be read in two ways. Choose another name, or add an
         underscore: `part_`.
@@ -128,8 +128,8 @@ READING = (
         "a module has no declaration of that name",
         """
         A module exports what it declares itself: roles, templates, primitives, materials, vocabularies, functions and
-        categories, not what it imports with `use`. So each name has one home, however many modules use it. Check the
-        spelling and its capitals, or import it from the module that declares it.
+        categories. It does not export what it imports with `use`, so each name has a single home, however many modules
+        use it. Check the spelling and capital letters, or import the name from the module that declares it.
         """,
         """
         apg 1
@@ -138,7 +138,7 @@ READING = (
     ),
     Code(
         "import-cycle",
-        "modules import one another in a circle",
+        "modules import each other in a cycle",
         """
         Two modules cannot use each other, directly or through others: the order in which modules are read must not
         matter. Move what both need into a third one. It takes two files to cause this error: `a.apg` with `use b { ...
@@ -149,8 +149,8 @@ READING = (
         "nothing-declared",
         "a file declares nothing",
         """
-        The file holds no declaration: it is empty, or holds comments, the version and `use` alone. There is nothing to
-        check, to import or to sample, so the file was probably saved too early, or is not the one that is meant. `apgc new
+        The file contains no declaration: it is empty, or contains only comments, the version and `use` lines. There is
+        nothing to check, import or sample; it was probably saved too early, or is not the file you meant. `apgc new
         Name` writes a category to start from.
         """,
         """
@@ -162,7 +162,7 @@ READING = (
         "no-category",
         "a file declares no category",
         """
-        Only a category can be sampled. A module of templates and roles can be checked and imported. The message appears
+        Only a category can be sampled. A module of templates and roles can be checked and imported. This error appears
         when such a file is sampled, compiled or checked as a category. Add `category Name { root part ... }`, or name
         another file.
         """,
@@ -176,8 +176,8 @@ READING = (
         "two-categories",
         "a file declares two categories",
         """
-        A file contains one category, so that the file and its samples share one name. Move the other category into its
-        own file. Templates that both share go into a module that both `use`.
+        A file contains at most one category, so that the file and its samples share one name. Move the other category
+        into its own file. Put templates that the two share into a module that both `use`.
         """,
         """
         apg 1

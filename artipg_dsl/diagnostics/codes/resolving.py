@@ -42,7 +42,8 @@ RESOLVING = (
         "there is no such template, role or primitive",
         """
         A part is made from a template, primitive or style that the file declares or imports with `use`. A role cannot
-        be used as a template: it is what alternatives share. Check the spelling, or add the name to a `use` line.
+        be used as a template: it only states what its alternatives have in common. Check the spelling, or add the name
+        to a `use` line.
         """,
         """
         apg 1
@@ -70,9 +71,9 @@ RESOLVING = (
         "unknown-port",
         "a part has no port of that name",
         """
-        The template of the part has no such port or slot, or the index is too large. Ports are declared in a role or
-        template with `port mount : frame`; declared in the role, every alternative has them. Check the spelling; faces
-        such as `body.front` need no declaration.
+        The part's template has no such port or slot, or the index is too large. Ports are declared in a role or
+        template with `port mount : frame`; if the role declares them, every alternative has them. Check the spelling;
+        faces such as `body.front` need no declaration.
         """,
         """
         apg 1
@@ -214,7 +215,7 @@ RESOLVING = (
     ),
     Code(
         "absolute-tolerance",
-        "a label compares with a fixed length",
+        "a label compares against a fixed length",
         """
         A label is a formula that must make sense for every size of a part. A band of 5 mm is half of a small knob but
         almost nothing of a large one, so the same word would mean two things. Write a fraction of `size`, or use a
@@ -248,13 +249,14 @@ RESOLVING = (
     ),
     Code(
         "expensive-check",
-        "the check of an object takes long",
+        "checking an object takes long",
         """
-        Collisions and stability are checked on convex pieces. A part with thousands of pieces, or whose pieces form hundreds
-        of thousands of pairs with pieces on other links, makes the check of each object take seconds. So do, with `require stable`, ten
-        thousand pairs of primitives that may overlap, as their common volume is counted once. Typical cases are bars with many short
-        bends, wire meshes and rings of many windings. `apgc profile NAME` lists parts by pieces and pairs. Use fewer
-        of them, or fewer bends; `--unchecked` skips the check. The program works as it is.
+        Collisions and stability are checked on convex pieces. If a part has thousands of pieces, or its pieces form
+        hundreds of thousands of pairs with pieces of other links, checking each object takes seconds. With `require
+        stable`, ten thousand pairs of primitives that may overlap take as long, because their common volume is counted
+        only once. Typical causes are bars with many short bends, wire meshes and rings with many windings. `apgc
+        profile NAME` lists parts by pieces and pairs. Use fewer pieces, or fewer bends; `--unchecked` skips the check.
+        The program works as it is.
         """,
         """
         apg 1
@@ -278,12 +280,12 @@ RESOLVING = (
     ),
     Code(
         "untested-values",
-        "a primitive has values outside of its test ranges, and its box is wrong there",
+        "a primitive is used outside its test ranges, where its box is wrong",
         """
-        The formulas of a solid are made for the values after `test`: which place of a curve is highest, for example, is found out
-        with them. Elsewhere another place may be, and then the box of the primitive does not hold its surface, so that what is placed by
-        its faces goes astray, or its convex pieces, which then collide with what is far away. `apgc check` compares them for a few
-        objects. Widen the test range.
+        The formulas of a solid are made for the values after `test`: these decide, for example, which point of a curve
+        is the highest. Outside the test ranges it may be another point. Then the primitive's box does not contain its
+        surface, so parts placed by its faces end up in the wrong place; or it does not contain its convex pieces, which
+        then collide with distant parts. `apgc check` compares them for a few objects. Widen the test range.
         """,
         """
         apg 1
@@ -307,8 +309,8 @@ RESOLVING = (
         "missing-material",
         "parts have no material",
         """
-        Nothing says what a part is made of, so its mass, friction and colour are guesses: 700 kg/m3, light grey. Write
-        `material oak on body`; the parts inside take it too. `apgc check` warns about it, but the program works.
+        Nothing says what a part is made of, so its mass, friction and colour are guessed: 700 kg/m3, light grey. Write
+        `material oak on body`; the parts inside take it too. `apgc check` warns about this, but the program works.
         """,
         """
         apg 1
@@ -322,11 +324,11 @@ RESOLVING = (
     ),
     Code(
         "missing-label",
-        "surface has no semantic label",
+        "some surface has no semantic label",
         """
-        Nothing says what a piece of surface is, in all objects or in some, so its points have class 0, `unlabelled`.
+        Nothing says what some of the surface is, in all objects or in some, so its points have class 0, `unlabelled`.
         Write `label semantic.seat on seat`; the parts inside take it too, unless they have labels of their own. `apgc
-        check` warns about it, but the program works.
+        check` warns about this, but the program works.
         """,
         """
         apg 1
@@ -392,12 +394,12 @@ RESOLVING = (
     ),
     Code(
         "unused",
-        "nothing reads a name",
+        "a name is never used",
         """
-        A name that `use` brings in stands nowhere in the file, or a parameter, a count or a `let` of the category, or of a
-        template beside it, is declared and nothing reads it: objects are the same without it. Often a number was written
-        where the name was meant. This is a warning: the program works. Vocabularies count as used, since their words join
-        those of the program; so does what a role asks of its templates.
+        A name imported by `use` does not occur in the file; or a parameter, count or `let` of the category, or of a
+        template in its file, is declared but never read, so objects would be the same without it. Often a number was
+        written where the name was meant. This is a warning: the program works. Vocabularies count as used, since their
+        words are added to those of the program; so does what a role requires of its templates.
         """,
         """
         apg 1

@@ -52,9 +52,9 @@ STATING = (
         "missing-clause",
         "a statement lacks a clause",
         """
-        The statement says too little: a `connect` needs `to`, `on`, `in` or `between`; a grasp needs `at`,
-        `approach`, `close` and `opening`. A joint that turns needs an axis, and a range unless it is
-        `continuous`. The help line names the clause.
+        The statement is incomplete: a `connect` needs `to`, `on`, `in` or `between`; a grasp needs `at`, `approach`,
+        `close` and `opening`. A joint that turns needs an axis, and a range unless it is `continuous`. The help line
+        names the clause.
         """,
         """
         apg 1
@@ -86,8 +86,8 @@ STATING = (
         "wrong-arguments",
         "a function or clause is given the wrong arguments",
         """
-        The number or the names of the arguments are not those that the function takes. An extra argument is never
-        ignored, and a missing one never guessed. The message says what is expected.
+        The number or the names of the arguments do not match those that the function takes. An extra argument is never
+        ignored, and a missing one is never guessed. The message says what is expected.
         """,
         """
         apg 1

@@ -7,10 +7,9 @@ STRUCTURE = (
         "role-not-fulfilled",
         "a template does not bind everything its role requires",
         """
-        Every template of a role binds every slot, port, joint and output that the role declares without `?`. A part
-        with the name of a slot binds it without further words. The users of a role rely on all of it, whichever
-        alternative is drawn. Bind it (`slot cover = plate`, `port mount = ...`), or mark it optional in the role: `slot
-        cover ?`.
+        Every template of a role must bind each slot, port, joint and output that the role declares without `?`. A part
+        with the name of a slot binds it automatically. The users of a role rely on all of it, whichever alternative is
+        drawn. Bind it (`slot cover = plate`, `port mount = ...`), or mark it optional in the role: `slot cover ?`.
         """,
         """
         apg 1
@@ -60,9 +59,9 @@ STRUCTURE = (
         "an optional part is used where it may be absent",
         """
         A part with the alternative `none`, or a member that only some alternatives have, may be absent. A statement
-        vanishes together with its own subject (the part left of `to`, the child of a joint, the target of a label);
-        using the part anywhere else needs `when handle { ... }` or `when handle is BarHandle { ... }` around it. The
-        language insists because one program describes all objects, including those without the part.
+        disappears together with its own subject (the part left of `to`, the child of a joint, the target of a label);
+        using the part anywhere else needs `when handle { ... }` or `when handle is BarHandle { ... }` around it. This
+        is required because one program describes all objects, including those without the part.
         """,
         """
         apg 1
@@ -176,9 +175,9 @@ STRUCTURE = (
         "a joint or repeat has no valid axis",
         """
         A joint that turns does so about an edge or a line (`about door.left.back`, `about dial.axis`); a direction
-        alone does not say where it is. A prismatic joint slides along a direction. A ring goes about an axis, a mirror
-        is across x, y or z. The axis decides how the joint moves and which side opens, so it is always stated. Two
-        faces of a box meet in an edge: `door.left.back`.
+        alone does not say where the axis lies. A prismatic joint slides along a direction. A ring runs around an axis,
+        a mirror is across x, y or z. The axis decides how the joint moves and which side opens, so it is always stated.
+        Two faces of a box meet in an edge: `door.left.back`.
         """,
         """
         apg 1
@@ -192,12 +191,12 @@ STRUCTURE = (
     ),
     Code(
         "bad-gate",
-        "a joint waits for something that no joint says",
+        "a joint waits for something other than the value of a joint",
         """
-        `when` after a joint says which other joints must be open for it to move: each is compared with a value of its
-        own unit (`when door.open > 80deg`), several with `and` between. The joints must be independent: neither the one
-        that waits nor the one it waits for may follow another by `mimic`, and the object must have no closed loop. For
-        conditions on choices and counts, use a `when` with a block.
+        `when` after a joint says how far other joints must be open before it can move: each is compared with a value in
+        its own unit (`when door.open > 80deg`), and several are joined by `and`. The joints must be independent:
+        neither the one that waits nor the one it waits for may follow another by `mimic`, and the object must have no
+        closed loop. For conditions on choices and counts, use a `when` with a block.
         """,
         """
         apg 1
@@ -212,12 +211,12 @@ STRUCTURE = (
     ),
     Code(
         "bad-mimic",
-        "a joint that cannot follow another in this way",
+        "a joint cannot follow another in this way",
         """
-        A joint follows another by a factor and an offset (`mimic -2 * turn + 10deg`) or by any formula of its value that
-        rises or falls throughout its range (`mimic 2cm * sin(turn)`). Such a formula needs a leader that moves by itself, nothing can
-        follow the follower in turn, and the object must have no closed loop. Write the formula of the joint that leads the chain,
-        or, for a linkage, close a loop of joints with `close`.
+        A joint follows another by a factor and an offset (`mimic -2 * turn + 10deg`) or by any formula of its value
+        that rises or falls throughout its range (`mimic 2cm * sin(turn)`). Such a formula needs a leader that moves
+        independently; no other joint can follow the follower, and the object must have no closed loop. Write the
+        formula in terms of the joint that leads the chain, or, for a linkage, close a loop of joints with `close`.
         """,
         """
         apg 1
@@ -237,9 +236,9 @@ STRUCTURE = (
         "rigid-loop",
         "no joint on a closed loop can move",
         """
-        A loop takes freedoms from its joints, two of them where all axes are parallel. A triangle of two joints and the
-        hinge that `close` states has none left: its joints are written to files, and none of them moves. A linkage of
-        four bars has one freedom.
+        A closed loop takes degrees of freedom from its joints: two, if all axes are parallel. A triangle of two joints
+        and the hinge that `close` states has none left: its joints are written to files, but none of them moves. A
+        linkage of four bars has one.
         """,
         """
         apg 1
@@ -264,12 +263,12 @@ STRUCTURE = (
     ),
     Code(
         "needs-clearance",
-        "a `clearance` that cannot be solved for",
+        "`clearance` cannot be computed here",
         """
-        `clearance` as the high end of a range asks for the largest value without a collision. It is solved for revolute
-        and prismatic joints that move independently: not for the low end, for joints that follow others or are
-        followed, or in programs with closed loops. The program is legal and can be checked, but not sampled. Reverse
-        the axis, or give the end as a formula of the sizes, or as a plain angle or length.
+        `clearance` as the high end of a range asks for the largest value without a collision. It can be found for
+        revolute and prismatic joints that move independently, but not as the low end, nor for joints that follow others
+        or are followed, nor in programs with closed loops. The program is legal and can be checked, but not sampled.
+        Reverse the axis, or write the end as a formula of the sizes, or as a plain angle or length.
         """,
         """
         apg 1
@@ -302,9 +301,9 @@ STRUCTURE = (
         "open-count",
         "an indexed surface may have any number of copies",
         """
-        The surfaces of a primitive are known when it is compiled, so that their seams can be matched. A number of copies
-        that differs between objects needs a maximum, of at most 64. Use a parameter of type `count` with a domain, or
-        a formula of such parameters.
+        The surfaces of a primitive must be known when it is compiled, so that their seams can be matched. A number of
+        copies that differs between objects needs a maximum, of at most 64. Use a parameter of type `count` with a
+        domain, or a formula of such parameters.
         """,
         """
         apg 1
@@ -323,9 +322,9 @@ STRUCTURE = (
         "broken-chain",
         "curves of a chain do not meet end to end",
         """
-        Each curve of a chain begins where the one before it ends, for every test value of the primitive.
-        Otherwise the surface made of them would have a gap. An outer and an inner chain have equally many
-        curves. Use the same formula at both ends.
+        Each curve of a chain must begin where the one before it ends, for every test value of the primitive. Otherwise
+        the surface made from them would have a gap. An outer and an inner chain must have the same number of curves.
+        Use the same formula at both ends.
         """,
         """
         apg 1
@@ -342,10 +341,10 @@ STRUCTURE = (
         "bad-curve",
         "a curve cannot make this solid",
         """
-        The operator needs a curve with a value everywhere: for `lathe` [radius, height] with a radius of at
-        least 0, for every test value of the primitive. A formula that fails for some sizes would give broken
-        meshes only now and then, so it is tried beforehand. Narrow the ranges after `test`, add a `require` to
-        the primitive, or clip the formula with `max`.
+        The operator needs a curve that has a value everywhere: `lathe` needs [radius, height] with a radius of at least
+        0, for every test value of the primitive. A formula that fails for some sizes would give broken meshes only now
+        and then, so it is tried beforehand. Narrow the ranges after `test`, add a `require` to the primitive, or clip
+        the formula with `max`.
         """,
         """
         apg 1
@@ -361,11 +360,11 @@ STRUCTURE = (
         "missing-pieces",
         "convex pieces miss part of a primitive",
         """
-        Contacts are computed from the convex pieces, so other parts could pass into a solid that its `piece` statements
-        cover only in part. It is an error if, at one of the test values, some place within the solid is further than a
-        tenth of its size from all pieces, and a warning from a twentieth on. The place shown is the furthest one. A
-        thin gap at a curved surface is fine. A piece that reaches out of the solid by a twentieth of its size is a
-        warning, too, as is the hull of a concave primitive that has no pieces.
+        Contacts are computed from the convex pieces, so other parts could penetrate a solid that its `piece` statements
+        cover only partly. It is an error if, at one of the test values, some place within the solid is farther than a
+        tenth of its size from all pieces, and a warning if it is farther than a twentieth. The place shown is the
+        farthest one. A thin gap at a curved surface is fine. A piece that reaches out of the solid by a twentieth of
+        its size also gives a warning, and so does the hull of a concave primitive that has no pieces.
         """,
         """
         apg 1
@@ -389,11 +388,12 @@ STRUCTURE = (
         "leaky-primitive",
         "the surfaces of a primitive do not close",
         """
-        The surfaces of a primitive meet along whole edges and enclose its inside, all normals outwards, for every one
-        of its test values. The place shown is a surface with an edge that meets no other. Otherwise the mesh, which is
-        made from these formulas alone, would not be watertight. Compare the formulas of the two surfaces at that edge,
-        and the signs and ranges of u and v. A stated box is that of the surfaces, too: parts are placed by it; and a
-        stated inside function is a distance to them, with a slope of at most 1, that is negative in all of the solid.
+        The surfaces of a primitive must meet along whole edges and enclose its inside, with all normals pointing
+        outwards, for every one of its test values. Otherwise the mesh, which is made from these formulas alone, would
+        not be watertight. The place shown is a surface with an edge that meets no other. Compare the formulas of the
+        two surfaces at that edge, and the signs and ranges of u and v. A stated box must be that of the surfaces,
+        because parts are placed by it. A stated inside function must be a distance to them, with a slope of at most 1,
+        that is negative in all of the solid.
         """,
         """
         apg 1

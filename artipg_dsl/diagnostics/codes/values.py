@@ -7,8 +7,8 @@ VALUES = (
         "missing-unit",
         "a length, angle or other quantity has no unit",
         """
-        Lengths, angles and all other quantities carry their unit (`5cm`, `30deg`, `8N`), so that no number can be
-        misread. Only `0` needs none. Ratios and counts have no unit; write a percentage as `8%`.
+        Lengths, angles and all other quantities are written with their unit (`5cm`, `30deg`, `8N`), so that no number
+        can be misread. Only `0` needs none. Ratios and counts have no unit; write a percentage as `8%`.
         """,
         """
         apg 1
@@ -19,7 +19,7 @@ VALUES = (
     ),
     Code(
         "unknown-unit",
-        "a number carries a unit that does not exist",
+        "a number has a unit that does not exist",
         """
         Units are `mm cm m km`, `deg rad turn`, `kg g`, `s ms`, `N`, quotients and products of them such as `kg/m3`,
         `N*m`, `m/s`, and `%`. The unit directly follows the number. There are no inches. The list is fixed, so that a
@@ -67,11 +67,10 @@ VALUES = (
     ),
     Code(
         "wrong-kind",
-        "something else is needed here",
+        "a name is of the wrong kind",
         """
-        The name exists, but is not a value, part or template of the kind needed here. A part is made of a template or a
-        primitive, a material is put on by `material`, a label by `label`. The message says what is needed and what was
-        found.
+        The name exists, but is not a value, part or template of the kind needed here. A part is made from a template or
+        a primitive; `material` assigns a material, `label` a label. The message says what is needed and what was found.
         """,
         """
         apg 1
@@ -130,11 +129,11 @@ VALUES = (
         "illegal-value",
         "a value lies outside its legal range",
         """
-        Every number of an object has a legal range: sizes lie above 0 and below 1 km, places within 1 km, axes and
-        directions are not [0, 0, 0], densities lie above 0, damping, friction and stiffness are not negative, colours lie
-        in 0 .. 1, a repeat has at most 5,000 elements, and so on. Here the value is illegal for every draw. If it is
-        illegal for some draws only, those objects are invalid and drawn again, which `sample --stats` counts. Correct
-        the formula.
+        Every number of an object has a legal range: sizes lie above 0 and below 1 km, places within 1 km; densities are
+        above 0; damping, friction and stiffness are not negative; colours lie within 0 .. 1; axes and directions are
+        not [0, 0, 0]; a repeat has at most 5,000 elements; and so on. Here the value is illegal for every draw. If it
+        is illegal for some draws only, those objects are invalid and drawn again, which `sample --stats` counts.
+        Correct the formula.
         """,
         """
         apg 1
@@ -150,9 +149,9 @@ VALUES = (
         "bad-guard",
         "a guard is not a condition",
         """
-        A guard decides the structure, which is fixed before any length is drawn. So a guard tests `a is B` or whether
-        an optional part exists, or compares counts, ranks and choices; conditions on lengths and angles are not
-        possible. Use them in `require` or in `a if c else b`.
+        A guard decides the structure, which is fixed before any length is drawn. So a guard tests `a is B`, tests
+        whether an optional part exists, or compares counts, ranks and choices. Conditions on lengths and angles are not
+        possible; use them in `require` or in `a if c else b`.
         """,
         """
         apg 1
@@ -205,9 +204,9 @@ VALUES = (
         "always-true",
         "a requirement or preference has no effect",
         """
-        No values in the ranges can break this requirement, so it has no effect; nor has a preference that always or never
-        holds. Often it compares the wrong values, or was written before a range was narrowed. Correct the comparison, or
-        drop it.
+        No values in the ranges can violate this requirement, so it has no effect. The same applies to a preference that
+        always or never holds. Often it compares the wrong values, or was written before a range was narrowed. Correct
+        the comparison, or drop it.
         """,
         """
         apg 1
@@ -240,12 +239,12 @@ VALUES = (
     ),
     Code(
         "none-drawn",
-        "an object cannot be drawn in all attempts",
+        "no attempt to draw an object succeeds",
         """
-        `apgc check` draws a few objects to look at. For one of them none of 100 attempts met all requirements, so `apgc
-        sample` would stop as well. The message says what failed most: a `require`, or a number that has to be legal,
-        such as the room between the margins of a repeat. What can be proved to fail always is an error of its own
-        (`impossible`). Widen the ranges, or let the range of one value follow from another.
+        `apgc check` draws a few objects to examine. For one of them, none of 100 attempts met all requirements, so
+        `apgc sample` would stop as well. The message says what failed most often: a `require`, or a number outside its
+        legal range, such as the room between the margins of a repeat. A requirement that can be proved always to fail
+        is a separate error (`impossible`). Widen the ranges, or make the range of one value depend on another.
         """,
         """
         apg 1
@@ -271,7 +270,7 @@ VALUES = (
         "a requirement can never hold",
         """
         No values in the ranges can satisfy this requirement, so no object could ever be drawn. For a primitive, the
-        ranges after `test` are tried. Where requirements contradict one another, all of them are shown, with the values
+        ranges after `test` are tried. If requirements contradict one another, all of them are shown, with the values
         that they compare. Within an alternative or a `when` this is a warning: that alternative is silently never
         drawn. Widen a range, or correct the requirement.
         """,
