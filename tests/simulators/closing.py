@@ -218,7 +218,8 @@ def along(now: sapien.Pose, start: sapien.Pose, turn: np.ndarray, shift: np.ndar
     if rate == 0:
         return float((now.p - start.p) @ shift / (shift @ shift))
     w, *way = (now * start.inv()).q
-    return 2 * float(np.arctan2(np.array(way) @ turn / rate, w)) / rate
+    about = np.array(way) @ turn / rate
+    return 2 * float(np.arctan2(about if w >= 0 else -about, abs(w))) / rate  # q and -q are one turn
 
 
 def screw(hand: Hand, turn: np.ndarray, shift: np.ndarray, amount: float) -> sapien.Pose:

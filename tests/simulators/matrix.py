@@ -17,26 +17,8 @@ from .levels import Simulation
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = sorted(path.stem for path in (ROOT / "categories").glob("*.apg"))
-# categories whose objects do not stand by themselves: what a wall or a worktop holds, and what lies on a table
-HELD = {
-    "clip",
-    "clock",
-    "door",
-    "doorhandle",
-    "fan",
-    "faucet",
-    "gluestick",
-    "knife",
-    "lighter",
-    "pen",
-    "pliers",
-    "ruler",
-    "scissors",
-    "shaver",
-    "switch",
-    "usb",
-    "window",
-}
+# categories that do not `require stable` and whose objects lie on a table as they are
+LYING = {"eyeglasses", "keyboard", "phone", "remote", "stapler"}
 STAGES = 12  # on the way of a loop
 SIMULATORS = {"mujoco": "mujoco_sim:MujocoSim", "pybullet": "bullet_sim:BulletSim", "sapien": "sapien_sim:SapienSim"}
 
@@ -52,18 +34,22 @@ def simulator(package: str) -> type[Simulation] | None:
 @dataclass(frozen=True)
 class Object:
     """A robot, and for the joints of closed loops the values of all joints on the way to both ends: what a user of a
-    format without loops has to move along. ``bound`` are the joints that the loops determine."""
+    format without loops has to move along. ``bound`` are the joints that the loops determine. ``stands``: by itself, as
+    against what a wall, a worktop or a hand holds: its category requires it to be stable, or to lie."""
 
     robot: Robot
     ways: dict[tuple[str, float], list[dict[str, float]]]
     bound: frozenset[str]
+    stands: bool
 
 
 def objects(category: str, count: int, seed: int) -> list[Object]:
     """Objects of a shipped category."""
     batch = Session.of(str(ROOT / "categories" / f"{category}.apg")).sampler.batch(np.arange(count), seed)
-    made = Robots(batch)
-    return [Object(made.robot(i), *_loops(batch, i)) for i in range(count)]
+    made, stands = Robots(batch), np.full(count, category in LYING)
+    for statement in batch.program.stable:
+        stands[batch.owner(statement.scope)] = True
+    return [Object(made.robot(i), *_loops(batch, i), bool(stands[i])) for i in range(count)]
 
 
 def _loops(batch: Batch, i: int) -> tuple[dict[tuple[str, float], list[dict[str, float]]], frozenset[str]]:
