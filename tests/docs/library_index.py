@@ -51,7 +51,9 @@ SOUGHT = {
     "rod, bar, rail": "rod rods bar bars rail rails",
 }
 
-_QUALIFIES = re.compile(r"[.,;:]| (?:of|on|with|that|in|for|from|about|under|above|behind|between|to|by|along|over) ")
+_QUALIFIES = re.compile(
+    r"[.,;:]| (?:of|on|with|that|in|for|from|about|around|at|under|above|behind|between|to|by|along|across|over|whose) "
+)
 
 
 @dataclass(frozen=True, slots=True)
