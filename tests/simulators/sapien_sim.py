@@ -20,6 +20,9 @@ with warnings.catch_warnings():
     from sapien import physx
 
 BANDWIDTH = 30.0  # 1/s of the drives
+ITERATIONS = (
+    60  # of the solver: with its ten, hinges that hang on one another creep against their friction at this step
+)
 BRISTLE = 1e-4  # rad or m by which a joint gives before its friction slips: P. R. Dahl, A Solid Friction Model, 1968
 
 
@@ -37,6 +40,7 @@ class SapienSim:
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = not free
         self.articulation = loader.load(str(subject.folder / "object_physics.urdf"))
+        self.articulation.set_solver_position_iterations(ITERATIONS)
         found = self.articulation.active_joints
         self.joint = {joint.name: joint for joint in found}
         self.order = [joint.name for joint in found]
