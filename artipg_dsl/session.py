@@ -12,17 +12,14 @@ from typing import TYPE_CHECKING, TypedDict
 
 from . import kept
 from .diagnostics import CompileError, Report, did_you_mean
-from .diagnostics.suggest import any_of
 from .garbage import uncollected
 from .resources import categories_dir, library_dir
 from .shapes import Misfit, fit
-from .source import Source, Span
+from .source import Source
 from .syntax.load import load
 
 if TYPE_CHECKING:  # start-up: what is kept of a compilation needs neither the parser nor the checker
-    from .lower.elaborate.part import Component
     from .lower.program import Lowering
-    from .runtime.batch import Batch
     from .sampling.sample import Sampler
     from .semantics.check import TypedProgram
     from .semantics.modules import Workspace
@@ -38,8 +35,6 @@ class Kept(TypedDict):
 
 
 _AT_HAND = 8  # programs, read and planned
-_NAMED = 6  # parts that a warning names
-_LOOKED_AT = 8  # objects that `check` draws, to see what floats and what their check takes
 _DECLARED = re.compile(r"^category\s+(\w+)", re.MULTILINE)
 
 
@@ -253,104 +248,12 @@ class Session:
             facts.flush()
         return self.report
 
-    def _looked_at(self, span: Span) -> Batch | None:
-        """A few objects to look at; None where not all can be drawn, which is reported."""
-        import numpy as np  # start-up: most commands do without
+    def advise(self) -> None:
+        """Report what is legal and perhaps not meant (see ``advice``)."""
+        from .advice import advise  # start-up
 
-        from .runtime.kernels import TooMany  # start-up
-        from .runtime.repairs import describe_cause  # start-up
-        from .sampling.statistics import Exhausted  # start-up
-
-        try:
-            return self.sampler.batch(np.arange(_LOOKED_AT), 0)
-        except CompileError:
-            return None  # it has told the report
-        except TooMany as error:
-            self.report.warning(
-                "none-drawn", span, f"no object can be drawn: {error}", hint="bound the counts of its repeats"
-            )
-        except Exhausted as error:
-            worst = max(error.statistics.failures().items(), key=lambda item: item[1])[0]
-            self.report.warning(
-                "none-drawn",
-                span,
-                f"no valid `{self.sampler.program.name}` in {error.attempts} attempts at an object; what failed most: "
-                + describe_cause(self.sampler.program, worst),
-                hint="widen the ranges, or state what one value leaves to the next",
-            )
-        return None
-
-    def _follows(self, batch: Batch, lowering: Lowering) -> bool:
-        """Whether every joint that follows another by a formula can, in a few objects; the first that cannot is reported."""
-        from .runtime.curves import TurnsBack  # start-up
-
-        if all(joint.curve is None for joint in batch.program.joints):
-            return True
-        try:
-            batch.joints()
-        except TurnsBack as wrong:
-            words = wrong.message.split(": ", 1)[1]  # the report says where
-            self.report.error("bad-mimic", lowering.links.mimics[wrong.definition][1].span, words, hint=wrong.hint)
-            return False
-        return True
-
-    def _warn_rigid(self, batch: Batch, span: Span) -> None:
-        """Name the joints of objects whose loops leave none of them to move."""
-        loops, names = batch.loops, batch.joints().name
-        if loops is None:
-            return
-        for joints, follows in zip(loops.variable, loops.follows, strict=True):
-            there = joints >= 0
-            if there.any() and follows[there].all():
-                held = any_of([names[k] for k in joints[there][:_NAMED].tolist()], "and")
-                self.report.warning(
-                    "rigid-loop",
-                    span,
-                    f"no joint on the loops of `{batch.program.name}` can move: `close` determines {held}",
-                    hint="a loop of four hinges with parallel axes moves, a triangle does not: add a joint, or `connect` the parts",
-                )
-                return
-
-    def _warn_of_cost(self, batch: Batch, span: Span) -> None:
-        """Name the parts that the check of an object takes long for."""
-        from .geometry.errors import PrimitiveError  # start-up
-        from .quality.cost import find_heavy, measure_costs  # start-up
-
-        try:
-            found = find_heavy(measure_costs(batch))
-        except PrimitiveError:
-            return  # told elsewhere, or when objects are drawn
-        for cost in found:
-            pairs = f", and {cost.pairs:.0f} pairs of them with pieces on other links" if cost.pairs >= 1 else ""
-            if cost.shared >= 1:
-                pairs += f", and {cost.shared:.0f} pairs of primitives that may overlap, which `require stable` weighs"
-            self.report.warning(
-                "expensive-check",
-                span,
-                f"`{cost.part}` has {cost.pieces:.0f} convex pieces in an object{pairs}: its check takes long",
-                hint="use fewer or simpler primitives, or `--unchecked`; `apgc profile` shows all parts",
-            )
-
-    def _warn_untested(self, batch: Batch, lowering: Lowering, span: Span) -> None:
-        """Name the primitives whose box does not hold them at values that their `test` ranges leave out."""
-        from .geometry.errors import PrimitiveError  # start-up
-        from .quality.untested import find_untested  # start-up
-
-        try:
-            found = find_untested(batch)
-        except PrimitiveError:
-            return  # told elsewhere, or when objects are drawn
-        own = {part.path: part.span for part in lowering.context.parts if part.span.source is span.source}
-        for wrong in found:
-            low, high = wrong.test
-            what = "a convex piece of " if wrong.piece else ""
-            self.report.warning(
-                "untested-values",
-                own.get(wrong.part, span),
-                f"{what}`{wrong.part}` reaches {1000 * wrong.reach:.3g} mm out of its box: here `{wrong.parameter}` of `{wrong.primitive}` "
-                f"is {wrong.value:.4g}, and its `test` range is {low:.4g} .. {high:.4g} (metres, radians)",
-                hint=f"widen the `test` range of `{wrong.parameter}` in `{wrong.primitive}`: its box is made for the values tested",
-            )
+        if self.typed is not None:
+            advise(self.typed, self.lowering, lambda numbers: self.sampler.batch(numbers, 0), self.report)
 
     @cached_property
     def _text(self) -> Source | None:
@@ -376,61 +279,6 @@ class Session:
             files = {path: source for path, source in self.workspace.read.items() if path != main}
             kept.keep(kind, self._text, self._folder, files, self.workspace.absent, self.report.diagnostics, rest)
 
-    def advise(self) -> None:
-        """Report what is legal and perhaps not meant: names that nothing reads, parts that nothing places, surface without a
-        semantic label, parts that nothing gives a material, whose mass is a guess, parts that touch nothing."""
-        from .lower.elaborate.unlabelled import warn_unlabelled
-        from .semantics.unused import warn_unused
-
-        typed, lowering = self.typed, self.lowering
-        if typed is not None and not self.report.failed:
-            warn_unused(typed, self.report)
-        if typed is None or typed.category is None or lowering is None:
-            return
-        for part in lowering.unplaced():
-            self.report.warning(
-                "unplaced",
-                part.span,
-                f"nothing places `{part.name}`: it is centred along x, y and z",
-                hint=f"place it {_how_to_place(part)}; if the centre is meant, write `align {part.name}.center = ...`",
-            )
-        batch = self._looked_at(typed.category.decl.name_span)
-        if batch is not None and self._follows(batch, lowering):
-            self._warn_floating(batch, lowering)
-            self._warn_rigid(batch, typed.category.decl.name_span)
-            self._warn_of_cost(batch, typed.category.decl.name_span)
-            self._warn_untested(batch, lowering, typed.category.decl.name_span)
-        program = lowering.program
-        warn_unlabelled(lowering, typed.category.decl.name_span)
-        bare = list(dict.fromkeys(program.parts[site.part].path for site in program.sites if not site.materials))
-        if bare:
-            named = ", ".join(f"`{path}`" for path in bare[:_NAMED])
-            more = f" and {len(bare) - _NAMED} more" if len(bare) > _NAMED else ""
-            what = f"the parts {named}{more} have" if len(bare) > 1 else f"the part {named} has"
-            self.report.warning(
-                "missing-material",
-                typed.category.decl.name_span,
-                f"{what} no material",
-                hint="write for example `material oak on body`; the default is 700 kg/m3 and light grey",
-            )
-
-    def _warn_floating(self, batch: Batch, lowering: Lowering) -> None:
-        """Report the parts that float in each of a few objects that has them: none of those is ever valid."""
-        from .validity.adrift import find_adrift  # start-up
-
-        floating = [path for path, (wrong, present) in find_adrift(batch).items() if wrong == present]
-        for part in lowering.context.parts:
-            own = [path for path in floating if path == part.path or path.startswith(f"{part.path}.")]
-            if own and part.span.source is lowering.root.module.source:
-                floating = [path for path in floating if path not in own]
-                self.report.warning(
-                    "floating-part",
-                    part.span,
-                    f"`{own[0]}` touches nothing else of its link",
-                    hint=f"`connect {part.name}.bottom on ...` places it on something; "
-                    f'if that is meant, write `allow floating {part.name} because "..."`',
-                )
-
 
 def _shown(path: Path) -> str:
     """A path as messages show it: shipped files by their last two parts, others as they were given."""
@@ -438,13 +286,6 @@ def _shown(path: Path) -> str:
         if path.resolve().is_relative_to(folder.resolve()):
             return f"{folder.name}/{path.resolve().relative_to(folder.resolve())}"
     return str(path)
-
-
-def _how_to_place(part: Component) -> str:
-    """How a part is placed that has its attachment already: a joint places by its own faces, a second `connect` is an error."""
-    if any(attachment.joint is not None for attachment in part.attachments):
-        return f"with `align`, or by faces in its joint, as in `... -> {part.name}.bottom`"
-    return f"with `connect {part.name}.bottom on ...` or `align`"
 
 
 def check_text(source: Source) -> Report:

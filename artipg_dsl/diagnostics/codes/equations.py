@@ -27,6 +27,34 @@ EQUATIONS = (
         """,
     ),
     Code(
+        "colliding-links",
+        "two links overlap in every object",
+        """
+        `apgc check` draws a few objects and compares the solids of their links with all joints at rest. In each of them
+        these two links overlap, so no object would be valid, and `apgc sample` would stop. Often a face is aligned with
+        the wrong one, or a part is centred that nothing else places. Leave a gap, or allow the overlap with the reason.
+        What moves into something else only when a joint moves, `apgc validate` reports.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Chest {
+          param width : length in 30cm .. 50cm
+          root part body : Cuboid(size = [30cm, width, 20cm])
+          part lid : Cuboid(size = [30cm, body.size.y, 2cm])
+          align lid.back = body.back
+          align lid.left = body.left
+          align lid.top = body.top
+          joint open : revolute body -> lid about lid.back.bottom range 0deg .. 90deg
+          material oak on body, lid
+          label semantic.body on body
+          label semantic.door on lid
+        }
+        """,
+    ),
+    Code(
         "floating-part",
         "a part touches nothing else of its link",
         """

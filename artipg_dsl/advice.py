@@ -1,0 +1,219 @@
+"""What a program says that is legal and perhaps not meant: told by its text, and by a few of its objects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .diagnostics import CompileError, Report
+from .diagnostics.suggest import any_of
+
+if TYPE_CHECKING:
+    from .lower.elaborate.part import Component
+    from .lower.program import Lowering
+    from .runtime.batch import Batch
+    from .semantics.check import TypedProgram
+    from .source import Span
+
+_OBJECTS = 8  # that are drawn, to see what floats, what collides and what their check takes
+_NAMED = 6  # parts that a warning names
+
+Draw = Callable[[np.ndarray], "Batch"]
+"""The objects of some numbers, unchecked. Raises CompileError, which it has told the report, and what sampling raises."""
+
+
+def advise(typed: TypedProgram, lowering: Lowering | None, draw: Draw, report: Report) -> None:
+    """Report names that nothing reads, parts that nothing places, float, or collide at rest, surface without a semantic label, parts
+    without a material, whose mass is a guess, and what makes checks slow or wrong."""
+    from .lower.elaborate.unlabelled import warn_unlabelled  # start-up
+    from .semantics.unused import warn_unused  # start-up
+
+    if not report.failed:
+        warn_unused(typed, report)
+    if typed.category is None or lowering is None:
+        return
+    span = typed.category.decl.name_span
+    for part in lowering.unplaced():
+        report.warning(
+            "unplaced",
+            part.span,
+            f"nothing places `{part.name}`: it is centred along x, y and z",
+            hint=f"place it {_how_to_place(part)}; if the centre is meant, write `align {part.name}.center = ...`",
+        )
+    batch = _drawn(draw, lowering, span, report)
+    if batch is not None:
+        _Looked(batch, lowering, span, report).warn()
+    warn_unlabelled(lowering, span)
+    _warn_of_materials(lowering, span, report)
+
+
+def _drawn(draw: Draw, lowering: Lowering, span: Span, report: Report) -> Batch | None:
+    """A few objects to look at; None where not all can be drawn, which is reported."""
+    from .runtime.kernels import TooMany  # start-up
+    from .runtime.repairs import describe_cause  # start-up
+    from .sampling.statistics import Exhausted  # start-up
+
+    try:
+        return draw(np.arange(_OBJECTS))
+    except CompileError:
+        return None
+    except TooMany as error:
+        report.warning("none-drawn", span, f"no object can be drawn: {error}", hint="bound the counts of its repeats")
+    except Exhausted as error:
+        program = lowering.program
+        worst = max(error.statistics.failures().items(), key=lambda item: item[1])[0]
+        report.warning(
+            "none-drawn",
+            span,
+            f"no valid `{program.name}` in {error.attempts} attempts at an object; what failed most: "
+            + describe_cause(program, worst),
+            hint="widen the ranges, or state what one value leaves to the next",
+        )
+    return None
+
+
+def _warn_of_materials(lowering: Lowering, span: Span, report: Report) -> None:
+    program = lowering.program
+    bare = list(dict.fromkeys(program.parts[site.part].path for site in program.sites if not site.materials))
+    if not bare:
+        return
+    named = ", ".join(f"`{path}`" for path in bare[:_NAMED])
+    more = f" and {len(bare) - _NAMED} more" if len(bare) > _NAMED else ""
+    what = f"the parts {named}{more} have" if len(bare) > 1 else f"the part {named} has"
+    report.warning(
+        "missing-material",
+        span,
+        f"{what} no material",
+        hint="write for example `material oak on body`; the default is 700 kg/m3 and light grey",
+    )
+
+
+def _how_to_place(part: Component) -> str:
+    """How a part is placed that has its attachment already: a joint places by its own faces, a second `connect` is an error."""
+    if any(attachment.joint is not None for attachment in part.attachments):
+        return f"with `align`, or by faces in its joint, as in `... -> {part.name}.bottom`"
+    return f"with `connect {part.name}.bottom on ...` or `align`"
+
+
+@dataclass(frozen=True, slots=True)
+class _Looked:
+    """A few objects, and what is to be said of them; ``span``: where the category is declared."""
+
+    batch: Batch
+    lowering: Lowering
+    span: Span
+    report: Report
+
+    def warn(self) -> None:
+        from .geometry.errors import PrimitiveError  # start-up
+
+        if not self.follow():
+            return
+        self.warn_floating()
+        self.warn_rigid()
+        for look in (self.warn_of_cost, self.warn_untested, self.warn_colliding):
+            try:
+                look()
+            except PrimitiveError:
+                return  # told elsewhere, or when objects are drawn
+
+    def follow(self) -> bool:
+        """Whether every joint that follows another by a formula can; the first that cannot is reported."""
+        from .runtime.curves import TurnsBack  # start-up
+
+        if all(joint.curve is None for joint in self.batch.program.joints):
+            return True
+        try:
+            self.batch.joints()
+        except TurnsBack as wrong:
+            words = wrong.message.split(": ", 1)[1]  # the report says where
+            where = self.lowering.links.mimics[wrong.definition][1].span
+            self.report.error("bad-mimic", where, words, hint=wrong.hint)
+            return False
+        return True
+
+    def warn_floating(self) -> None:
+        """Report the parts that float in each of the objects that have them: none of those is ever valid."""
+        from .validity.adrift import find_adrift  # start-up
+
+        floating = [path for path, (wrong, present) in find_adrift(self.batch).items() if wrong == present]
+        for part in self.lowering.context.parts:
+            own = [path for path in floating if path == part.path or path.startswith(f"{part.path}.")]
+            if own and part.span.source is self.lowering.root.module.source:
+                floating = [path for path in floating if path not in own]
+                self.report.warning(
+                    "floating-part",
+                    part.span,
+                    f"`{own[0]}` touches nothing else of its link",
+                    hint=f"`connect {part.name}.bottom on ...` places it on something; "
+                    f'if that is meant, write `allow floating {part.name} because "..."`',
+                )
+
+    def warn_colliding(self) -> None:
+        """Report links that collide at rest in each of the objects that have both: none of those is ever valid."""
+        from .validity.stuck import find_stuck  # start-up
+
+        for (one, other), (wrong, present) in find_stuck(self.batch).items():
+            if wrong == present:
+                self.report.warning(
+                    "colliding-links",
+                    self._of(one) or self._of(other) or self.span,
+                    f"`{one}` and `{other}` overlap with all joints at rest, in every object examined",
+                    hint="leave a gap, as in `align lid.bottom = body.top + 1mm`; "
+                    f'if the overlap is meant, write `allow overlap {one}, {other} because "..."`',
+                )
+
+    def warn_rigid(self) -> None:
+        """Name the joints of objects whose loops leave none of them to move."""
+        loops, names = self.batch.loops, self.batch.joints().name
+        if loops is None:
+            return
+        for joints, follows in zip(loops.variable, loops.follows, strict=True):
+            there = joints >= 0
+            if there.any() and follows[there].all():
+                held = any_of([names[k] for k in joints[there][:_NAMED].tolist()], "and")
+                self.report.warning(
+                    "rigid-loop",
+                    self.span,
+                    f"no joint on the loops of `{self.batch.program.name}` can move: `close` determines {held}",
+                    hint="a loop of four hinges with parallel axes moves, a triangle does not: add a joint, or `connect` the parts",
+                )
+                return
+
+    def warn_of_cost(self) -> None:
+        """Name the parts that the check of an object takes long for."""
+        from .quality.cost import find_heavy, measure_costs  # start-up
+
+        for cost in find_heavy(measure_costs(self.batch)):
+            pairs = f", and {cost.pairs:.0f} pairs of them with pieces on other links" if cost.pairs >= 1 else ""
+            if cost.shared >= 1:
+                pairs += f", and {cost.shared:.0f} pairs of primitives that may overlap, which `require stable` weighs"
+            self.report.warning(
+                "expensive-check",
+                self.span,
+                f"`{cost.part}` has {cost.pieces:.0f} convex pieces in an object{pairs}: its check takes long",
+                hint="use fewer or simpler primitives, or `--unchecked`; `apgc profile` shows all parts",
+            )
+
+    def warn_untested(self) -> None:
+        """Name the primitives whose box does not hold them at values that their `test` ranges leave out."""
+        from .quality.untested import find_untested  # start-up
+
+        for wrong in find_untested(self.batch):
+            low, high = wrong.test
+            what = "a convex piece of " if wrong.piece else ""
+            self.report.warning(
+                "untested-values",
+                self._of(wrong.part) or self.span,
+                f"{what}`{wrong.part}` reaches {1000 * wrong.reach:.3g} mm out of its box: here `{wrong.parameter}` of `{wrong.primitive}` "
+                f"is {wrong.value:.4g}, and its `test` range is {low:.4g} .. {high:.4g} (metres, radians)",
+                hint=f"widen the `test` range of `{wrong.parameter}` in `{wrong.primitive}`: its box is made for the values tested",
+            )
+
+    def _of(self, path: str) -> Span | None:
+        """Where the part with this path is declared, if that is in the file of the category."""
+        here = (part.span for part in self.lowering.context.parts if part.path == path)
+        return next((span for span in here if span.source is self.span.source), None)
