@@ -71,40 +71,40 @@ _TABLE = """
 sin(a: angle) -> ratio                             | number one graph           | the sine
 cos(a: angle) -> ratio                             | number one graph           | the cosine
 tan(a: angle) -> ratio                             | number one graph           | the tangent
-asin(r: ratio) -> angle                            | number one graph           | the angle of this sine, -90deg .. 90deg
-acos(r: ratio) -> angle                            | number one graph           | the angle of this cosine, 0deg .. 180deg
-atan(r: ratio) -> angle                            | number one graph           | the angle of this tangent, between -90deg and 90deg
-atan2(a: number, b: number) -> angle               | number alike graph         | the angle of the vector (b, a) from the first axis
+asin(r: ratio) -> angle                            | number one graph           | the angle with this sine, within -90deg .. 90deg
+acos(r: ratio) -> angle                            | number one graph           | the angle with this cosine, within 0deg .. 180deg
+atan(r: ratio) -> angle                            | number one graph           | the angle with this tangent, between -90deg and 90deg
+atan2(a: number, b: number) -> angle               | number alike graph         | the angle from the first axis to the vector (b, a)
 sqrt(a: number) -> root                            | number one graph           | the square root, with half the dimension
-hypot(a: number, ...) -> number                    | number alike hypot         | the root of the sum of squares
-abs(a: number) -> number                           | number one graph           | without its sign
-sign(a: number) -> count                           | number one graph           | -1, 0 or 1
-min(path: number) -> number                        | reduction elements reduce  | the least over the elements of a repeat
-max(path: number) -> number                        | reduction elements reduce  | the greatest over the elements of a repeat
-min(a: number, b: number, ...) -> number           | number alike least         | the least of these
-max(a: number, b: number, ...) -> number           | number alike greatest      | the greatest of these
+hypot(a: number, ...) -> number                    | number alike hypot         | the square root of the sum of the squares
+abs(a: number) -> number                           | number one graph           | the absolute value
+sign(a: number) -> count                           | number one graph           | the sign: -1, 0 or 1
+min(path: number) -> number                        | reduction elements reduce  | the least value over the elements of a repeat
+max(path: number) -> number                        | reduction elements reduce  | the greatest value over the elements of a repeat
+min(a: number, b: number, ...) -> number           | number alike least         | the least of the arguments
+max(a: number, b: number, ...) -> number           | number alike greatest      | the greatest of the arguments
 sum(path: number) -> number                        | reduction elements reduce  | the sum over the elements of a repeat
-number(path: elements) -> count                    | reduction counted count    | how many elements a repeat has
-floor(r: ratio) -> count                           | number one graph           | the next whole number below
-ceil(r: ratio) -> count                            | number one graph           | the next whole number above
+number(path: elements) -> count                    | reduction counted count    | the number of elements of a repeat
+floor(r: ratio) -> count                           | number one graph           | the greatest whole number not above r
+ceil(r: ratio) -> count                            | number one graph           | the least whole number not below r
 round(r: ratio) -> count                           | number one round           | the nearest whole number; halves are rounded up
 exp(r: ratio) -> ratio                             | number one graph           | e to the power of r
-log(r: ratio) -> ratio                             | number one graph           | the natural logarithm; r is above 0
+log(r: ratio) -> ratio                             | number one graph           | the natural logarithm of r, which is above 0
 mod(a: number, b: number) -> number                | number alike graph         | the remainder of a / b, with the sign of b
-lowest(part: part, direction: direction) -> length | place typed lowest         | how far the box of a part reaches, from the origin
-frame(at: point, out: direction, up: direction) -> frame | place typed frame          | a place with two directions
-line(at: point, along: direction) -> line          | place typed line           | an axis through a point
+lowest(part: part, direction: direction) -> length | place typed lowest         | how far a part's box extends in a direction, from the origin
+frame(at: point, out: direction, up: direction) -> frame | place typed frame          | a frame: a place with two directions
+line(at: point, along: direction) -> line          | place typed line           | an axis through a point along a direction
 line(at: point, to: point) -> line                 | place typed line           | an axis from one point to another
-box(FACES) -> box                                  | place typed box            | a box; faces that are left out are the template's own
-circle(radius: length) -> curve                    | curve typed circle         | a closed curve
-rectangle(width: length, height: length) -> curve  | curve typed rectangle      | a closed curve
-polygon(a: length[2], b: length[2], c: length[2], ...) -> curve | curve typed polygon        | a closed curve by its corners
-offset(curve: curve, distance: length) -> curve    | curve moved offset         | a curve, or its point `skin(v)`, moved to its right
-from(at: point, along: direction) -> curve         | curve typed path           | where a path begins and in which direction
+box(FACES) -> box                                  | place typed box            | a box; omitted faces are those of the template
+circle(radius: length) -> curve                    | curve typed circle         | a circle about the origin
+rectangle(width: length, height: length) -> curve  | curve typed rectangle      | a rectangle about the origin
+polygon(a: length[2], b: length[2], c: length[2], ...) -> curve | curve typed polygon        | a polygon, given by its corners
+offset(curve: curve, distance: length) -> curve    | curve moved offset         | a curve, or its point `skin(v)`, moved to the curve's right
+from(at: point, along: direction) -> curve         | curve typed path           | the beginning of a path and its direction there
 line(length: length) -> curve                      | curve typed path           | a straight piece of a path
-arc(radius: length, angle: angle, towards: direction) -> curve | curve typed path           | a bent piece of a path, towards a side
-pushes(joint: joint) -> bool                       | force force drive          | whether a push moves a joint from rest, in formulas
-pulls(joint: joint) -> bool                        | force force drive          | whether a pull moves a joint from rest
+arc(radius: length, angle: angle, towards: direction) -> curve | curve typed path           | a piece of a path that bends towards a side
+pushes(joint: joint) -> bool                       | force force drive          | whether a push moves a joint away from rest
+pulls(joint: joint) -> bool                        | force force drive          | whether a pull moves a joint away from rest
 pushes_back(joint: joint) -> bool                  | force force drive          | whether a push moves a joint back to rest
 pulls_back(joint: joint) -> bool                   | force force drive          | whether a pull moves a joint back to rest
 at(u: number, v?: number, x?: length, y?: length, z?: length) -> frame | method typed at | a frame on a surface: `wall.at(0.25turn, z = h)`

@@ -98,7 +98,7 @@ JOINTS = _by_name(
     ),
     Kind(
         "ball",
-        "`ball` | at the port or point | `range 0deg .. limit` or none: how far it tilts to any side",
+        "`ball` | at the port or point | `range 0deg .. limit`: how far it tilts to any side; or none",
         takes=("range", *_PHYSICS),
         moves="tilts",
     ),
@@ -120,15 +120,15 @@ REPEATS = _by_name(
 OPERATORS = _by_name(
     Kind(
         "lathe",
-        "`lathe(profile)` | `about z` | a solid of revolution; the profile gives [radius, height]",
+        "`lathe(profile)` | `about z` | a solid of revolution; the profile is [radius, height]",
         "lathe(skin) about z",
         takes=("about",),
         arguments=(1, 2),
     ),
     Kind(
         "extrude",
-        "`extrude(outline)` | `along z from a to b` | a prism over a plane outline\n"
-        "`extrude(outline, hole, ...)` | `along z from a to b` | the same with holes in it",
+        "`extrude(outline)` | `along z from a to b` | a prism with a plane outline\n"
+        "`extrude(outline, hole, ...)` | `along z from a to b` | the same, with holes",
         "extrude(edge) along z from 0 to thick",
         needs=("from", "to"),
         takes=("along",),
@@ -144,9 +144,9 @@ OPERATORS = _by_name(
     ),
     Kind(
         "loft",
-        "`loft(first, ..., last)` | `along z from a to b` | a solid through sections at equal steps, or at levels of any distance: "
-        "`along z at [a, b, c, d]`; without kinks: `smooth`\n"
-        "`loft(first, last)` | `along path up y` | a bar whose section changes along any path; `start` and `end` as in `sweep`",
+        "`loft(first, ..., last)` | `along z from a to b` | a solid through sections at equal steps, or at any levels: "
+        "`along z at [a, b, c, d]`; `smooth` avoids kinks\n"
+        "`loft(first, last)` | `along path up y` | a bar along any path, with a changing section; `start` and `end` as in `sweep`",
         "loft(base, top) along z from 0 to h",
         takes=("along", "up", "from", "to", "at", "smooth"),
         arguments=_SEVERAL,
@@ -164,21 +164,21 @@ DISTRIBUTIONS = _by_name(
     ),
     Kind(
         "normal",
-        "`normal(mean, deviation)` | normal, cut to the domain",
+        "`normal(mean, deviation)` | normal, truncated to the domain",
         "a mean and a deviation",
         arguments=(2,),
         positive=(1,),
     ),
     Kind(
         "lognormal",
-        "`lognormal(median, relative deviation)` | lognormal, cut to the domain",
+        "`lognormal(median, relative deviation)` | lognormal, truncated to the domain",
         "a median and a relative deviation",
         arguments=(2,),
         positive=(0, 1),
     ),
     Kind(
         "values",
-        "`values(a, b, ...)` | one of the values, or of the words of a choice, equally likely; repeat one to make it more likely",
+        "`values(a, b, ...)` | one of the values or of the words of a choice, all equally likely; repeat one to make it more likely",
         "at least one value",
         arguments=_SOME,
     ),

@@ -21,7 +21,7 @@ class Word:
     free: bool = False
 
 
-_NUMBERS = "a number of that dimension; products and quotients have the product's dimension"
+_NUMBERS = "a number of that dimension; products and quotients have the resulting dimension"
 _TABLE = (
     Word("length", "number", _NUMBERS),
     Word("angle", "number", _NUMBERS),
@@ -33,25 +33,29 @@ _TABLE = (
     Word("count", "number", "a whole number"),
     Word("bool", "number", "`true` or `false`"),
     Word("choice", "type", "one of the listed words: `choice a | b`"),
-    Word("vec", "type", "three plain numbers; `length[2]`, `length[3]` and so on are two or three of one dimension"),
-    Word("point", "type", "a place; written as a vector of lengths", free=True),
+    Word(
+        "vec",
+        "type",
+        "three plain numbers; `length[2]`, `length[3]` and so on are two or three quantities of one dimension",
+    ),
+    Word("point", "type", "a place, written as a vector of lengths", free=True),
     Word("frame", "type", "a place with two directions, `out` and `up`"),
-    Word("plane", "type", "a face: the coordinate of a plane across an axis; in a sum it counts as that length"),
-    Word("edge", "type", "an axis where two faces of a box meet", free=True),
+    Word("plane", "type", "a face: a plane across an axis; in a sum it stands for its coordinate, a length"),
+    Word("edge", "type", "the line in which two faces of a box meet", free=True),
     Word("line", "type", "an axis: a place and a direction"),
-    Word("box", "type", "a box; it has faces, `center` and `size`"),
-    Word("curve", "type", "a formula or path from which a solid is made"),
+    Word("box", "type", "a box, with faces, `center` and `size`"),
+    Word("curve", "type", "a formula or a path that a solid is made from"),
     Word("material", "type", "a material, or a style of materials"),
-    Word("string", "type", "text in quotes, in messages", free=True),
+    Word("string", "type", "text in quotes, for messages", free=True),
     Word("x", "axis", "the direction to the front"),
     Word("y", "axis", "the direction to the left"),
     Word("z", "axis", "the direction upwards"),
     Word("true", "constant", "holds", value=True),
     Word("false", "constant", "does not hold", value=False),
     Word("pi", "constant", "3.14159..., a plain number; half a turn is `1/2turn` or `pi * 1rad`", value=math.pi),
-    Word("base", "place", "what a template is attached to, in its joints"),
-    Word("previous", "place", "the element before, inside a repeat"),
-    Word("last", "place", "the number of the last element, as an index"),
+    Word("base", "place", "in the joints of a template: what the template is attached to"),
+    Word("previous", "place", "inside a repeat: the element before"),
+    Word("last", "place", "as an index: the number of the last element"),
 )
 
 WORDS: dict[str, Word] = {word.name: word for word in _TABLE if word.kind in ("axis", "constant", "place")}
