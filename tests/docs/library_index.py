@@ -16,19 +16,19 @@ from artipg_dsl.syntax.trees import tree_of
 
 HEAD = """# The library
 
-What the modules of `library/` offer, by what you look for and by module. Import a name with `use`, for example
+The contents of the modules in `library/`, by kind of part, by role and by module. Import a name with `use`, for example
 `use handles { Handle, BarHandle }`. A role can be used in place of any template that plays it, with its inherited parameters as arguments.
 The [primitives](primitives.md) have a page of their own with pictures, and each [category](categories.md) shows templates in use.
 
-[Materials](#materials) are at the end; the words of vocabularies are on the page of [labels](labels.md#vocabularies).
+[Materials](#materials) are at the end; the words of the vocabularies are listed under [labels](labels.md#vocabularies).
 
-This page is made from the doc comments in `library/*.apg` by `pytest tests/docs/test_library.py --update-golden`.
+This page is generated from the doc comments in `library/*.apg` by `pytest tests/docs/test_library.py --update-golden`.
 """
 
-MATERIALS = """`use materials { oak }`, then `material oak on body`. Densities are those of the solid; of a `sheet`, `housing`,
-`tube`, `profile`, `casting`, `moulding` or `foamed` they are the average of the whole, with the air or components in it. Friction,
-restitution and roughness are in the modules. Every object draws one value from each range. `coat` is powder on steel, `armour` the
-wall of a safe, `clad` cookware. How to declare another is explained in [the language](language.md#physics-and-looks)."""
+MATERIALS = """`use materials { oak }`, then `material oak on body`. Densities are those of the solid material. For `sheet`, `housing`,
+`tube`, `profile`, `casting`, `moulding` and `foamed` they are averages that include the air or components inside. Friction,
+restitution and roughness are in the modules. Every object draws one value from each range. `coat` is powder-coated steel, `armour` the
+wall of a safe, `clad` cookware. [The language](language.md#physics-and-looks) explains how to declare others."""
 
 SOUGHT = {
     "handle, grip, lever": "handle grip lever pull bow loop",
@@ -116,13 +116,13 @@ def materials() -> tuple[tuple[str, ast.MaterialDecl], ...]:
 def page() -> str:
     """The whole page."""
     known = entries()
-    lines = [HEAD, "## By what you look for", "", "| you look for | see |", "|---|---|"]
+    lines = [HEAD, "## By kind of part", "", "| part | see |", "|---|---|"]
     for title, words in SOUGHT.items():
         found = [e for e in known if e.words & set(words.split())]
         shown = ", ".join(f"[`{e.name}`](#{e.module})" for e in found if not isinstance(e.node, ast.PrimitiveDecl))
         lines.append(f"| {title} | {shown} |")
     roles = [e for e in known if isinstance(e.node, ast.RoleDecl)]
-    lines += ["", "## By role", "", "| role | is | templates that play it |", "|---|---|---|"]
+    lines += ["", "## By role", "", "| role | what it is | templates that play it |", "|---|---|---|"]
     for role in sorted(roles, key=lambda e: e.name):
         playing = ", ".join(f"`{e.name}`" for e in known if _plays(e, role.name, known))
         lines.append(f"| [`{role.name}`](#{role.module}) | {_cell(role.doc)} | {playing or '(see the module)'} |")

@@ -31,9 +31,9 @@ EQUATIONS = (
         "two links overlap in every object",
         """
         `apgc check` draws a few objects and compares the solids of their links with all joints at rest. In each of them
-        these two links overlap, so no object would be valid, and `apgc sample` would stop. Often a face is aligned with
-        the wrong one, or a part is centred that nothing else places. Leave a gap, or allow the overlap with the reason.
-        What moves into something else only when a joint moves, `apgc validate` reports.
+        these two links overlap, so no object would be valid and `apgc sample` would stop. Often a face is aligned with
+        the wrong one, or nothing places a part, so that it is centred. Leave a gap, or allow the overlap and give the
+        reason. `apgc validate` reports links that collide only when a joint moves.
         """,
         """
         apg 1
