@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -411,7 +410,7 @@ def test_shipped_priors_fit_their_categories() -> None:
             assert set(json.loads(found.text)["evidence"][category]) == set(draws)
 
 
-OBJECTS = 120 if os.environ.get("ARTIPG_EVERY") else 60
+OBJECTS = 120
 
 
 @cache
