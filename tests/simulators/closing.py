@@ -35,7 +35,7 @@ KEPT, SLIP = 0.8, 0.01  # of the way; m
 SOFT = 0.0005  # m that a finger is behind where it presses with all of its force
 MASS, INERTIA = 0.1, 1e-3  # kg and kg m2 of a finger
 UPRIGHT = 1e3  # Nm/rad that keep a finger from tilting: the limits of a drive give way
-ITERATIONS = 25  # of the solver
+ITERATIONS = 60  # of the solver: with 25, fingers creep on what is round or conical
 ROLLING = ("drum", "disc", "fork", "pedal")
 
 

@@ -20,9 +20,7 @@ with warnings.catch_warnings():
     from sapien import physx
 
 BANDWIDTH = 30.0  # 1/s of the drives
-ITERATIONS = (
-    60  # of the solver: with its ten, hinges that hang on one another creep against their friction at this step
-)
+ITERATIONS = 60  # of the solver: with ten, hinges that hang on one another creep against their friction
 BRISTLE = 1e-4  # rad or m by which a joint gives before its friction slips: P. R. Dahl, A Solid Friction Model, 1968
 
 
