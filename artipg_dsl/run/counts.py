@@ -125,7 +125,7 @@ def _draws_of(program: Program, cause: Cause) -> list[int]:
     if kind == "requirement":
         one = program.requirements[about]
         return draws_behind(program, (one.condition, one.guard))
-    if kind == "domain":
+    if kind in ("domain", "absent"):
         return [about]
     if kind != "draw":
         return []

@@ -13,7 +13,7 @@ from ..graph.program import Draw, Program, Requirement
 
 HOW = ("clipped", "hint", "search", "redrawn")
 
-# why a value could not stay: ("domain", draw), ("draw", draw without room), ("requirement", number),
+# why a value could not stay: ("domain", draw), ("absent", draw) of what was no number, ("draw", draw without room), ("requirement", number),
 # ("collision", (link, link, joint)), ("solid", what is wrong with the solids, in words) or ("told", (why, where)) by a file
 Cause = tuple[str, Any]
 
@@ -184,6 +184,8 @@ def _explained(program: Program, cause: Cause) -> tuple[str, str | None]:
             words = f"{words} ({' '.join(requirement.text.split())})"
     elif kind == "domain":
         where, words = program.draws[about].where, f"`{program.draws[about].column.name}` lies outside its range"
+    elif kind == "absent":
+        where, words = program.draws[about].where, f"`{program.draws[about].column.name}` has no value"
     elif kind == "draw":
         draw = program.draws[about]
         numbers = [b.requirement for b in draw.bounds] + [b.requirement for b in draw.limits]

@@ -76,7 +76,7 @@ def _binding(batch: Batch, number: int, rows: np.ndarray, asked: np.ndarray) -> 
             for k in np.flatnonzero(~allowed & (asked == limit.option)).tolist():
                 why[k] = why[k] or ("requirement", limit.requirement)
         for k in np.flatnonzero(np.isnan(asked)).tolist():
-            why[k] = ("domain", number)
+            why[k] = ("absent", number)
         return np.array([w is not None for w in why], dtype=bool), why
     low, high = (end[rows] for end in domain_ends(batch, number))
     whole = draw.kind == "count"
@@ -95,7 +95,8 @@ def _binding(batch: Batch, number: int, rows: np.ndarray, asked: np.ndarray) -> 
     legal &= ~((asked >= ends["low"] - TOLERANCE) & (asked <= ends["high"] + TOLERANCE))
     blamed = np.where(np.isnan(asked), -1, np.where(asked > value, reason["high"], reason["low"]))
     for k in np.flatnonzero(legal).tolist():
-        why[k] = ("requirement", int(blamed[k])) if blamed[k] >= 0 else ("domain", number)
+        kind = "absent" if np.isnan(asked[k]) else "domain"
+        why[k] = ("requirement", int(blamed[k])) if blamed[k] >= 0 else (kind, number)
     return legal, why
 
 

@@ -223,7 +223,7 @@ class Handler:
             requirement = program.requirements[about]
             tables = [s.count for s in requirement.scope.ancestors() if s.count is not None]
             return [requirement.condition, requirement.guard, *tables]
-        if kind in ("draw", "domain"):
+        if kind in ("draw", "domain", "absent"):
             draw = program.draws[about]
             ends = [e for e in (draw.low, draw.high, *draw.weights) if e is not None]
             return [

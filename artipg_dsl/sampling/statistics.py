@@ -20,7 +20,7 @@ class Statistics:
 
     ``collided`` counts objects per pair of links, by path, and the joint that makes them meet ("" at rest); ``unsound``
     those whose solids are at fault otherwise, by what is wrong. ``outside`` counts values that were asked for out of their
-    domain, per draw; ``repaired`` how many of all these failures were put right, by cause.
+    domain, ``absent`` those that were no number, per draw; ``repaired`` how many of all these failures were put right, by cause.
     ``examples`` tell of what ``collided`` counts the parts that meet, where and when, in the first object seen.
     ``declined`` are valid objects that preferences passed over, ``unkept`` objects per preference, over all attempts.
     ``candidates``: how many attempts each object considered, where they were resampled; ``candidates_valid`` of all of
@@ -40,6 +40,7 @@ class Statistics:
     candidates_valid: int = 0
     effective: float = 0.0
     outside: dict[int, int] = field(default_factory=dict)
+    absent: dict[int, int] = field(default_factory=dict)
     repaired: dict[Cause, int] = field(default_factory=dict)
     examples: dict[tuple[str, str, str], str] = field(default_factory=dict)
     near_duplicates: int = 0
@@ -48,6 +49,7 @@ class Statistics:
         return {
             "requirement": self.broken,
             "domain": self.outside,
+            "absent": self.absent,
             "draw": self.missed,
             "collision": self.collided,
             "solid": self.unsound,

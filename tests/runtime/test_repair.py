@@ -166,7 +166,10 @@ def test_two_faults_at_once() -> None:
 
 
 def test_nan_and_null_are_drawn_and_infinity_is_the_end() -> None:
-    batch = put_right(sampler_of(*LENGTHS), {"a": float("nan"), "b": float("inf"), "c": None})
+    statistics = Statistics()
+    values = {"a": float("nan"), "b": float("inf"), "c": None}
+    batch = put_right(sampler_of(*LENGTHS), values, statistics=statistics)
+    assert statistics.failures() == {("absent", 0): 1, ("domain", 1): 1, ("absent", 2): 1}
     drawn = batch.drawn(0)
     assert 0.01 <= drawn["a"] <= 0.1 and drawn["b"] == 0.1 and 0.01 <= drawn["c"] <= 0.1
     assert [(e["path"], e["from"] is None, e["how"]) for e in log(batch)] == [
