@@ -1,9 +1,9 @@
 """Choices and counts decided by the whole cloud, where the mean distance cannot tell.
 
-Each other value of each choice and count is tried in copies of what was found, for which new parts are drawn. Copies are compared with
-their origin by the points of both, and of the cloud, that lie where they differ. The most promising ones move their new parts into place, the
-rest of the object being held, and the object takes all the changes for which the cloud speaks. Where it speaks for none, changes of much of the
-object are developed.
+The elements of repeats are put together anew first. Then each other value of each choice and count is tried in copies of what was found,
+for which new parts are drawn. Copies are compared with their origin by the points of both, and of the cloud, that lie where they differ. The
+most promising ones move their new parts into place, the rest of the object being held, and the object takes all the changes for which the
+cloud speaks. Where it speaks for none, changes of much of the object are developed.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 from ..random import mix
 from ..runtime.batch import Batch
 from ..sampling.search import domain_ends
+from .arrange import rearranged
 from .compare import Candidates, Targets
 from .develop import SURE, apart, copied, developed
 from .evidence import LARGE, Asked, Change, Clouds, Copies, Evidence, beside, weigh, weigh_again, weigh_change
@@ -37,6 +38,7 @@ def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) ->
     own = targets.take(found.target)
     clouds = Clouds(own)
     now, still = replace(found, target=np.arange(len(found))), np.arange(len(found))
+    now = _replaced(model, now, rearranged(model, own, now, clouds, effort))
     for number in range(effort.rounds):
         some = taken(model, now, still)
         base = weigh(some.batch, some.target, some.placed, clouds)
@@ -53,9 +55,14 @@ def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) ->
         still = np.sort(changed.target)
         if not len(still):
             break
-        both = united(model, [taken(model, now, np.setdiff1d(np.arange(len(now)), still)), changed])
-        now = taken(model, both, np.argsort(both.target, kind="stable"))
+        now = _replaced(model, now, changed)
     return replace(now, target=found.target)
+
+
+def _replaced(model: Model, old: Candidates, new: Candidates) -> Candidates:
+    """One candidate of each object, in their order: a new one where there is one."""
+    both = united(model, [taken(model, old, np.setdiff1d(old.target, new.target)), new])
+    return taken(model, both, np.argsort(both.target, kind="stable"))
 
 
 def settled(model: Model, own: Targets, found: Candidates, copies: Copies, told: Asked, effort: Effort) -> Copies:

@@ -30,6 +30,7 @@ _BY = 6, 3
 _AROUND, _NEAR = 512, 320  # of a copy: of what it shares with its origin, and of what is new
 LARGE = _NEAR / sum(_POINTS)  # of a surface: of more than this whole candidates have more points than copies
 _ASKED = 512  # points of a cloud that are asked about a copy
+_ROUGHLY = 384, 320, 512  # the same three where elements are put together
 _MARGIN = 0.02  # diagonals around what is new
 _MANY = 1 << 20  # more than rows of a site in an object, or sites
 _ODD = 1.0  # a point that is less likely than this, in logarithms, may belong to something else
@@ -110,11 +111,12 @@ class Clouds:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Laid:
-    """Points of candidates in the frames of their clouds (K, n), their ``places`` (K, n, 6) in diagonals, with normals, how far each lies
-    ``apart`` from others, which are ``hidden`` from without; the last ones lie on rows that are marked, and are ``fresh`` if there are any,
-    the others are ``shared`` likewise; the visible surface ``area`` (K, 2) of the other rows and of these; ``on``: the row, among those of
-    all tables, on which a point lies, and the number of its ``site``; ``word``: what it is."""
+    """Points of candidates in the frames of their clouds (K, n), the first ``around`` on rows that are not marked; their ``places`` (K, n, 6)
+    in diagonals, with normals, how far each lies ``apart`` from others, which are ``hidden`` from without; those on marked rows are
+    ``fresh`` if there are any, the others are ``shared`` likewise; the visible surface ``area`` (K, 2) of the other rows and of these;
+    ``on``: the row, among those of all tables, on which a point lies, and the number of its ``site``; ``word``: what it is."""
 
+    around: int
     position: np.ndarray
     normal: np.ndarray
     places: np.ndarray
@@ -171,6 +173,7 @@ def _lay(
     word = words_of(batch, laid.points, targets.meant)
     places = features(position, laid.points.normal, targets.diagonal[target][:, None])
     return _Laid(
+        around,
         position,
         laid.points.normal,
         places,
@@ -268,7 +271,8 @@ def weigh_change(copies: Copies, clouds: Clouds, base: Evidence, change: Differi
     gone = _gone(base, change, len(of))
     laid = _lay(copies.batch, change.new, copies.placed, _AROUND, _NEAR, clouds.targets, copies.target)
     told = _ask(copies, clouds, base, gone, laid)
-    cloud, surface, coverage = _told(laid, copies, clouds, told)
+    cloud, new, coverage = _told(laid, copies, clouds, told)
+    surface = new.sum(axis=1)
     own, point = np.nonzero(gone[np.arange(len(of))[:, None], base.on[of]] & (base.surface[of] > 0.0))
     lost = of[own], point
     was = np.bincount(own, base.surface[lost] * coverage.at(base.places[lost], own), minlength=len(of))
@@ -284,9 +288,24 @@ def weigh_again(copies: Copies, origins: Copies, clouds: Clouds, base: Evidence,
         for one, rows in ((copies, change.new), (origins, change.gone))
     )
     told = _ask(copies, clouds, base, _gone(base, change, len(of)), laid)
-    (cloud, surface, _), (cloud_was, surface_was, _) = (_told(one, copies, clouds, told) for one in (laid, was))
+    (cloud, new, _), (cloud_was, old, _) = (_told(one, copies, clouds, told) for one in (laid, was))
+    surface, surface_was = new.sum(axis=1), old.sum(axis=1)
     more = np.where(told.asked, cloud - cloud_was, 0.0).sum(axis=1) * _each(told)
     return Change(base.weight[of] * more + surface - surface_was, np.maximum(laid.marked, was.marked), told)
+
+
+def weigh_elements(
+    copies: Copies, clouds: Clouds, base: Evidence, change: Differing
+) -> tuple[Asked, np.ndarray, np.ndarray, np.ndarray]:
+    """What clouds say of each point of copies: what was asked about, how unlikely those points are (K, m), each for as many as it stands for;
+    and the points of what is new (K, n), on which row, among those of all tables, each of these lies (K, n)."""
+    of = copies.of
+    around, near, asked = _ROUGHLY
+    laid = _lay(copies.batch, change.new, copies.placed, around, near, clouds.targets, copies.target)
+    told = _ask(copies, clouds, base, _gone(base, change, len(of)), laid, asked)
+    cloud, surface, _ = _told(laid, copies, clouds, told)
+    more = np.where(told.asked, cloud - told.before, 0.0) * (base.weight[of] * _each(told))[:, None]
+    return told, more, surface, laid.on[:, around:]
 
 
 def _each(told: Asked) -> np.ndarray:
@@ -301,20 +320,20 @@ def _gone(base: Evidence, change: Differing, count: int) -> np.ndarray:
     return found
 
 
-def _ask(copies: Copies, clouds: Clouds, base: Evidence, gone: np.ndarray, laid: _Laid) -> Asked:
-    """Of the cloud the points that are nearest to what is gone, and those that nothing explains where something is new."""
+def _ask(copies: Copies, clouds: Clouds, base: Evidence, gone: np.ndarray, laid: _Laid, most: int = _ASKED) -> Asked:
+    """Of the cloud ``most`` points, those that are nearest to what is gone, and those that nothing explains where something is new."""
     targets, of, target = clouds.targets, copies.of, copies.target
     owned = gone[np.arange(len(of))[:, None], base.of[of]]
     margin = _MARGIN * targets.diagonal[target]
-    near = _within(laid.position[:, _AROUND:], targets.points, target, margin) & laid.fresh[:, -1:]
+    near = _within(laid.position[:, laid.around :], targets.points, target, margin) & laid.fresh[:, -1:]
     asked = owned | (near & (base.cloud[of] > _ODD))
-    some = np.argsort(~asked, axis=1, kind="stable")[:, :_ASKED]
+    some = np.argsort(~asked, axis=1, kind="stable")[:, :most]
     told = (np.take_along_axis(one, some, axis=1) for one in (asked, owned))
     return Asked(some, next(told), asked.sum(axis=1), next(told), base.cloud[of[:, None], some])
 
 
 def _told(laid: _Laid, copies: Copies, clouds: Clouds, told: Asked) -> tuple[np.ndarray, np.ndarray, Coverage]:
-    """How unlikely the points asked are (K, m), and in sum the points of what is marked (K,), as far as they lie where the cloud was
+    """How unlikely the points asked are (K, m), and the points of what is marked (K, n), as far as they lie where the cloud was
     seen; and where that is."""
     target, shown = copies.target, ~laid.hidden
     fresh = laid.unlikely(clouds, target, told.some, told.asked, laid.fresh & shown)[0]
@@ -328,12 +347,13 @@ def _told(laid: _Laid, copies: Copies, clouds: Clouds, told: Asked) -> tuple[np.
     share[own, point] = coverage.at(laid.places[own, point], own)
     expected = clouds.targets.count[target] * laid.area[:, 1] / _known(_surface(laid, share), _surface(laid, shown))
     unlikely = clouds.unlikely(laid, target, laid.fresh & shown & (share > 0.0))
-    return cloud, expected * (share * unlikely)[:, _AROUND:].mean(axis=1), coverage
+    new = (share * unlikely)[:, laid.around :]
+    return cloud, expected[:, None] * new / new.shape[1], coverage
 
 
 def _surface(laid: _Laid, share: np.ndarray) -> np.ndarray:
     """(K,) square metres of which a ``share`` (K, n) is meant."""
-    parts = share[:, :_AROUND].mean(axis=1), share[:, _AROUND:].mean(axis=1)
+    parts = share[:, : laid.around].mean(axis=1), share[:, laid.around :].mean(axis=1)
     return np.asarray((np.stack(parts, axis=1) * laid.area).sum(axis=1))
 
 
