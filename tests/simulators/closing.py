@@ -25,7 +25,7 @@ from artipg_dsl.export.substitute import simple_joints
 from artipg_dsl.layouts.hand import GRIP, NEAR, STEP, Standing
 from artipg_dsl.runtime.batch import Batch
 
-from .fingers import LONG, THICK, Hand, turned
+from .fingers import Hand, turned
 
 FORCE = 60.0  # newton, of each finger; a Panda's hold with up to 70
 FRICTION = GRIP  # Where2Act's; rubber has 0.8 to 1, with which round knobs slip out
@@ -66,8 +66,8 @@ class Gripper:
         mass, stiff = MASS * per**3, FORCE / SOFT * per**3
         for name, side in (("left", 1.0), ("right", -1.0)):
             builder = scene.create_actor_builder()
-            center = sapien.Pose([0, side * THICK * per / 2, hand.tip - LONG * per / 2])
-            builder.add_box_collision(center, [hand.width / 2, THICK * per / 2, LONG * per / 2], material=skin)
+            center = sapien.Pose([0, side * hand.thickness / 2, hand.pad - hand.length / 2])
+            builder.add_box_collision(center, [hand.width / 2, hand.thickness / 2, hand.length / 2], material=skin)
             finger = builder.build(name)
             at = sapien.Pose([0, side * hand.opening / 2, 0])
             finger.set_pose(pose * at)
@@ -174,9 +174,7 @@ def touch(bodies: list[Any], per: float) -> None:
 
 
 def hand_of(grasp: dict[str, Any]) -> Hand:
-    own = grasp["gripper"] or {}
-    fine = {name: own[word] for name, word in (("width", "width"), ("tip", "pad")) if word in own}
-    return Hand(np.array(grasp["point"]), turned(grasp["quaternion"]), grasp["opening"], **fine)
+    return Hand(np.array(grasp["point"]), turned(grasp["quaternion"]), grasp["opening"], **(grasp["gripper"] or {}))
 
 
 def hold(
@@ -184,7 +182,10 @@ def hold(
 ) -> str:
     """One grasp: closed, led along the twist ``turn x p + shift`` of a joint, ``room`` radians or metres at most."""
     per, rate = stands.per, float(np.sqrt(turn @ turn))
-    hand = replace(hand, **{name: getattr(hand, name) * per for name in ("point", "opening", "width", "tip")})
+    hand = replace(
+        hand,
+        **{name: getattr(hand, name) * per for name in ("point", "opening", "width", "length", "thickness", "pad")},
+    )
     if rate > 0:  # radians stay
         shift = shift * per
     else:

@@ -2,8 +2,10 @@
 
 A hand of the size of a Panda's: two pads that come together, a palm behind them. A grasp holds where fingers and palm, opened
 as it says, meet no mesh of the object (FCL), and where the pads, as they close, first meet the link of the grasp on both
-sides (embree), on surfaces whose normals lie within the friction cone about the line between. What of a link could be held
-at all is found by trial: lines through points of its surface, and hands from all sides.
+sides (embree), on surfaces whose normals lie within the friction cone about the line between. A flat pad that comes to lie on
+an edge or a crest, as of a pencil with six sides, presses along its own normal: then the line between the two contacts must lie
+within that cone. What of a link could be held at all is found by trial: lines through points of its surface, and hands from
+all sides.
 """
 
 from __future__ import annotations
@@ -17,16 +19,18 @@ import trimesh
 
 from artipg_dsl.annotate.states import own_joints
 from artipg_dsl.export.pose import rest_poses
-from artipg_dsl.export.robot import Robot, Robots
+from artipg_dsl.export.robot import Robot, RobotJoint, Robots
 from artipg_dsl.runtime.batch import Batch
 
-THICK, LONG = 0.01, 0.045  # a finger along y (closing) and z (approach)
 ARM, ARM_LONG = 0.06, 0.3  # what comes behind the palm: how thick, how long
-PALM = np.array([0.06, 0.14, 0.07])
 FRICTION = 0.5
 APPROACHES = 12  # about a line between two pads
 BUTTON = 4e-3  # metres that a button gives way by, at most
-ROLLING = ("drum", "disc", "fork", "pedal")  # a drum, castors, what a foot presses: nothing for two fingers
+ROLLING = (  # nothing for two fingers: drums and rolls, castors and wheels, what a foot presses, blades that a motor or water spins
+    *("drum", "disc", "hub", "fork", "crown", "wheel", "run", "pedal"),
+    *("rotor", "arm", "second_arm"),
+)
+LINES = 7, 41  # between two pads, along x and along z: temples of spectacles are a millimetre high
 MOST = 12  # solids of a link that are tried
 CLEAR = 5e-5  # metres that fingers may touch by
 CONE = 1 / np.sqrt(1 + FRICTION**2)
@@ -34,14 +38,19 @@ CONE = 1 / np.sqrt(1 + FRICTION**2)
 
 @dataclass(frozen=True)
 class Hand:
-    """Where a hand is: ``frame`` has the columns x, y (closing), z (approach)."""
+    """Where a hand is: ``frame`` has the columns x, y (closing), z (approach); its measures as docs/labels.md tells them."""
 
     point: np.ndarray
     frame: np.ndarray
     opening: float
-    width: float = 0.02  # of a finger, along x
-    tip: float = 0.008  # how far pads reach beyond the point
     stroke: float = 0.08
+    length: float = 0.045
+    width: float = 0.02
+    thickness: float = 0.01
+    pad: float = 0.008
+    palm: float = 0.14
+    palm_width: float = 0.06
+    palm_depth: float = 0.07
 
 
 class Scene:
@@ -67,15 +76,16 @@ class Scene:
 
     def free(self, hand: Hand, arm: float = 0.0) -> bool:
         """Whether fingers and palm, opened, meet no mesh, nor does an ``arm`` so long behind them."""
-        half = hand.opening / 2 + THICK / 2 + CLEAR
-        finger, back = np.array([hand.width, THICK, LONG]), hand.tip - LONG / 2
+        half = hand.opening / 2 + hand.thickness / 2 + CLEAR
+        finger, back = np.array([hand.width, hand.thickness, hand.length]), hand.pad - hand.length / 2
+        palm, behind = np.array([hand.palm_width, hand.palm, hand.palm_depth]), hand.pad - hand.length
         boxes = [
             (finger, np.array([0, half, back])),
             (finger, np.array([0, -half, back])),
-            (PALM, np.array([0, 0, hand.tip - LONG - PALM[2] / 2])),
+            (palm, np.array([0, 0, behind - palm[2] / 2])),
         ]
         if arm:
-            boxes.append((np.array([ARM, ARM, arm]), np.array([0, 0, hand.tip - LONG - PALM[2] - arm / 2])))
+            boxes.append((np.array([ARM, ARM, arm]), np.array([0, 0, behind - palm[2] - arm / 2])))
         for size, center in boxes:
             one = fcl.CollisionObject(
                 fcl.Box(*(size - 2 * CLEAR)), fcl.Transform(hand.frame, hand.point + hand.frame @ center)
@@ -85,23 +95,36 @@ class Scene:
         return True
 
     def firm(self, hand: Hand, link: int) -> bool:
-        """Whether some line between the pads meets the link first on both sides, within the friction cone."""
-        x, z = np.meshgrid(np.linspace(-0.9, 0.9, 7) * hand.width / 2, np.linspace(-0.9, 0.9, 7) * hand.tip)
-        local = np.column_stack([x.ravel(), np.zeros(x.size), z.ravel()])
-        across = hand.frame[:, 1]
-        firm, depth = np.ones(len(local), dtype=bool), np.zeros(len(local))
+        """Whether some line between the pads meets the link first on both sides within the friction cone, or what both pads
+        meet first of all is the link's, away from the rims of the pads, and opposite within that cone."""
+        across, count = np.linspace(-0.9, 0.9, LINES[0]) * hand.width / 2, np.linspace(-0.9, 0.9, LINES[1]) * hand.pad
+        x, z = (v.ravel() for v in np.meshgrid(across, count))
+        inner = (abs(x) < across[-1]) & (abs(z) < count[-1])
+        local, y = np.column_stack([x, np.zeros(x.size), z]), hand.frame[:, 1]
+        firm, depth, pressed, middle = np.ones(len(local), dtype=bool), np.zeros(len(local)), True, []
         for sign in (1.0, -1.0):
-            start = hand.point + local @ hand.frame.T + sign * across * (hand.opening / 2 + CLEAR)
+            start = hand.point + local @ hand.frame.T + sign * y * (hand.opening / 2 + CLEAR)
             triangle, ray, place = self.rays.intersects_id(
-                start, np.tile(-sign * across, (len(start), 1)), return_locations=True, multiple_hits=False
+                start, np.tile(-sign * y, (len(start), 1)), return_locations=True, multiple_hits=False
             )
             met, normal = np.full(len(local), -1), np.zeros((len(local), 3))
             met[ray], normal[ray] = triangle, self.mesh.face_normals[triangle]
             run = np.full(len(local), np.inf)
             run[ray] = np.sqrt(((place - start[ray]) ** 2).sum(axis=1))
-            firm &= (met >= 0) & (self.link[met] == link) & (sign * normal @ across >= CONE)
+            own = (met >= 0) & (self.link[met] == link)
+            firm &= own & (sign * normal @ y >= CONE)
             depth += run
-        return bool((firm & (depth <= hand.opening + 4 * CLEAR)).any())
+            if len(ray):
+                first = run <= run.min() + CLEAR
+                pressed &= bool(own[first].all() and inner[first].any())
+                middle.append(np.array([x[first].mean(), z[first].mean(), run.min()]))
+        if (firm & (depth <= hand.opening + 4 * CLEAR)).any():
+            return True
+        if not pressed or len(middle) < 2:
+            return False
+        between = hand.opening + 2 * CLEAR - middle[0][2] - middle[1][2]
+        aside = np.sqrt(((middle[0] - middle[1])[:2] ** 2).sum())
+        return bool(0 < between and aside <= FRICTION * between)
 
     def could(self, link: int, points: int = 16, seed: int = 0) -> Hand | None:
         """A hand that holds the link, found by trial at so many points of each of its solids; None where there seems to be none."""
@@ -155,7 +178,9 @@ class Verdict:
 
 def verdicts(batch: Batch, told: list[dict[str, Any]]) -> tuple[list[Verdict], list[tuple[str, bool]]]:
     """All grasps at rest for a hand of 8 cm; and of all links that move and can be held at all, the name and whether it, or
-    what it carries, has a grasp. Links that give way when they are pressed are not gripped; nor is a drum, a wheel or a pedal."""
+    what it carries, has a grasp. Not gripped are links that give way when they are pressed, those whose joint waits for another
+    one, as a rack behind a closed door does, drums, wheels and pedals, and the rotors of fans and dishwashers: nobody takes hold
+    of what spins by itself."""
     robots, moving = Robots(batch, physics=False), own_joints(batch)
     first, held, links = np.searchsorted(batch.links().owner, np.arange(len(batch))), [], []
     for i, one in enumerate(told):
@@ -169,8 +194,7 @@ def verdicts(batch: Batch, told: list[dict[str, Any]]) -> tuple[list[Verdict], l
             grasped |= set(carriers(one["joints"], grasp["link"]))
             if own.get("stroke", 0.0) > Hand.stroke or not grasp["reachable"]:
                 continue
-            fine = {name: own[word] for name, word in (("width", "width"), ("tip", "pad")) if word in own}
-            hand = Hand(np.array(grasp["point"]), turned(grasp["quaternion"]), grasp["opening"], **fine)
+            hand = Hand(np.array(grasp["point"]), turned(grasp["quaternion"]), grasp["opening"], **own)
             fault = (
                 "wide"
                 if hand.opening > hand.stroke + 1e-9
@@ -182,18 +206,32 @@ def verdicts(batch: Batch, told: list[dict[str, Any]]) -> tuple[list[Verdict], l
             )
             held.append(Verdict(i, grasp["name"], paths[link], fault))
         for link, name in enumerate(names):
-            joint = moving[first[i] + link]
-            if joint < 0 or any(word in paths[link].split(".") for word in ROLLING) or short(batch, joint):
+            if moving[first[i] + link] < 0 or any(word in paths[link].split(".") for word in ROLLING):
+                continue
+            joint = next(j for j in robot.joints if robot.links[j.child].name == name)
+            if short(robot, joint) or locked(robot, joint):
                 continue
             if name in grasped or scene.could(link) is not None:
                 links.append((paths[link], name in grasped))
     return held, links
 
 
-def short(batch: Batch, joint: int) -> bool:
-    """Whether a joint slides so little that it is a button's."""
-    joints = batch.joints()
-    return joints.kind[joint] == "prismatic" and joints.high[joint] - joints.low[joint] < BUTTON
+def short(robot: Robot, joint: RobotJoint) -> bool:
+    """Whether a joint slides, or turns its link, so little that it is a button's."""
+    if joint.low is None or joint.high is None:
+        return False
+    travel = joint.high - joint.low
+    if joint.kind == "revolute":  # the axis goes through the origin of the link's frame
+        visuals = robot.links[joint.child].visuals
+        away = np.concatenate([np.cross(visual.shape.vertices, joint.axis) for visual in visuals])
+        travel *= np.sqrt((away**2).sum(axis=1).max())
+    return joint.kind in ("prismatic", "revolute") and travel < BUTTON
+
+
+def locked(robot: Robot, joint: RobotJoint) -> bool:
+    """Whether at rest a joint still waits for another one."""
+    rest = {other.name: other.rest for other in robot.joints}
+    return any(not low <= rest[name] <= high for name, low, high in joint.gates)
 
 
 def carriers(joints: list[dict[str, Any]], link: str) -> list[str]:
