@@ -171,6 +171,35 @@ def test_a_knob_under_a_limited_effort_comes_to_rest_in_mujoco() -> None:
     assert speeds[0] < 0.01 and speeds[1] < 0.01 and speeds[2] > 1.0
 
 
+# ------------------------------------------------------------ a damping that a step of PyBullet cannot bear
+
+
+def test_pybullet_throws_what_is_light_for_its_damping() -> None:
+    """The cap of a glue stick passes its ends with the damping of the file, and arrives with as much as docs/formats.md says."""
+    bullet = adapter("pybullet")
+    import pybullet
+
+    name = "body.off"
+    with written(objects("gluestick", 1, 1)[0].robot, "urdf") as subject:
+        joint = next(joint for joint in subject.moving if joint.name == name)
+        assert joint.low is not None and joint.high is not None
+        ends = []
+        for stated in (False, True):
+            world = bullet(subject)
+            if stated:
+                pybullet.changeDynamics(
+                    world.body, world.index[name], jointDamping=joint.damping, physicsClientId=world.client
+                )
+            world.place(subject.rest)
+            world.drive({name: joint.high})
+            for _ in range(240):
+                world.step()
+            ends.append(world.value(name))
+            world.close()
+    assert abs(ends[0] - joint.high) < 1e-4
+    assert ends[1] < joint.low or ends[1] > 2 * joint.high
+
+
 # ------------------------------------------------------------ followers
 
 
