@@ -27,10 +27,8 @@ from .search import Effort, best_of, taken, united
 
 _WIDE = 8e-3  # diagonals: the noise meanwhile
 _PROBES = 8  # copies that tell along which axis elements stand, and in which box
-_OUTER, _INNER = (
-    2,
-    3,
-)  # ways of laying out elements that are looked into: where these hold repeats in turn, and where not
+# ways of laying out elements that are looked into: where these hold repeats in turn, and where not
+_OUTER, _INNER = 2, 3
 _PLANES = 7  # of a cloud, across a row of elements, at which these may end
 _BINS = 128  # of the extent of a row, where planes are looked for,
 _ENDS = 5  # of which so many on each end are no planes between elements,
