@@ -75,9 +75,15 @@ def told(values: np.ndarray, words: Sequence[str] = (), which: np.ndarray | None
     chosen = np.zeros(len(values), dtype=np.int64) if which is None else which
     found = print_told(values, words, chosen)
     if found is not None:
-        return found
+        return found[0]
     parts = [fixed(values)] if values.shape[1] else []
     return bytes(Rows.joined([*parts, Rows.of(words, chosen)] if words else parts))
+
+
+def told_twice(values: np.ndarray, lead: int, words: Sequence[str], which: np.ndarray) -> tuple[bytes, bytes]:
+    """What ``told`` says of all columns, and of the first ``lead`` of them without words, printed once."""
+    found = print_told(values + 0.0, words, which, lead)
+    return (told(values, words, which), told(values[:, :lead])) if found is None else found
 
 
 def fixed(values: np.ndarray) -> Rows:

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..annotate.cloud import Surface, sample_surface
 from ..annotate.sampling import Sampling
-from .decimals import numbers, told
+from .decimals import numbers, told, told_twice
 from .mesh_obj import Shape, move_points, mtl_text, obj_text
 from .partnet_tree import CategoryWords, build_tree, said_of, to_entry, words_of
 from .partnet_words import JOINTS, LIFTED, link_label, root_label, spell_category, to_snake_case
@@ -407,10 +407,11 @@ def _samples(robots: Robots, i: int, members: list[FolderLink], frame: DatasetFr
     positions = frame.points(points.position[i])
     both = np.concatenate([positions, _to_dataset_axes(points.normal[i])], axis=1)
     label = told(positions[:, :0], names, leaf[pair])
+    everything, places = told_twice(both, 3, seen, material)
     return {
-        "point_sample/pts-10000.txt": told(positions),
+        "point_sample/pts-10000.txt": places,
         "point_sample/label-10000.txt": label,
-        "point_sample/sample-points-all-pts-nor-rgba-10000.txt": told(both, seen, material),
+        "point_sample/sample-points-all-pts-nor-rgba-10000.txt": everything,
         "point_sample/sample-points-all-label-10000.txt": label,
     }
 

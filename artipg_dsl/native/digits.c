@@ -155,15 +155,22 @@ OUT int64_t print_rows(int64_t rows, int64_t columns, int64_t form, int64_t digi
 }
 
 /* Rows of ``columns`` numbers with six digits behind the point, blanks between, and the word of each row, if there are ``words``: word k is from
-   ``ends[k]`` to ``ends[k + 1]``. Returns the length of ``out``, -1 where a number cannot be written here. */
+   ``ends[k]`` to ``ends[k + 1]``. The first ``lead`` numbers of each row stand in ``head``, too, which is so long as ``length`` says. Returns
+   the length of ``out``, -1 where a number cannot be written here. */
 OUT int64_t print_told(int64_t rows, int64_t columns, const double *number, const int64_t *word, const char *words, const int64_t *ends,
-                       char *out) {
-    char *at = out;
+                       char *out, int64_t lead, char *head, int64_t *length) {
+    char *at = out, *top = head;
     for (int64_t row = 0; row < rows; row++) {
+        const char *begin = at;
         for (int64_t column = 0; column < columns; column++) {
             if (column) *at++ = ' ';
             at = put_fixed(at, *number++, 6);
             if (!at) return -1;
+            if (column + 1 == lead) {
+                memcpy(top, begin, (size_t)(at - begin));
+                top += at - begin;
+                *top++ = '\n';
+            }
         }
         if (words) {
             const int64_t from = ends[word[row]], to = ends[word[row] + 1];
@@ -173,5 +180,6 @@ OUT int64_t print_told(int64_t rows, int64_t columns, const double *number, cons
         }
         *at++ = '\n';
     }
+    *length = top - head;
     return at - out;
 }

@@ -26,9 +26,11 @@ def print_rows(values: np.ndarray, form: str, marks: Sequence[str]) -> str:
     return (form.join(plain)) * len(values) % tuple(values.ravel().tolist())
 
 
-def print_told(values: np.ndarray, words: Sequence[str], which: np.ndarray) -> bytes | None:
+def print_told(
+    values: np.ndarray, words: Sequence[str], which: np.ndarray, lead: int = 0
+) -> tuple[bytes, bytes] | None:
     """Rows of numbers (n, k) as ``%.6f`` has them, blanks between, then the word of each row by its number in ``which`` (n,), if there are
-    words, ASCII. None where there is no machine, or where it leaves a number to Python."""
+    words, ASCII; and rows of the first ``lead`` numbers alone. None where there is no machine, or where it leaves a number to Python."""
     machine = backend.machine()
     if machine is None:
         return None
@@ -37,9 +39,10 @@ def print_told(values: np.ndarray, words: Sequence[str], which: np.ndarray) -> b
     ends = np.cumsum([0, *map(len, said)], dtype=np.int64)
     room = _WIDTH * values.shape[1] + max(map(len, said), default=0) + 1
     out = np.empty(len(values) * room, dtype=np.uint8)
+    head, end = np.empty(len(values) * (_WIDTH * lead + 1), dtype=np.uint8), np.zeros(1, dtype=np.int64)
     text = b"".join(said) if said else None
-    length = call(machine.library.print_told, *values.shape, values, which, text, ends, out)
-    return None if length < 0 else out[:length].tobytes()
+    length = call(machine.library.print_told, *values.shape, values, which, text, ends, out, lead, head, end)
+    return None if length < 0 else (out[:length].tobytes(), head[: end[0]].tobytes())
 
 
 def _printed(values: np.ndarray, form: str, marks: tuple[str, ...]) -> bytes | None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from artipg_dsl.export.decimals import numbers, told
+from artipg_dsl.export.decimals import numbers, told, told_twice
 from artipg_dsl.native import backend
 from artipg_dsl.native.digits import _printed, print_rows
 
@@ -88,5 +88,7 @@ def test_rows_with_words(request, monkeypatch, with_machine):
         assert told(values) == "".join(f"{row}\n" for row in rows).encode()
         both = "".join(f"{row} {words[k]}\n" for row, k in zip(rows, which.tolist(), strict=True))
         assert told(values, words, which) == both.encode()
+        first = "".join(f"{x:.6f} {y:.6f}\n" for x, y in (values[:, :2] + 0.0).tolist())
+        assert told_twice(values, 2, words, which) == (both.encode(), first.encode())
         assert told(values[:, :0], words, which) == "".join(f"{words[k]}\n" for k in which.tolist()).encode()
     assert told(np.array([[np.nan, 1e300]])) == f"nan {1e300:.6f}\n".encode()
