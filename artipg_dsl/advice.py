@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .diagnostics import CompileError, Report
 from .diagnostics.suggest import any_of
+from .records import dataclass
 
 if TYPE_CHECKING:
     from .lower.elaborate.part import Component

@@ -11,12 +11,12 @@ import os
 import sys
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cache
 from hashlib import blake2b
 from importlib.util import find_spec
 from pathlib import Path
 
+from .records import dataclass
 from .resources import grammar_file
 
 MARK = b"apgc kept 1\n"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from functools import cache
 from types import NoneType, UnionType
 from typing import (
@@ -25,6 +25,7 @@ from typing import (
 )
 
 from .diagnostics.suggest import did_you_mean
+from .records import dataclass
 
 _SHOWN = 40  # characters of a value that messages show
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from .. import random
 from ..geometry.vectors import length, unit
+from ..records import dataclass
 from .frames import rotate
 
 Range = tuple[float, float]

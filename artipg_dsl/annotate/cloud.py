@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -12,6 +12,7 @@ from .. import random
 from ..errors import UserError
 from ..geometry import points as geometry
 from ..geometry.pointset import PointSet
+from ..records import dataclass
 from ..runtime.columns import Columns
 from ..validity.materials import material_rows
 from .frames import rotate, rotate_rows

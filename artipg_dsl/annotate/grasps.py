@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..geometry.vectors import length
 from ..graph.program import MEASURES, Grasp
+from ..records import dataclass
 from ..runtime.columns import Columns
 from ..runtime.fields import Field, FieldReader, read_pose, read_triples
 from .frames import quaternion, reflect, rotate

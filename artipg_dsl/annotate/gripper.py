@@ -8,7 +8,7 @@ the whole object, those that collisions are tested with.
 from __future__ import annotations
 
 import re
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from ..errors import UsageError
 from ..geometry.collide import DEPTH, Corners, overlap
 from ..graph.program import MEASURES
+from ..records import dataclass
 from ..validity.bodies import Pieces, Placed, boxes_meet, enumerate_ranges, gather
 from .frames import rotate
 

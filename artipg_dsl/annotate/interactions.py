@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from .. import random
 from ..geometry import points as geometry
 from ..geometry.pointset import PointSet, Pools
+from ..records import dataclass
 from ..runtime.fields import read_pose, read_triples
 from .frames import reflect, rotate
 from .points import field_name, select_holding

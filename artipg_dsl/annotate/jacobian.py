@@ -6,11 +6,11 @@ with it, mimics at their multiple, joints of a loop as the loop has them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..records import dataclass
 from ..runtime.loops import leaders_of
 from ..runtime.motion import freedoms_of, joints_by_depth
 from ..runtime.newton import solve_small

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import UserError
 from ..graph.program import Label, Target
+from ..records import dataclass
 from ..runtime.fields import FieldReader
 from ..validity.formulas import (
     BoundPoints,

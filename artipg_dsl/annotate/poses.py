@@ -6,11 +6,11 @@ With T the centre of a part's box, R its turn and S its three edges, a point p o
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..records import dataclass
 from .frames import compose, quaternion, rotate, unrotate
 
 if TYPE_CHECKING:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..errors import UsageError
+from ..records import dataclass
 
 SURFACES = {
     "boundary": "of the union of all primitives, even where only an open door would show it",

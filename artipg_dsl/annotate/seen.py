@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from ..geometry.block import to_local
 from ..geometry.bound import normals_at
 from ..geometry.patches import inside_split
+from ..records import dataclass
 from .frames import rotate, rotate_rows, unrotate
 from .points import Labels, label_points
 from .poses import centers_of, diagonal

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +15,7 @@ from ..geometry import points as geometry
 from ..geometry.hidden import runs
 from ..geometry.pointset import PointSet, Pools
 from ..geometry.sites import SiteTable
+from ..records import dataclass
 from .sampling import Sampling
 
 if TYPE_CHECKING:

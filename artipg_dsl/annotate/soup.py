@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..geometry import mesh
 from ..geometry.block import Block, block_of
+from ..records import dataclass
 from .frames import place
 
 if TYPE_CHECKING:

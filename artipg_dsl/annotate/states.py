@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from .. import random
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError
 from ..language import JOINTS
+from ..records import dataclass
 from ..runtime.detents import caught, in_positions
 from ..runtime.motion import freedoms_of
 from .frames import rotate

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from .. import random
 from ..errors import UsageError, UserError
 from ..geometry.rays import ENGINES, NEAR, Caster, Grid, best_engine, intersect, rotate_vectors
+from ..records import dataclass
 from ..runtime.columns import Columns
 from .cameras import Cameras, extrinsics
 from .points import field_kinds

@@ -6,11 +6,12 @@ import argparse
 import json
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import SettingError, UsageError, UserError
+from ..records import dataclass
 from .arguments import STREAM
 from .messages import say
 from .progress import Progress

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +10,7 @@ from scipy.spatial import cKDTree
 from .. import random
 from ..geometry import points as geometry
 from ..geometry.vectors import dot
+from ..records import dataclass
 from .assign import ASSIGNMENTS, CHECKED, REFINED, features
 from .completion import complete
 from .elements import Elements, Solids, elements_of

@@ -12,7 +12,6 @@ cylinder all turns, a prism all shifts, because points are found there.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -20,6 +19,7 @@ from scipy.spatial import cKDTree
 
 from ..geometry.surface import areas, place
 from ..geometry.vectors import dot
+from ..records import dataclass
 from .assign import TURN
 from .elements import Elements, Solids
 from .record import MIRRORED, SHIFTED, TURNED, Details

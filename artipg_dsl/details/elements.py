@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from ..geometry.box import bounds
 from ..geometry.frames import Frames, frames_at
 from ..geometry.sites import SiteTable
+from ..records import dataclass
 
 if TYPE_CHECKING:
     from ..graph.primitive import Primitive

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -11,6 +10,7 @@ from scipy.sparse import csr_matrix
 
 from ..geometry.sites import SiteTable
 from ..geometry.vectors import dot
+from ..records import dataclass
 from .elements import Elements
 
 _TIE = 1e-4  # diagonals

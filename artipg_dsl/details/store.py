@@ -6,7 +6,7 @@ import io
 import json
 import zipfile
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from hashlib import blake2b
 from pathlib import Path
@@ -19,6 +19,7 @@ from ..errors import UsageError, UserError
 from ..geometry import points as geometry
 from ..geometry.nearest import Nearest
 from ..geometry.pointset import PointSet
+from ..records import dataclass
 from .calm import calm
 from .displace import displace
 from .dressing import Dressing

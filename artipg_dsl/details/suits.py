@@ -8,13 +8,13 @@ wears one donor wherever that has what it needs, and the elements of a template 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .. import random
+from ..records import dataclass
 from ..sampling.correspondence import counterparts, find_correspondence
 from .elements import Elements, elements_of
 

@@ -6,7 +6,6 @@ offset; on a primitive of another kind the place is found on a map of its box. A
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +14,7 @@ from ..geometry.frames import Frames
 from ..geometry.nearest import Nearest
 from ..geometry.pointset import PointSet
 from ..geometry.vectors import dot
+from ..records import dataclass
 from .assign import TURN
 from .elements import Elements, Solids
 from .maps import is_long, map_frames, on_map

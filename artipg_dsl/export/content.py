@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..annotate.cameras import Cameras
 from ..annotate.gripper import STANDARD as STANDARD_GRIPPER
 from ..annotate.gripper import Gripper
@@ -12,6 +10,7 @@ from ..annotate.states import REST, States
 from ..details.dressing import Dressing
 from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
 from ..geometry.resolution import Resolution
+from ..records import dataclass
 
 SHARD = 256  # objects in one
 _LARGEST = 512_000_000  # bytes of images in one

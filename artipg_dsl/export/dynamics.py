@@ -26,12 +26,11 @@ a pin of 10 mm.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..annotate.frames import rotate
 from ..geometry.vectors import cross, dot
+from ..records import dataclass
 from ..runtime.tables import JointTable
 
 GRAVITY = 9.81  # m/s2

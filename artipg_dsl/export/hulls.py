@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -13,6 +12,7 @@ from ..geometry.collide import inset
 from ..geometry.merge import Cluster, Convex, clusters, cut, gather_clusters, halves
 from ..geometry.wrap import wrap_all
 from ..native.gaps import Stock
+from ..records import dataclass
 from . import solids
 
 BUDGET = 60  # colliders of an object

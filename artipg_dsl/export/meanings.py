@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ..annotate.points import field_kinds
+from ..records import dataclass
 
 if TYPE_CHECKING:
     from ..graph.program import Program

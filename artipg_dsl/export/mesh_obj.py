@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..native.digits import print_rows
+from ..records import dataclass
 from .naming import Names
 from .pose import rest_poses
 

@@ -8,7 +8,6 @@ tells how many metres its unit is. The root part has the last id and is fixed to
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
@@ -17,6 +16,7 @@ import numpy as np
 
 from ..annotate.cloud import Surface, sample_surface
 from ..annotate.sampling import Sampling
+from ..records import dataclass
 from .decimals import numbers, told, told_twice
 from .mesh_obj import Shape, move_points, mtl_text, obj_text
 from .partnet_tree import CategoryWords, build_tree, said_of, to_entry, words_of

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from ..graph.program import Material
+from ..records import dataclass
 from . import solids
 from .mesh_obj import Shape
 

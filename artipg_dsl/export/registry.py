@@ -6,12 +6,13 @@ The entries name what writes them as ``module:function``, so that a list of form
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from difflib import get_close_matches
 from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, cast
 
+from ..records import dataclass
 from .write import ExportError
 
 if TYPE_CHECKING:

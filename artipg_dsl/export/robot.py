@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import field, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from ..annotate.frames import quaternion
 from ..geometry.resolution import STANDARD, Resolution
 from ..graph.program import Material
 from ..language import JOINTS, Kind
+from ..records import dataclass
 from ..runtime.curves import tabulate
 from ..validity.mass import Mass, masses
 from ..validity.materials import list_materials, material_rows

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from ..records import dataclass
 
 _SHARP = np.cos(np.radians(35.0))  # patches that meet at a smaller angle than this look like one smooth surface
 

@@ -7,7 +7,6 @@ once; ``Solid`` picks out one instance.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Generic, TypeVar
 
@@ -20,6 +19,7 @@ from ..geometry.resolution import FINEST, STANDARD, Resolution, measure_bends, w
 from ..geometry.sites import scatter
 from ..geometry.topology import topology
 from ..geometry.vectors import cross, dot
+from ..records import dataclass
 from ..validity.bodies import enumerate_ranges
 from .shading import Shading, shade
 

@@ -7,13 +7,14 @@ every pair of links. The solids that meshes bound are intersected (manifold3d); 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import UserError
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.motion import apply
 from ..validity.bodies import Alike, Pieces, pack_pieces

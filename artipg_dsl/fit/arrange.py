@@ -10,12 +10,13 @@ right, but a little off, is likelier than nothing. What elements hold that repea
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
 from ..geometry.hidden import runs
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..sampling.search import domain_ends
 from .compare import Candidates, Targets

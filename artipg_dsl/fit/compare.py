@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from .. import random
 from ..geometry import points as geometry
 from ..geometry.pointset import PointSet
 from ..geometry.sites import SiteTable
+from ..records import dataclass
 from ..runtime.batch import Batch
 from .focus import Rows, spread
 from .match import Gaps, features, gaps, nearest

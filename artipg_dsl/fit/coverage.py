@@ -7,11 +7,10 @@ normal, so that the front of a sheet tells nothing of its back.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..geometry.nearest import Nearest
+from ..records import dataclass
 from .match import REACH
 
 _SEEN = 0.04  # diagonals: where the nearest point of the cloud, by place and normal, lies nearer, a surface was seen

@@ -9,11 +9,12 @@ cloud speaks. Where it speaks for none, changes of much of the object are develo
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..random import mix
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..sampling.search import domain_ends
 from .arrange import rearranged

@@ -10,10 +10,11 @@ that lie there alone, so that hundreds can be asked about. Points of the surface
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 
+from ..records import dataclass
 from ..runtime.batch import Batch
 from .compare import FARTHEST, Targets, starts, words_of
 from .coverage import Coverage, Sight

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..annotate.states import rest_values
 from ..geometry.sites import object_boxes
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..sampling.repair import repair
 from .compare import Candidates, Targets

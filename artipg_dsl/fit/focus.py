@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from .. import random
@@ -11,6 +9,7 @@ from ..geometry import points as geometry
 from ..geometry.hidden import runs
 from ..geometry.pointset import PointSet, Pools
 from ..geometry.sites import SiteTable
+from ..records import dataclass
 from ..runtime.batch import Batch
 from .states import tables
 

@@ -7,7 +7,6 @@ distance are those of Achlioptas et al., "Learning representations and generativ
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -15,6 +14,7 @@ from scipy.spatial import cKDTree
 from ..annotate.cloud import sample_points
 from ..geometry.nearest import Nearest
 from ..quality.sizes import measure_extents
+from ..records import dataclass
 from ..runtime.batch import Batch
 from .outer import outer
 from .pose import Posed, turn

@@ -6,10 +6,9 @@ compared, each by products of matrices.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ..records import dataclass
 from .products import at_a_time
 from .words import OTHER, factors
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from ..annotate.points import label_points
 from ..geometry import points as geometry
 from ..geometry.pointset import PointSet
 from ..geometry.sites import SiteTable
+from ..records import dataclass
 from ..runtime.batch import Batch
 from .outer import outer, spacing
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +11,7 @@ from ..graph.depend import draws_behind
 from ..graph.expr import Expr, Scope
 from ..graph.reference import ranks_of
 from ..random import mix
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..runtime.laws import TOLERANCE

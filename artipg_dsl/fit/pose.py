@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from ..errors import UsageError, UserError
+from ..records import dataclass
 from .compare import Targets
 from .outer import outer, spacing, towards
 from .reading import Cloud

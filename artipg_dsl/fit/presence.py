@@ -8,7 +8,7 @@ so that a few objects without a part do not rule it out.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from ..errors import UserError
 from ..graph.depend import draws_behind
 from ..graph.expr import TRUE, Expr, Scope
 from ..graph.program import Draw, Program
+from ..records import dataclass
 from ..runtime.batch import Batch
 
 _NONE = "none"

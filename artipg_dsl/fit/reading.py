@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -12,6 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ..errors import UserError
+from ..records import dataclass
 
 _MESHES = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
 _CLOUDS = (".npz", ".xyz")

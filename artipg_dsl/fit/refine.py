@@ -7,13 +7,12 @@ leaves no room for is clipped by the evaluation itself, so that every step ends 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..geometry import points as geometry
 from ..geometry.hidden import runs
 from ..geometry.sites import SiteTable
+from ..records import dataclass
 from ..runtime.batch import Batch
 from .compare import Candidates, Compared, Targets, chosen, compare, starts
 from .focus import Rows

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from ..graph.depend import draws_behind
 from ..graph.expr import Expr, Scope, leaves
 from ..graph.program import Program
 from ..random import mix
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..runtime.needs import pose_cells

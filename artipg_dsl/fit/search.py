@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..geometry.sites import object_boxes
+from ..records import dataclass
 from .compare import Candidates, Targets, clouds, words_of
 from .match import features, nearest
 from .model import Model, Placed

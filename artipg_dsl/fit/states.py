@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import field, fields, replace
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -12,6 +12,7 @@ from ..annotate.states import rest_values
 from ..geometry.sites import SiteTable
 from ..graph.expr import Column
 from ..graph.program import Draw, Program
+from ..records import dataclass
 from ..runtime import motion
 from ..runtime.batch import Batch
 from ..runtime.kernels import State

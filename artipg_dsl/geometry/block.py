@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..graph.primitive import Primitive
+from ..records import dataclass
 from .box import bounds
 from .patches import Params
 from .sites import SiteTable

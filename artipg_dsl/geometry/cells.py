@@ -6,10 +6,9 @@ rank of the row and patch, so that the points on them are the points of a pool i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ..records import dataclass
 from .block import Block, Coordinates, Shelf, to_object
 from .density import patch_area
 from .flat import BENT, PLANAR, quads, shapes

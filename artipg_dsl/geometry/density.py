@@ -7,7 +7,6 @@ factor. Constant and linear elements have a closed inverse, curved ones a table 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -15,6 +14,7 @@ import numpy as np
 
 from ..graph.expr import Expr, call
 from ..graph.primitive import Primitive, Triple
+from ..records import dataclass
 from ..shapes import fit
 from . import facts
 from .patches import Params, Split, find_existing, grid, surfaces

@@ -6,11 +6,11 @@ One normal leaves a rotation free. The second axis is the way in which ``u`` gro
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..graph.primitive import Primitive
+from ..records import dataclass
 from .patches import Params, surfaces, tangent_split
 from .surface import PatchEvaluator
 from .vectors import cross, dot

@@ -10,10 +10,10 @@ point falls on them are not prepared for that: their points are asked as those o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from ..records import dataclass
 from .block import Block, Coordinates, to_local
 from .box import bounds
 from .cells import Cells

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from ..native import backend, gaps
+from ..records import dataclass
 
 _LEFT = 0.05  # of the depth of a piece: one that keeps less when it is cut is lost
 _LOST = 3  # one piece in so many at most: four staves of a thin ring lose a third, and stand all round it

@@ -7,11 +7,11 @@ here. Lengths in metres, in the primitive's own frame, unmirrored.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..graph.primitive import Primitive
+from ..records import dataclass
 from .patches import Params, find_existing, position_split, rows_of
 from .resolution import measure_bends, measure_spans
 from .topology import Topology, topology

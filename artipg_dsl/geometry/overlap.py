@@ -9,12 +9,13 @@ stand alike, the region is the box itself and the result exact.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cached_property, lru_cache
 
 import numpy as np
 
 from ..graph.primitive import Primitive
+from ..records import dataclass
 from .block import Block, placed_points, to_local
 from .box import bounds
 from .patches import Split, inside_split

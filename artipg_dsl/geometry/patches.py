@@ -7,7 +7,6 @@ Formulas are split: what depends on the parameters alone is evaluated once per i
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -18,6 +17,7 @@ from ..graph.expr import Expr, const, var
 from ..graph.formula import compile_formula
 from ..graph.primitive import Patch, Primitive, Triple, triple
 from ..graph.substitution import substitute
+from ..records import dataclass
 
 U, V = var("u"), var("v")
 Params = dict[str, np.ndarray]

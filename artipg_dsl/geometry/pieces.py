@@ -8,7 +8,7 @@ clouds, whose faces are looked for when they are wanted.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from hashlib import blake2b
 from typing import Any
@@ -17,6 +17,7 @@ import numpy as np
 
 from ..graph.formula import compile_formula
 from ..graph.primitive import Piece, Primitive
+from ..records import dataclass
 from . import facts, mesh
 from .errors import PrimitiveError
 from .patches import Params, evaluate_rows, rows_of

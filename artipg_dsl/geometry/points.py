@@ -10,12 +10,12 @@ Whatever the pools, points are hidden by all rows of their object.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from .. import random
+from ..records import dataclass
 from .block import Block, Coordinates, block_of, to_object
 from .cells import Cells
 from .density import AreaPlacement, solve_linear

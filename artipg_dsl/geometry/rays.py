@@ -7,12 +7,12 @@ so that the two agree to the last digits wherever they name the same one.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
 
+from ..records import dataclass
 from .vectors import cross, dot
 
 BLOCK = 1_500_000  # candidates (triangle, pixel) looked at together

@@ -9,13 +9,13 @@ one that needs most, so that seams stay matched. Steps are rounded up to a ladde
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arguments import read_whole
 from ..errors import UsageError
 from ..graph.primitive import Primitive
+from ..records import dataclass
 from .patches import Params, grid, position_split, rows_of, tangent_split
 from .topology import Topology
 from .vectors import dot

@@ -7,7 +7,6 @@ the volumes by mesh and by inside function must agree, and the convex pieces mus
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -15,6 +14,7 @@ import numpy as np
 
 from .. import random
 from ..graph.primitive import Primitive
+from ..records import dataclass
 from . import mesh, pieces, quadrature, surface
 from .box import bounds
 from .errors import PrimitiveError

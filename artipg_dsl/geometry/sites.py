@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from ..graph.primitive import Primitive
+from ..records import dataclass
 from . import pieces as convex
 from .box import bounds, turn_boxes
 from .quadrature import volume_inertia

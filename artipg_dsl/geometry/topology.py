@@ -6,7 +6,6 @@ Everything is compared over several test values at once, so that a coincidence o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal
 
@@ -14,6 +13,7 @@ import numpy as np
 
 from ..graph.formula import compile_formula
 from ..graph.primitive import Primitive
+from ..records import dataclass
 from ..shapes import fit
 from . import facts
 from .errors import PrimitiveError

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
+from ..records import dataclass
 from .expr import TRUE, Column, Expr, Scope, both, negate
 from .interval import Interval, Intervals
 from .linear import Linear

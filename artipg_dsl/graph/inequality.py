@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
+from ..records import dataclass
 from . import expr as E
 from .expr import ONE, ZERO, Column, Expr, Scope
 from .interval import Intervals

@@ -7,7 +7,8 @@ preference and keeping each that can still be matched gives the best set.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+
+from ..records import dataclass
 
 
 @dataclass(slots=True)

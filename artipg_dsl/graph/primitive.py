@@ -8,8 +8,9 @@ and pieces. Lengths in metres, angles in radians, the primitive's own frame.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from ..records import dataclass
 from .expr import Expr
 
 Pair = tuple[Expr, Expr]

@@ -6,9 +6,10 @@ frame of the object (x front, y left, z up, metres), at joint values 0 unless sa
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
+from ..records import dataclass
 from .expr import TRUE, Column, Expr, Scope
 from .primitive import Primitive
 from .reference import Reference

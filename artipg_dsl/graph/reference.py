@@ -8,8 +8,8 @@ belongs to the asking row); the records below say where else to look. Since alte
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+from ..records import dataclass
 from .expr import Expr, Scope
 
 

@@ -7,8 +7,8 @@ be solved for the column, nothing is said.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
+from ..records import dataclass
 from . import expr as E
 from .expr import Column, Expr
 from .inequality import Ends

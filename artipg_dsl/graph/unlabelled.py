@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise, product
 
+from ..records import dataclass
 from .expr import Column, Expr, both
 from .program import Program
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from ..records import dataclass
 
 FACES = ("front", "back", "left", "right", "top", "bottom")
 """The six faces of a box: +x -x +y -y +z -z."""

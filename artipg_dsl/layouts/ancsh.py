@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +20,7 @@ from ..export.containers import hdf5_bytes
 from ..export.decimals import numbers
 from ..export.mesh_obj import Shape, obj_bytes
 from ..export.robot import RobotJoint, Robots
+from ..records import dataclass
 from .clouds import norms
 from .entry import SPLITS, Entry
 from .gaparts import FINE

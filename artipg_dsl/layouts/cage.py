@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +18,7 @@ from ..errors import UserError
 from ..export.mesh_obj import Shape
 from ..export.partnet_mobility import DatasetFrame
 from ..export.robot import RobotJoint, Robots
+from ..records import dataclass
 from .clouds import partnet_axes
 from .entry import SPLITS, Entry
 from .findings import Findings

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..annotate.cloud import Points, sample_points
 from ..annotate.sampling import Sampling
+from ..records import dataclass
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch

@@ -7,7 +7,6 @@ the base is part 0 and what joint k moves part k + 1. Frame: the object's (z up)
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +21,7 @@ from ..annotate.views import make_views
 from ..errors import UserError
 from ..export.containers import npz_bytes
 from ..geometry.vectors import cross
+from ..records import dataclass
 from .clouds import norms, turn_about
 from .entry import SPLITS, Entry
 from .findings import Findings

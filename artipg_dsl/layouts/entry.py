@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
 
 from ..errors import UsageError
+from ..records import dataclass
 from .words import Term
 
 SPLITS = ("train", "val", "test")

@@ -9,7 +9,6 @@ what stands before the point. A joint that waits for another does not move.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +17,7 @@ from ..annotate.gripper import meet_pieces
 from ..annotate.jacobian import find_jacobian, find_rates
 from ..export.substitute import simple_joints
 from ..geometry.vectors import cross
+from ..records import dataclass
 from ..runtime.motion import apply
 from ..validity.bodies import gather
 from .hand import ALONG, FAR, GRIP, LENGTH, MOVED, PRESS, RADIUS, SHARE, START, STIFF, Trial

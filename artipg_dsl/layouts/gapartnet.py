@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +12,7 @@ from ..annotate.cameras import Cameras
 from ..annotate.states import joint_values, read_states
 from ..annotate.views import make_views
 from ..export.robot import Robots
+from ..records import dataclass
 from .clouds import norms, similarity_error
 from .entry import Entry
 from .findings import Findings

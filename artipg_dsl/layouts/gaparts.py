@@ -8,7 +8,6 @@ else x along the longer edge.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +15,7 @@ import numpy as np
 from ..annotate.poses import PartPoses, part_poses
 from ..export.robot import Robots
 from ..geometry.resolution import Resolution
+from ..records import dataclass
 from .clouds import norms
 from .pieces import Pieces
 from .words import Term

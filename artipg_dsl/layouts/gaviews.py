@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from ..errors import UserError
 from ..export.containers import npz_bytes
 from ..export.partnet_mobility import DatasetFrame, folder_frame, folder_order, folder_value, partnet_files
 from ..export.robot import Robots
+from ..records import dataclass
 from ..view.png import png_bytes
 from .clouds import norms
 from .entry import Entry

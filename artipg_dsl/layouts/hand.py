@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -25,6 +25,7 @@ import numpy as np
 from ..export.robot import Robot, RobotJoint
 from ..export.substitute import simple_joints
 from ..export.urdf import urdf_files
+from ..records import dataclass
 from .scaled import resistance_scale, scaled, value_scale
 
 PRIMITIVES = ("pushing", "pushing-up", "pushing-left", "pulling", "pulling-up", "pulling-left")

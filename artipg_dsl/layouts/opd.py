@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from ..annotate.states import joint_values, read_states
 from ..errors import UserError
 from ..export.partnet_mobility import DatasetFrame, folder_frame, folder_order, folder_value
 from ..export.robot import RobotJoint, Robots
+from ..records import dataclass
 from .clouds import partnet_axes
 from .entry import Entry
 from .hdf5 import pictures_h5

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from ..export.partnet_mobility import FolderLink, Leaf
 from ..export.partnet_tree import CategoryWords, build_tree, said_of, words_of
 from ..export.partnet_words import spell_category, to_snake_case
+from ..records import dataclass
 from .words import REST, vocabulary
 
 if TYPE_CHECKING:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..annotate.views import NONE, make_views
 from ..export.robot import Robots
+from ..records import dataclass
 from .clouds import norms
 
 if TYPE_CHECKING:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..export.mesh_obj import Shape
 from ..export.robot import RobotJoint, Robots
+from ..records import dataclass
 from .words import Term
 
 

@@ -6,7 +6,6 @@ The entries name functions as ``module:function``, so that a list of layouts cos
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from ..diagnostics.suggest import any_of, did_you_mean
 from ..errors import UserError
+from ..records import dataclass
 from .words import Term, check_words, vocabulary
 
 if TYPE_CHECKING:

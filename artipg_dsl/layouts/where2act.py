@@ -10,7 +10,6 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +21,7 @@ from ..annotate.states import draw_values, own_joints
 from ..errors import UserError
 from ..export.partnet_mobility import DatasetFrame, folder_frame
 from ..export.robot import RobotJoint, Robots
+from ..records import dataclass
 from ..view.png import png_bytes
 from .entry import SPLITS, Entry
 from .foretold import Foretold

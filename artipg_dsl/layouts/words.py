@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
@@ -19,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError, UserError
 from ..language.kinds import JOINTS
+from ..records import dataclass
 from ..resources import categories_dir
 
 if TYPE_CHECKING:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +13,7 @@ from ..annotate.states import draw_values, joint_values, read_states
 from ..annotate.views import make_views
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError
+from ..records import dataclass
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch

@@ -8,12 +8,12 @@ the task has it, on the points and all that is known of them where it has not.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..arguments import read_amount, read_whole
 from ..errors import UsageError
+from ..records import dataclass
 from .draws import Draws
 from .tasks import Arrays
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ..diagnostics import Report
 from ..graph.expr import Scope, ScopeError
@@ -11,6 +11,7 @@ from ..graph.linear import Circle
 from ..graph.program import UNLABELLED, Link, Program
 from ..graph.reference import definitions_of
 from ..graph.text import write
+from ..records import dataclass
 from ..semantics.check import TypedProgram
 from ..semantics.symbols import Symbol
 from ..syntax import ast

@@ -6,11 +6,11 @@ A value varies along rows, along columns, along both or neither; each is compute
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..records import dataclass
 from . import loops
 
 if TYPE_CHECKING:

@@ -9,12 +9,13 @@ broadcast), ``run`` leaves the work to NumPy.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..records import dataclass
 from .calls import integers
 from .loops import FUNCTIONS
 from .plan import COLUMN, EVERY, ROW, NotPlanned, Plan, make_plan

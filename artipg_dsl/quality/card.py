@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 from ..export.strict import Strict
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..sampling.sample import Sampler
 from .coverage import Coverage, measure_coverage

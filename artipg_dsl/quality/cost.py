@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..geometry.pieces import amounts, build
 from ..geometry.sites import SiteTable
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..validity.mass import weighing
 

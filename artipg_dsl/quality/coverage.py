@@ -9,13 +9,13 @@ is, guards and requirements exclude it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from itertools import combinations, pairwise
 
 import numpy as np
 
 from ..graph.expr import Scope
 from ..graph.program import Draw
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import State
 from ..runtime.plan import make_plan

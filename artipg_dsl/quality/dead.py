@@ -8,7 +8,7 @@ taken on purpose, and compared with the others; a label is looked for at points 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from ..annotate.points import field_name, select_holding
 from ..annotate.states import joint_twist
 from ..graph.expr import TRUE
 from ..graph.program import Draw, Label
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..sampling.known import evaluate_again, find_differing, keep_draw, make_batch

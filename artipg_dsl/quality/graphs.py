@@ -7,12 +7,12 @@ Aho, Hopcroft and Ullman, "The Design and Analysis of Computer Algorithms", 1974
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ..graph.reference import definitions_of
+from ..records import dataclass
 from ..runtime.batch import Batch
 
 _ROOT = "root"  # in place of the joint above the root

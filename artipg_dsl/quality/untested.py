@@ -6,13 +6,12 @@ answer may be another one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..geometry import mesh, pieces
 from ..geometry.box import bounds
 from ..geometry.sites import SiteTable
+from ..records import dataclass
 from ..runtime.batch import Batch
 
 _STEPS = 24  # steps per turn of the mesh whose vertices are looked at

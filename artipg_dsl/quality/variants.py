@@ -7,11 +7,11 @@ the value. Whether settings reach it is tried: a few objects are sampled with th
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..sampling.sample import Sampler
 from ..sampling.statistics import Exhausted

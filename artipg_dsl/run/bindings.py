@@ -10,7 +10,6 @@ import json
 import os
 import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,7 @@ from ..errors import UserError
 from ..export.containers import npz_bytes
 from ..export.write import ensure_folder, is_there, sweep_unfinished, write_bytes
 from ..fit.real import check_record, closed, read_real
+from ..records import dataclass
 from .fits import FITS, SUMMARY, mark, read_record
 from .job import Job, ProgramChanged
 from .resume import reopen

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from ..export.registry import Format
 from ..export.remote import Place
 from ..export.write import ExportError, is_there, write_bytes
 from ..geometry import facts
+from ..records import dataclass
 from ..sampling.statistics import Statistics
 from .memory import Room
 

@@ -6,13 +6,14 @@ What is put together does not depend on the number of processes: the objects are
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from ..errors import NoObject
 from ..export.strict import Strict, check_meshes, join_strict, require_manifold
+from ..records import dataclass
 from ..validity.evidence import Evidence, find_evidence, join_evidence
 from .job import Job
 from .schema import to_runs

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ from ..fit.model import Model
 from ..fit.pose import Frame, Posed, pose
 from ..fit.reading import read_cloud
 from ..fit.states import can_open
+from ..records import dataclass
 from ..sampling.sample import Sampler
 from ..view.overlay import overlay
 from ..view.png import png_bytes

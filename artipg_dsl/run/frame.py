@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, NotRequired, TypedDict
 
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError, UserError
+from ..records import dataclass
 from ..shapes import Misfit, Rule, fit
 
 TURNS = Rule("0, 90, -90 or 180 degrees", lambda value: value in (0, 90, -90, 180))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from ..diagnostics.suggest import did_you_mean
 from ..errors import SettingError, UsageError, UserError
 from ..graph.turn import turn
+from ..records import dataclass
 from ..resources import COMPILED
 from ..runtime.kernels import TooMany
 from ..sampling.known import evaluate_again

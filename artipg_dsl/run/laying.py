@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from ..export.write import ExportError, ensure_folder, replacing_file, write_byt
 from ..layouts.entry import USUAL, Entry, Shares
 from ..layouts.findings import Findings
 from ..layouts.registry import LAYOUTS, Layout, require
+from ..records import dataclass
 from ..sampling.statistics import Statistics
 from ..shapes import Misfit, fit
 from .frame import read_frame

@@ -9,10 +9,10 @@ from __future__ import annotations
 import os
 import re
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import UsageError
+from ..records import dataclass
 
 USUAL = 2 * 10**9
 _ONE = 512_000_000  # what a process among several may take, where nobody limits them

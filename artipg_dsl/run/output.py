@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Annotated, Any, NotRequired, TypedDict, cast
 
@@ -21,6 +21,7 @@ from ..export.remote import Place, Remote, place_of
 from ..geometry.rays import best_engine
 from ..geometry.resolution import COARSEST, FINEST, Resolution
 from ..graph.program import MEASURES
+from ..records import dataclass
 from ..shapes import Rule
 from .memory import USUAL, shard_bytes
 from .schema import MOST, Title, at_entry, one_of, within

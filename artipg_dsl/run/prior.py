@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NotRequired, TypedDict
 
@@ -16,6 +16,7 @@ from ..diagnostics.suggest import did_you_mean
 from ..errors import SettingError, UsageError, UserError
 from ..graph.feasible import find_conflicts
 from ..graph.reweigh import NothingLeft, reweigh
+from ..records import dataclass
 from ..shapes import Misfit, fit
 from .settings import unknown_name
 from .weights import change_draw

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Annotated, Any, NotRequired, TypedDict
 
@@ -13,6 +13,7 @@ import numpy as np
 from ..arguments import read_flag, read_whole
 from ..errors import UsageError
 from ..export.remote import Place, Remote
+from ..records import dataclass
 from ..sampling.mutate import OPERATIONS
 from ..sampling.mutation import Mutation
 from ..sampling.prior import CANDIDATES, MOST_CANDIDATES

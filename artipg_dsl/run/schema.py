@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Annotated, Any, get_args, get_origin
 
 import numpy as np
 
 from ..errors import UserError
+from ..records import dataclass
 from ..shapes import Misfit, Rule, hints
 
 MOST = 100_000_000  # objects

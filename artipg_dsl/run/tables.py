@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import zipfile
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy as np
 from ..errors import UserError
 from ..export.registry import FORMATS, TABLES
 from ..export.remote import Place
+from ..records import dataclass
 from ..sampling.columns import TYPES, from_columns, take
 from .chunk import shard_path
 from .counts import Counts

@@ -7,13 +7,14 @@ the straight line between the ends of the leader's range stands in for it.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import UserError
 from ..graph.program import LEAD
+from ..records import dataclass
 from .fields import Field
 from .needs import following
 from .tables import JointTable

@@ -5,11 +5,12 @@ Everything is computed per row in a fixed order, so a row's value does not depen
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from ..random import key, mix, uniform
+from ..records import dataclass
 
 MOST_ROWS = 20_000  # of one table in one object, as ``lower.elaborate.ranges`` has it: more would fill the memory
 

@@ -7,11 +7,11 @@ of all objects at once, led from rest to the values asked for, so that a loop do
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..records import dataclass
 from .motion import JointChains, MatrixCells, apply, carry, follow
 from .newton import solve_small
 from .tables import JointTable

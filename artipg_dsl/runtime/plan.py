@@ -7,7 +7,7 @@ expression in a scope. What no output, draw or requirement needs is not computed
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from ..garbage import uncollected
@@ -15,6 +15,7 @@ from ..graph.expr import CROSSING, Column, Expr, Scope, both, call, negate, show
 from ..graph.formula import literal, source
 from ..graph.order import bottom_up
 from ..graph.program import Bound, Draw, Program, Union
+from ..records import dataclass
 from .lines import Line, Step, taped, whole
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..graph.program import Draw, Program, Requirement
+from ..records import dataclass
 
 HOW = ("clipped", "hint", "search", "redrawn")
 

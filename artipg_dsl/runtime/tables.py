@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..graph.expr import Scope
 from ..language import JOINTS
+from ..records import dataclass
 from .columns import Columns
 from .kernels import Rows
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..graph.program import Program
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import full
 from ..runtime.laws import TOLERANCE

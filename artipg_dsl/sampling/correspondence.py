@@ -8,12 +8,11 @@ no match.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..graph.expr import Scope
 from ..graph.program import Program, Site
+from ..records import dataclass
 from ..runtime.batch import Batch
 
 SAME, REPLICA, SLOT, NONE = range(4)

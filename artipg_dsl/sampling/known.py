@@ -7,12 +7,12 @@ to it. So elements of a repeat keep their values by rank, and the inputs of a ro
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..graph.program import Program
 from ..random import mix
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..runtime.plan import Plan

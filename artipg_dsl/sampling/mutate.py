@@ -11,13 +11,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
 from ..graph.expr import leaves
 from ..graph.program import Draw, Program
 from ..random import key, uniform
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
 from ..runtime.repairs import Repairs

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arguments import read_amount, read_whole
 from ..errors import UsageError, UserError
+from ..records import dataclass
 from ..runtime.batch import Batch
 from .mutate import OPERATIONS, SHARE, mutate
 

@@ -9,7 +9,7 @@ parameters, mutants and samples that are not to be drawn again all go through he
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +19,7 @@ from ..graph.expr import Expr
 from ..graph.program import Draw
 from ..graph.reference import definitions_of
 from ..random import mix
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept
 from ..runtime.needs import pose_cells

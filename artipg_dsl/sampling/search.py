@@ -9,12 +9,12 @@ towards the old values as far as it stays valid. What is tried for an object dep
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..random import key, mix, uniform
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
 from .known import make_batch

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from hashlib import blake2b
 from typing import Annotated, Any, Literal, NotRequired, TypedDict
 
@@ -21,6 +20,7 @@ from ..graph import expr as E
 from ..graph.expr import Scope
 from ..graph.program import Draw
 from ..random import mix
+from ..records import dataclass
 from ..runtime import repairs
 from ..runtime.batch import Batch
 from ..runtime.draws import to_plain

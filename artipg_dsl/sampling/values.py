@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..errors import UserError
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..runtime.repairs import Repairs

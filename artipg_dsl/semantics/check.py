@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 from ..diagnostics import Report
 from ..diagnostics.suggest import did_you_mean
 from ..graph.program import UNLABELLED
+from ..records import dataclass
 from ..resources import library_dir
 from ..source import Span
 from ..syntax import ast

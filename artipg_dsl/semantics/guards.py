@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Hashable, Iterable, Iterator
-from dataclasses import dataclass
 from itertools import product
+
+from ..records import dataclass
 
 _MAX_ASSIGNMENTS = 20_000
 VERSUS = " <> "  # in the name of a variable that says how two values compare: -1, 0 or 1

@@ -6,9 +6,10 @@ the number of repeats around that body, and never which value it has there.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from ..language import Form
+from ..records import dataclass
 from .symbols import Symbol
 from .types import UNKNOWN, Type, sort_of
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, cast
 
+from ..records import dataclass
 from ..source import Span
 from ..syntax import ast
 from .guards import Compare, Condition

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from ..records import dataclass
 from ..syntax import ast
 from ..units import Dimension
 from .guards import TRUE, Atom, Condition

@@ -6,9 +6,8 @@ statement. The tokens and comments of the result are those of the text, which is
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..diagnostics import Report
+from ..records import dataclass
 from ..source import Source
 from .grammar import machine
 from .parse import parse

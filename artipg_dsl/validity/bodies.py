@@ -6,7 +6,7 @@ of corners; a piece that moves is the piece at rest with a turn and a shift, or 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from ..geometry.vectors import cross, dot
 from ..native.backend import machine as compiled
 from ..native.narrow import Side
 from ..native.turning import sweep
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.motion import apply
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +10,7 @@ from ..geometry.collide import MOST_STEPS, separate
 from ..geometry.vectors import dot
 from ..native import cells as native
 from ..native.backend import machine as compiled
+from ..records import dataclass
 from ..runtime.motion import apply, multiply, rotation_about
 from .bodies import EXACT, Pieces, Placed, swept_extent
 from .tree import Tree

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..geometry.collide import common_point, overlap
 from ..language import JOINTS
+from ..records import dataclass
 from .bodies import Pieces, Placed
 from .tree import Tree
 from .validate import Collisions

@@ -7,11 +7,12 @@ divider. That is no failure; it is found in random configurations of all joints 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..random import key, mix, uniform
+from ..records import dataclass
 from ..runtime.batch import Batch
 from .bodies import gather
 from .contact import Contact, describe_contact

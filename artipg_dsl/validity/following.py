@@ -8,7 +8,6 @@ the middle is asked, and its direction tried in the others, as it turns with the
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from ..native import states as native_states
 from ..native.backend import Machine
 from ..native.backend import machine as compiled
 from ..native.narrow import Side
+from ..records import dataclass
 from ..runtime.motion import apply
 from .bodies import Pieces, Placed, boxes_meet, enumerate_ranges, link_boxes
 from .tree import Tree

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -13,6 +13,7 @@ from ..geometry.box import bounds
 from ..geometry.errors import PrimitiveError
 from ..geometry.overlap import Touching
 from ..geometry.sites import weigh
+from ..records import dataclass
 from ..runtime.motion import apply, multiply
 from .materials import draw_property, list_materials, material_rows
 

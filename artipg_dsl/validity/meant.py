@@ -7,12 +7,12 @@ each of its rows; of what lies around those, or in none of them, it speaks where
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..graph.expr import Scope
 from ..graph.program import Allowed, Clear, Program
+from ..records import dataclass
 from ..runtime.batch import Batch
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..geometry.collide import DEPTH
 from ..geometry.vectors import cross, dot
+from ..records import dataclass
 from .bodies import Pieces
 
 

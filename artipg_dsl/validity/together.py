@@ -11,11 +11,10 @@ begins, and the least share at which anything meets is how far all of them go th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..geometry.vectors import dot
+from ..records import dataclass
 from ..runtime.motion import apply, rotation_about
 from .bodies import FULL, Pieces, enumerate_ranges
 from .cells import add_columns, examine_cells

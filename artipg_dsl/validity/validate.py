@@ -10,7 +10,6 @@ the interval is halved. A joint that others follow is looked at in many states.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from ..geometry.vectors import dot
 from ..native.backend import Machine
 from ..native.backend import machine as compiled
 from ..native.turning import Intervals, examine
+from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.motion import apply, rotation_about
 from .bodies import EXACT, FULL, Pieces, Placed, enumerate_ranges, gather, link_boxes, swept_extent

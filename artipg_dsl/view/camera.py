@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..geometry.vectors import unit
+from ..records import dataclass
 
 _FIELD = np.radians(24.0)  # a long lens: little distortion
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from ..geometry.vectors import unit
+from ..records import dataclass
 from .camera import Camera, Lights
 from .scene import Scene
 

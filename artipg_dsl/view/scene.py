@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..annotate.frames import rotate
 from ..annotate.states import open_values
 from ..export.materials import to_linear
 from ..export.robot import Robots
+from ..records import dataclass
 
 COLOURINGS = ("part", "material", "affordance")
 # one colour per semantic class in the order of the vocabulary; the first word, as a rule the body, is neutral

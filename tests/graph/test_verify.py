@@ -100,7 +100,8 @@ def test_generated_plans_and_modules_hold_texts_as_literals_alone(tmp_path, monk
     assert not list(tmp_path.iterdir())
 
 
-def test_the_only_code_that_runs_is_generated_in_two_places():
+def test_the_only_code_that_runs_is_generated_in_three_places():
+    """The third is made of the names of our own classes' fields: nothing of a program reaches it."""
     package = Path(__file__).parents[2] / "artipg_dsl"
     found = {
         path.relative_to(package).as_posix()
@@ -110,7 +111,7 @@ def test_the_only_code_that_runs_is_generated_in_two_places():
         and isinstance(node.func, ast.Name)
         and node.func.id in ("exec", "eval", "__import__")
     }
-    assert found == {"graph/formula.py", "runtime/plan.py"}
+    assert found == {"graph/formula.py", "runtime/plan.py", "records.py"}
 
 
 # ---------------------------------------------------------------- what is wrong is told with its line

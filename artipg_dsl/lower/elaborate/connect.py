@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Scope
 from ...graph.primitive import Triple
+from ...records import dataclass
 from ...semantics.meanings import Base, Word
 from ...source import Span
 from ...syntax import ast

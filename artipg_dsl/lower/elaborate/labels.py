@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.primitive import pair, triple
 from ...graph.program import Grasp, Keypoint, Label, Pose, Target
+from ...records import dataclass
 from ...semantics import types
 from ...semantics.meanings import Current, Declared, Global
 from ...syntax import ast

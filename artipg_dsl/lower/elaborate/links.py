@@ -7,13 +7,14 @@ their own, and what lies on an element of a repeat rides on the link of that ele
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import takewhile
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.program import Link, Part, Pose, Site
 from ...graph.reference import Elsewhere, Onward, Reference, Under
+from ...records import dataclass
 from ...source import Span
 from ...syntax import ast
 from ..expressions.context import Draft

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.primitive import Triple
 from ...graph.program import Pose
+from ...records import dataclass
 from ...semantics.symbols import Symbol, is_a
 from ...source import Span
 from ...syntax import ast

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
@@ -10,6 +9,7 @@ from ...graph.expr import ONE, ZERO, Scope
 from ...graph.linear import tidy
 from ...graph.primitive import Triple, triple
 from ...graph.program import Pose
+from ...records import dataclass
 from ...semantics.meanings import Declared, Word
 from ...syntax import ast
 from ...syntax.walk import in_branches, path_root

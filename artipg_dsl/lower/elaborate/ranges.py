@@ -6,11 +6,11 @@ Lengths are in metres, angles in radians, all else in SI units.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.program import Where
+from ...records import dataclass
 
 _FAR = 1e3  # 1 km
 NEAR = 1e-6  # 1 um

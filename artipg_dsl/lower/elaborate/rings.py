@@ -8,7 +8,7 @@ it began in, and what must hold for it to be there.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import product
 from typing import Any
 
@@ -17,6 +17,7 @@ from ...graph.expr import Column, Expr, Scope
 from ...graph.program import Draw
 from ...graph.reference import Elsewhere, Onward, Reference, Under, definitions_of
 from ...graph.substitution import substitute
+from ...records import dataclass
 from ...source import Span
 from ..solve.cases import TooManyCases, combinations
 from ..values.kinds import part_of

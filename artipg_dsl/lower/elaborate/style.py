@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TypeAlias
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
+from ...records import dataclass
 from ...semantics.symbols import Symbol, is_a
 from ...source import Span
 from ...syntax import ast

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...diagnostics import Report
@@ -14,6 +14,7 @@ from ...graph.expr import Column, Expr, Scope, ScopeError
 from ...graph.interval import Interval
 from ...graph.program import Draw, Label, Program, Requirement, Where
 from ...language import Form
+from ...records import dataclass
 from ...semantics.meanings import BuiltIn, Global, Meaning
 from ...semantics.symbols import Symbol
 from ...source import Span

@@ -8,13 +8,14 @@ equations that are matched together.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.program import Pose
+from ...records import dataclass
 from ...semantics.symbols import ModuleScope, Symbol, names_of
 from ...source import Span
 from ...syntax import ast

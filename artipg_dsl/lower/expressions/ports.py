@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import NamedTuple
 
 from ...graph import expr as E
+from ...records import dataclass
 from ...semantics.meanings import Local
 from ...syntax import ast
 from ..values.kinds import Ports, Value

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import Piece, Triple, pair
 from ...graph.substitution import substitute, substitute_all
+from ...records import dataclass
 from ..values.vectors import dot, minus, plus, times
 from .curves import TURN
 from .frames import Frames, turning

@@ -7,7 +7,6 @@ these tells in which cut the foot lies and about where. From there Newton's meth
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from ...graph import expr as E
 from ...graph.expr import ONE, Expr
 from ...graph.primitive import triple
 from ...graph.substitution import substitute_all
+from ...records import dataclass
 from .probe import SMALL
 
 V = E.var("v")

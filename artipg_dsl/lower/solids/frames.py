@@ -8,7 +8,6 @@ along a formula by reflecting it from one place to the next (Wang and others, "C
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import Triple, triple
 from ...graph.substitution import substitute_all
+from ...records import dataclass
 from ..values.vectors import cross, dot, minus, normalized, plus, times, unit
 from .paths import Stretch, turned
 from .probe import Probe

@@ -8,7 +8,7 @@ ear (Meisters, "Polygons have ears", 1975; bridges after Eberly, "Triangulation 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.expr import Expr
 from ...graph.primitive import pair
+from ...records import dataclass
 from ...syntax import ast
 from ..expressions.env import Env
 from .probe import Probe

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
@@ -10,6 +10,7 @@ from ...graph.expr import Expr
 from ...graph.interval import holds_always
 from ...graph.primitive import Primitive, triple
 from ...graph.substitution import substitute
+from ...records import dataclass
 from ...source import Span
 from ..expressions.context import Bend
 from ..values.carry import mapped

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from ...graph import expr as E
 from ...graph.expr import ZERO, Expr
 from ...graph.primitive import Patch, Piece, Triple
+from ...records import dataclass
 from ..values.kinds import Value
 from .curves import TURN
 

@@ -9,13 +9,13 @@ on it alone and whose slope is at most 1. Most profiles of pots, bottles and rou
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import pair
+from ...records import dataclass
 from .cuts import FINE, TINY, clamp
 from .probe import Probe
 from .profiles import Loop, Point, Span, dot, minus, samples, scale, straight

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -23,6 +22,7 @@ from ...graph.interval import Interval, Intervals
 from ...graph.primitive import Triple, triple
 from ...graph.substitution import substitute, substitute_all
 from ...language import FORMS
+from ...records import dataclass
 from ...syntax import ast
 from ..expressions.builtins import bound
 from ..expressions.evaluate import Evaluator

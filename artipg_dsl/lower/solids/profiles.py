@@ -8,7 +8,6 @@ On the boundary itself the distance is 0 to rounding.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from ...graph.derive import derive
 from ...graph.expr import ONE, ZERO, Expr
 from ...graph.primitive import pair
 from ...graph.substitution import substitute, substitute_all
+from ...records import dataclass
 from .cuts import FINE, TINY, WHOLE, Cut, Fold, clamp, fold, halved, rivals, starts, within
 from .cuts import V as V
 from .probe import SMALL, Probe

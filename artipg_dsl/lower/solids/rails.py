@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from ...graph.derive import derive
 from ...graph.expr import ZERO, Expr
 from ...graph.primitive import Triple, triple
 from ...graph.substitution import substitute
+from ...records import dataclass
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator

@@ -10,10 +10,10 @@ reaches further than the sections do, straight lines stay straight, and circles 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO, Expr
+from ...records import dataclass
 from .probe import Probe
 from .profiles import Span, extreme
 

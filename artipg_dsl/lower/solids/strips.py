@@ -7,12 +7,12 @@ are moved in until the chord is a tangent.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...graph import expr as E
 from ...graph.expr import ZERO, Expr
+from ...records import dataclass
 from .probe import Probe
 from .profiles import Loop, Point, Span, dot, equal_steps, minus, right_of, samples, scale, straight, turning
 

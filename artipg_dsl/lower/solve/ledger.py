@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.expr import Column, Expr
 from ...graph.program import Draw
 from ...graph.reference import Reference, definitions_of
+from ...records import dataclass
 from ..expressions.context import Equation, Settled, Unknown
 from ..values.kinds import part_of
 

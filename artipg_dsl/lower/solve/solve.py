@@ -10,13 +10,14 @@ between parameters is an error that offers ``derived``.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope
 from ...graph.linear import Circle, Linear
 from ...graph.matching import Matching, match
 from ...graph.substitution import substitute
+from ...records import dataclass
 from ..expressions.context import Abort, Equation, Settled, Unknown
 from ..expressions.env import Env
 from .cases import TooManyCases, combinations, condition

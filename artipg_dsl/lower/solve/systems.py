@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ...graph import expr as E
 from ...graph.expr import Column, Expr
 from ...graph.linear import Linear, LinearForm, Parts, combine, isolate, solve_block, tidy
 from ...graph.matching import Matching, components
 from ...graph.substitution import substitute
+from ...records import dataclass
 from ..expressions.context import Abort, Equation, Settled, Unknown
 from ..expressions.env import Env
 from .inline import inline

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...graph import expr as E
 from ...graph.expr import Expr
+from ...records import dataclass
 
 if TYPE_CHECKING:
     from ..solids.curves import Curve

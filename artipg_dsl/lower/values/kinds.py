@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from ...graph import expr as E
@@ -16,6 +15,7 @@ from ...graph.expr import Expr, Scope
 from ...graph.linear import tidy
 from ...graph.primitive import Triple, triple
 from ...graph.program import Pose
+from ...records import dataclass
 from .vectors import HERE, Matrix, minus, plus, times
 
 if TYPE_CHECKING:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
+from ...records import dataclass
 from ...source import Span
 from .declarations import TypeRef
 from .expressions import Expr, RangeExpr

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ...records import dataclass
 from ...source import Span
 from .expressions import Argument, Expr, RangeExpr
 from .nodes import Clause, Node, Stmt
