@@ -1,7 +1,8 @@
 """The ``dataclass`` of the standard library, made in a fraction of the time.
 
 The standard decorator compiles four to six functions for each class; with the hundreds of classes of a compiler that is a tenth of the start
-of ``apgc``. Here the methods are closures, and ``__init__`` alone is compiled, once a class is first called. ``fields``, ``replace``, ``asdict``, ``match``, ``copy``, pickles and signatures work as ever.
+of ``apgc``. Here the methods are closures, and ``__init__`` alone is compiled, once a class is first called.
+``fields``, ``replace``, ``asdict``, ``match``, ``copy``, pickles and signatures work as ever.
 """
 
 from __future__ import annotations
