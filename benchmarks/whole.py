@@ -14,7 +14,7 @@ objects that are there, each with a model of links and joints of its own; `rende
 `--against PATH` measures another checkout beside this one, in processes that take turns, and prints ratios: its time by ours,
 the median of the rounds. `-o FILE` keeps all figures as JSON.
 
-    python benchmarks/whole.py [-n 32] [--rounds 3] [--against PATH] [-o whole.json] [--no-exports] [--no-cold] [Microwave ...]
+    python benchmarks/whole.py [-n 128] [--rounds 3] [--against PATH] [-o whole.json] [--no-exports] [--no-cold] [Microwave ...]
 """
 
 from __future__ import annotations
@@ -273,7 +273,7 @@ def show(title: str, rows: dict[str, dict[str, float]], form: str) -> None:
 def main() -> None:
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("categories", nargs="*")
-    options.add_argument("-n", type=int, default=32, help="objects of each category")
+    options.add_argument("-n", type=int, default=128, help="objects of each category, a batch")
     options.add_argument("--rounds", type=int, default=3)
     options.add_argument("--against", type=Path, help="the root of another checkout")
     options.add_argument("-o", type=Path, help="a file for all figures, JSON")
