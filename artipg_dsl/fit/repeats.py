@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..graph.depend import draws_behind
+from ..graph.depend import draws_behind, nodes_behind
 from ..graph.expr import Expr, Scope, leaves
 from ..graph.program import Program
 from ..random import mix
@@ -68,16 +68,8 @@ def _between(low: Scope, high: Scope) -> Iterable[Scope]:
 def _running_sums(program: Program) -> dict[Scope, list[Expr]]:
     """What places of primitives sum up over the elements of a scope before one."""
     found: dict[Scope, list[Expr]] = {}
-    stack = [cell for site in program.sites for cell in (*site.parameters, *pose_cells(site.pose))]
-    seen = set()
-    while stack:
-        node = stack.pop()
-        if node in seen:
-            continue
-        seen.add(node)
-        stack.extend(node.args)
-        if node.op == "col" and node.value in program.definitions:
-            stack.append(program.definitions[node.value])
+    cells = (cell for site in program.sites for cell in (*site.parameters, *pose_cells(site.pose)))
+    for node in nodes_behind(program, cells):
         if node.op == "scan":
             found.setdefault(node.value, []).append(node.args[0])
     return found

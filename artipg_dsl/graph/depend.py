@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from .expr import Column, Expr, Scope
 from .linear import follow
@@ -11,23 +11,25 @@ from .program import Program
 _SIDEWAYS = frozenset({"reduce", "element", "previous", "scan"})
 
 
-def _columns_behind(program: Program, roots: Iterable[Expr]) -> set[Column]:
-    """All columns that expressions depend on, those included that count the rows they are taken in."""
-    found: set[Column] = set()
+def nodes_behind(program: Program, roots: Iterable[Expr], *, counted: bool = False) -> Iterator[Expr]:
+    """All expressions that some depend on, through definitions, each once; with ``counted`` also those that count the rows they are
+    taken in."""
     stack, seen = list(roots), set()
     while stack:
         node = stack.pop()
         if node in seen:
             continue
         seen.add(node)
+        yield node
         stack.extend(node.args)
-        if node.op == "col":
-            column: Column = node.value
-            found.add(column)
-            if column in program.definitions:
-                stack.append(program.definitions[column])
-        stack.extend(a.count for s in _tables(node) for a in s.ancestors() if a.count is not None)
-    return found
+        if node.op == "col" and node.value in program.definitions:
+            stack.append(program.definitions[node.value])
+        if counted:
+            stack.extend(a.count for s in _tables(node) for a in s.ancestors() if a.count is not None)
+
+
+def _columns_behind(program: Program, roots: Iterable[Expr]) -> set[Column]:
+    return {node.value for node in nodes_behind(program, roots, counted=True) if node.op == "col"}
 
 
 def _tables(node: Expr) -> list[Scope]:
@@ -90,15 +92,4 @@ def draws_behind(program: Program, roots: Iterable[Expr]) -> list[int]:
 
 def reads_across(program: Program, roots: Iterable[Expr]) -> bool:
     """Whether expressions read other rows of a table than the one they stand in and those above it."""
-    stack, seen = list(roots), set()
-    while stack:
-        node = stack.pop()
-        if node in seen:
-            continue
-        seen.add(node)
-        if node.op in _SIDEWAYS:
-            return True
-        stack.extend(node.args)
-        if node.op == "col" and node.value in program.definitions:
-            stack.append(program.definitions[node.value])
-    return False
+    return any(node.op in _SIDEWAYS for node in nodes_behind(program, roots))
