@@ -17,6 +17,7 @@ import fcl
 import numpy as np
 import trimesh
 
+from artipg_dsl.annotate.gripper import STANDARD
 from artipg_dsl.annotate.states import own_joints
 from artipg_dsl.export.pose import rest_poses
 from artipg_dsl.export.robot import Robot, RobotJoint, Robots
@@ -26,10 +27,11 @@ ARM, ARM_LONG = 0.06, 0.3  # what comes behind the palm: how thick, how long
 FRICTION = 0.5
 APPROACHES = 12  # about a line between two pads
 BUTTON = 4e-3  # metres that a button gives way by, at most
-ROLLING = (  # nothing for two fingers: drums and rolls, castors and wheels, what a foot presses, blades that a motor or water spins
-    *("drum", "disc", "hub", "fork", "crown", "wheel", "run", "pedal"),
+ROLLING = (  # nothing for two fingers where it turns without end: drums and rolls, castors and wheels, what a motor or water spins
+    *("drum", "disc", "hub", "fork", "crown", "wheel", "run"),
     *("rotor", "arm", "second_arm"),
 )
+PRESSED = "pedal"  # by a foot
 LINES = 7, 41  # between two pads, along x and along z: temples of spectacles are a millimetre high
 MOST = 12  # solids of a link that are tried
 CLEAR = 5e-5  # metres that fingers may touch by
@@ -43,14 +45,14 @@ class Hand:
     point: np.ndarray
     frame: np.ndarray
     opening: float
-    stroke: float = 0.08
-    length: float = 0.045
-    width: float = 0.02
-    thickness: float = 0.01
-    pad: float = 0.008
-    palm: float = 0.14
-    palm_width: float = 0.06
-    palm_depth: float = 0.07
+    stroke: float = STANDARD.stroke
+    length: float = STANDARD.length
+    width: float = STANDARD.width
+    thickness: float = STANDARD.thickness
+    pad: float = STANDARD.pad
+    palm: float = STANDARD.palm
+    palm_width: float = STANDARD.palm_width
+    palm_depth: float = STANDARD.palm_depth
 
 
 class Scene:
@@ -206,9 +208,12 @@ def verdicts(batch: Batch, told: list[dict[str, Any]]) -> tuple[list[Verdict], l
             )
             held.append(Verdict(i, grasp["name"], paths[link], fault))
         for link, name in enumerate(names):
-            if moving[first[i] + link] < 0 or any(word in paths[link].split(".") for word in ROLLING):
+            words = paths[link].split(".")
+            if moving[first[i] + link] < 0 or PRESSED in words:
                 continue
             joint = next(j for j in robot.joints if robot.links[j.child].name == name)
+            if joint.kind == "continuous" and any(word in words for word in ROLLING):
+                continue
             if short(robot, joint) or locked(robot, joint):
                 continue
             if name in grasped or scene.could(link) is not None:
