@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -10,24 +11,27 @@ import numpy as np
 from .diagnostics import CompileError, Report
 from .diagnostics.suggest import any_of
 from .records import dataclass
+from .source import Span
 
 if TYPE_CHECKING:
     from .lower.elaborate.part import Component
     from .lower.program import Lowering
     from .runtime.batch import Batch
     from .semantics.check import TypedProgram
-    from .source import Span
 
 _OBJECTS = 8  # that are drawn, to see what floats, what collides and what their check takes
 _NAMED = 6  # parts that a warning names
+_RANKS = re.compile(r"\[\d+\]")  # of elements of repeats, in the name of a part
+_PLACE = re.compile(r"(?P<file>.+?):(?P<line>\d+): (?P<words>.*)", re.DOTALL)
+_PATH = re.compile(r"`([\w.]+)`")
 
 Draw = Callable[[np.ndarray], "Batch"]
 """The objects of some numbers, unchecked. Raises CompileError, which it has told the report, and what sampling raises."""
 
 
 def advise(typed: TypedProgram, lowering: Lowering | None, draw: Draw, report: Report) -> None:
-    """Report names that nothing reads, parts that nothing places, float, or collide at rest, surface without a semantic label, parts
-    without a material, whose mass is a guess, and what makes checks slow or wrong."""
+    """Report names that nothing reads, parts that nothing places, float, or collide at rest, what no object is free of, surface
+    without a semantic label, parts without a material, whose mass is a guess, and what makes checks slow or wrong."""
     from .lower.elaborate.unlabelled import warn_unlabelled  # start-up
     from .semantics.unused import warn_unused  # start-up
 
@@ -114,7 +118,7 @@ class _Looked:
             return
         self.warn_floating()
         self.warn_rigid()
-        for look in (self.warn_of_cost, self.warn_untested, self.warn_colliding):
+        for look in (self.warn_of_cost, self.warn_untested, self.warn_invalid):
             try:
                 look()
             except PrimitiveError:
@@ -152,19 +156,37 @@ class _Looked:
                     f'if that is meant, write `allow floating {part.name} because "..."`',
                 )
 
-    def warn_colliding(self) -> None:
-        """Report links that collide at rest in each of the objects that have both: none of those is ever valid."""
-        from .validity.stuck import find_stuck  # start-up
+    def warn_invalid(self) -> None:
+        """Report links that collide at rest in each of the objects that have both, and other faults that all objects have."""
+        from .validity.bodies import gather  # start-up
+        from .validity.stuck import find_never, find_stuck  # start-up
+        from .validity.tree import Tree  # start-up
 
-        for (one, other), (wrong, present) in find_stuck(self.batch).items():
-            if wrong == present:
-                self.report.warning(
-                    "colliding-links",
-                    self._of(one) or self._of(other) or self.span,
-                    f"`{one}` and `{other}` overlap with all joints at rest, in every object examined",
-                    hint="leave a gap, as in `align lid.bottom = body.top + 1mm`; "
-                    f'if the overlap is meant, write `allow overlap {one}, {other} because "..."`',
-                )
+        tree = Tree(self.batch)
+        body = gather(self.batch, tree.first, tree.turn, tree.shift)
+        for stuck in find_stuck(tree, body):
+            one, other = (_RANKS.sub("", part) for part in stuck.parts)
+            on = [
+                f"`{part}` is on the link of `{link}`"
+                for part, link in zip((one, other), stuck.links, strict=True)
+                if part != link and not part.startswith(f"{link}.")
+            ]
+            self.report.warning(
+                "colliding-links",
+                self._of(one) or self._of(other) or self.span,
+                f"`{stuck.parts[0]}` and `{stuck.parts[1]}` overlap with all joints at rest, in every object examined"
+                + (f" ({' and '.join(on)})" if on else ""),
+                hint="leave a gap, as in `align lid.bottom = body.top + 1mm`; "
+                f'if the overlap is meant, write `allow overlap {one}, {other} because "..."`',
+            )
+        for words in find_never(tree, body):
+            span, words = self._place(words)
+            self.report.warning(
+                "never-valid",
+                span,
+                f"{words}, in every object examined",
+                hint="no object would be valid; `apgc render --unchecked` draws some as they are",
+            )
 
     def warn_rigid(self) -> None:
         """Name the joints of objects whose loops leave none of them to move."""
@@ -214,6 +236,21 @@ class _Looked:
             )
 
     def _of(self, path: str) -> Span | None:
-        """Where the part with this path is declared, if that is in the file of the category."""
-        here = (part.span for part in self.lowering.context.parts if part.path == path)
-        return next((span for span in here if span.source is self.span.source), None)
+        """Where the part with this path is declared, or the one that it is in, if that is in the file of the category."""
+        while path:
+            here = (part.span for part in self.lowering.context.parts if part.path == path)
+            if found := next((span for span in here if span.source is self.span.source), None):
+                return found
+            path = path.rpartition(".")[0]
+        return None
+
+    def _place(self, words: str) -> tuple[Span, str]:
+        """The line, or the part, that a fault names, and its words without the place; where the category is declared, and all of the
+        words, if neither is in its file."""
+        source = self.span.source
+        if (found := _PLACE.fullmatch(words)) and found["file"] == source.name:
+            text = source.line(line := int(found["line"]))
+            start = source.start(line) + len(text) - len(text.lstrip())
+            return Span(source, start, start + len(text.strip())), found["words"]
+        named = _PATH.search(words)
+        return (named and self._of(named[1])) or self.span, words

@@ -22,6 +22,7 @@ from .shared import (
     add_real,
     add_sharing,
     add_source,
+    add_unchecked,
 )
 
 _MESHES = 60  # objects of a report whose meshes are looked at
@@ -51,6 +52,7 @@ def _add_watch(to: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="also draw a contact sheet to this file whenever there are no errors",
     )
+    add_unchecked(to)
     to.add_argument("--force", action="store_true", help="overwrite an existing picture")
 
 
@@ -276,6 +278,7 @@ def _add_mutate(to: argparse.ArgumentParser) -> None:
 def _add_render(to: argparse.ArgumentParser) -> None:
     add_source(to)
     add_drawing(to, 30)
+    add_unchecked(to)
     to.add_argument(
         "-o", "--out", type=picture, default="sheet.png", metavar="FILE", help="output file (default: sheet.png)"
     )

@@ -123,8 +123,12 @@ def add_dividing(to: argparse.ArgumentParser) -> None:
     )
 
 
-def add_checking(to: argparse.ArgumentParser) -> None:
+def add_unchecked(to: argparse.ArgumentParser) -> None:
     to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
+
+
+def add_checking(to: argparse.ArgumentParser) -> None:
+    add_unchecked(to)
     to.add_argument(
         "--stats", action="store_true", help="print how many objects were valid on the first attempt, and what failed"
     )

@@ -93,7 +93,7 @@ def _others(faults: list[tuple[str, int]], objects: int) -> list[str]:
 
 def _collision(pair: dict[str, Any], objects: int, kinds: dict[str, str]) -> list[str]:
     """Two links that collide, and of one object the parts, the value of the joint and the place, in lines."""
-    from ..validity.contact import Contact, contact_in_words
+    from ..validity.contact import Contact, contact_in_words, tenths
 
     kind, joint = kinds.get(pair["joint"], ""), pair["joint"]
     if not joint:
@@ -101,7 +101,7 @@ def _collision(pair: dict[str, Any], objects: int, kinds: dict[str, str]) -> lis
     elif kind in JOINTS and JOINTS[kind].slides:
         when = f"while {joint} slides"
     else:
-        when = f"while {joint} turns, at {math.degrees(pair['value']):.1f} deg"
+        when = f"while {joint} turns, at {tenths(math.degrees(pair['value']))} deg"
     share = f"{100 * pair['objects'] / objects:.1f}% of objects"
     lines = [f"    {pair['first']} and {pair['second']} collide {when}: {share}"]
     if pair["example"] is not None:

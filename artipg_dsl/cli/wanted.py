@@ -41,8 +41,9 @@ def open_wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
     from ..run.job import open_job
     from ..run.resume import reopen
 
+    unchecked = getattr(options, "unchecked", False)
     if not place_of(options.program).is_dir():
-        return open_job(read_request(options))
+        return open_job(read_request(options, checked=not unchecked))
     if options.set or options.seed is not None:
         raise UsageError(
             f"the samples in {options.program} already have their seed and settings",
@@ -52,6 +53,10 @@ def open_wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
         raise UsageError(f"the samples in {options.program} are there already", "leave out --prior, or name a category")
     if options.frame is not None:
         raise UsageError(f"the samples in {options.program} lie as they do", "leave out --frame, or name a category")
+    if unchecked:
+        raise UsageError(
+            f"the samples in {options.program} are there already", "leave out --unchecked, or name a category"
+        )
     job = reopen(options.program)
     numbers = job.request.objects
     if options.number is not None and options.number > len(numbers):

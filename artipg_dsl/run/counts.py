@@ -16,6 +16,7 @@ from .schema import Count
 from .settings import Value
 
 _NARROW = "widen the ranges, or state what one value leaves to the next"
+_SHOWN = "leave a gap between links, and let each come near what holds it; `apgc render --unchecked` draws objects as they are"
 _TURNED = "leave room where it turns or slides, or turn its axis round: `lid.back.bottom` for `lid.bottom.back`"
 
 
@@ -92,11 +93,12 @@ def explain_exhausted(
         for reason, count in list(count_in_words(program, error.statistics.failures()).items())[:3]
     ]
     with_these = " with these settings" if fixed else ""
+    tries = "1 attempt" if error.attempts == 1 else f"{error.attempts} attempts"
     return NoObject(
         (
             f"no valid {program.name} exists with these settings; "
             if error.hopeless
-            else f"no valid {program.name} in {error.attempts} attempts{with_these} for {counted} {shown}; "
+            else f"no valid {program.name} in {tries}{with_these} for {counted} {shown}; "
         )
         + "what failed most:\n"
         + "\n".join(lines),
@@ -106,9 +108,9 @@ def explain_exhausted(
 
 def _blame(program: Program, made: Statistics, given: Mapping[int, float], settings: Mapping[str, Value]) -> str:
     """What to try: other values for the settings that what failed most depends on, or else wider ranges."""
-    if not settings:
-        return _NARROW
     worst = sorted(made.failures().items(), key=lambda item: -item[1])[:3]
+    if not settings:
+        return _SHOWN if worst and all(kind in ("collision", "solid") for (kind, _), _ in worst) else _NARROW
     behind = {k for cause, _ in worst for k in _draws_of(program, cause) if k in given}
     names = dict.fromkeys(program.draws[k].column.name for k in sorted(behind))
     if not names:

@@ -76,6 +76,11 @@ def contact_in_words(kind: str, found: Contact) -> str:
     when = ""
     if found.value is not None:
         slides = kind in JOINTS and JOINTS[kind].slides
-        when = f" at {1e3 * found.value:.1f} mm" if slides else f" at {np.degrees(found.value):.1f} deg"
-    at = ", ".join(f"{x:.4g}" for x in found.at)
+        when = f" at {tenths(1e3 * found.value)} mm" if slides else f" at {tenths(np.degrees(found.value))} deg"
+    at = ", ".join(f"{x + 0.0:.4g}" for x in found.at)
     return f"`{found.parts[0]}` and `{found.parts[1]}`{when}, about ({at}) m, in object {found.object}"
+
+
+def tenths(value: float) -> str:
+    """A value to one decimal place; what rounds to zero has no sign."""
+    return f"{round(value, 1) + 0.0:.1f}"

@@ -1,35 +1,47 @@
-"""Links that overlap where nothing has moved yet: what can be asked of a few objects at once, for `check`."""
+"""Links that overlap where nothing has moved yet, and what else no object examined is free of: what can be asked of a few objects
+at once, for `check`."""
 
 from __future__ import annotations
 
-from collections import Counter
-
 import numpy as np
 
-from ..runtime.batch import Batch
-from .bodies import gather
+from ..records import dataclass
+from .apart import find_too_near
+from .bodies import Pieces
+from .contact import describe_contact
+from .floating import Solids
+from .loops import find_open
 from .tree import Tree
-from .validate import find_meetings_at_rest
+from .validate import find_collisions_at_rest
 
 
-def find_stuck(batch: Batch) -> dict[tuple[str, str], tuple[int, int]]:
-    """For pairs of links, by their paths: in how many objects some of their instances overlap with all joints at rest, and how many
-    objects have both. Pairs that overlap in none, or that the text allows to, are left out."""
-    tree = Tree(batch)
-    rows = find_meetings_at_rest(tree, gather(batch, tree.first, tree.turn, tree.shift))
-    first, second = rows[:, 0].astype(np.int64), rows[:, 1].astype(np.int64)
-    keep = ~tree.permitted(first, second)
-    links = tree.links
-    met = {
-        (int(owner), *sorted((int(one), int(other))))
-        for owner, one, other in zip(
-            links.owner[first[keep]], links.definition[first[keep]], links.definition[second[keep]], strict=True
-        )
-    }
-    there = np.zeros((len(batch), len(batch.program.links)), dtype=bool)
+@dataclass(frozen=True, slots=True)
+class Stuck:
+    """Two links, by path, and the parts of them that overlap, by name (`leg[0].rod`), in the order of their links."""
+
+    links: tuple[str, str]
+    parts: tuple[str, str]
+
+
+def find_stuck(tree: Tree, body: Pieces) -> list[Stuck]:
+    """The pairs of links that overlap with all joints at rest in each of the objects that have both, without those that the text
+    allows to; the parts are those of the first object."""
+    found, links = find_collisions_at_rest(tree, body), tree.links
+    start = tree.first[found.owner]
+    pairs = np.sort(np.stack([links.definition[start + side] for side in (found.first, found.second)], axis=1), axis=1)
+    there = np.zeros((len(tree.first), len(tree.batch.program.links)), dtype=bool)
     there[links.owner, links.definition] = True
-    path = [link.path for link in batch.program.links]
-    return {
-        (path[one], path[other]): (count, int((there[:, one] & there[:, other]).sum()))
-        for (one, other), count in sorted(Counter((one, other) for _, one, other in met).items())
-    }
+    stuck = []
+    for one, other in sorted(set(map(tuple, pairs.tolist()))):
+        rows = np.flatnonzero((pairs == (one, other)).all(axis=1))
+        if len(np.unique(found.owner[rows])) == int((there[:, one] & there[:, other]).sum()):
+            first, second = sorted(tree.batch.program.links[link].path for link in (one, other))
+            stuck.append(Stuck((first, second), describe_contact(tree, body, found, int(rows[0])).parts))
+    return stuck
+
+
+def find_never(tree: Tree, body: Pieces) -> list[str]:
+    """What is wrong with each of the objects, in words as of `find_faults`: links that nothing holds, loops that do not close, and
+    parts that come too near one another."""
+    wrong = (*Solids(tree, body).find_unheld(), *find_open(tree), *find_too_near(tree, body))
+    return [words for words, objects in wrong if len(objects) == len(tree.first)]

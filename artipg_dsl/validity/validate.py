@@ -82,6 +82,11 @@ def find_meetings_at_rest(tree: Tree, body: Pieces) -> np.ndarray:
     return np.concatenate([_nothing(), *(_resting(tree, part) for part in split_blocks(body))])
 
 
+def find_collisions_at_rest(tree: Tree, body: Pieces) -> Collisions:
+    """As ``find_collisions``, of what meets at rest."""
+    return _told(tree, find_meetings_at_rest(tree, body))
+
+
 def _told(tree: Tree, rows: np.ndarray) -> Collisions:
     """Hits as tables number things, without those that the text allows."""
     first, second, joint = (rows[:, k].astype(np.int64) for k in range(3))

@@ -29,16 +29,21 @@ KNOBS = """repeat knob[k] in 0 ..< knobs spread body along y {
   }"""
 
 
+HANDLE = """part handle : Cuboid(size = [9cm, 1cm, 1cm])
+  connect handle.bottom on body.top"""
+
+
 @pytest.mark.parametrize(
     ("gap", "more", "told"),
     [
         ("1mm", "", []),
         ("-5mm", "", [("body", "lid")]),
         ("gap", "", []),
+        ("2mm", HANDLE, [("handle", "lid")]),
         ("-5mm", 'allow overlap lid, body because "pressed together"', []),
-        ("1mm", KNOBS, [("body", "knob.grip")]),
+        ("1mm", KNOBS, [("body", "knob[0].grip")]),
     ],
-    ids=["apart", "always", "now and then", "allowed", "where they are there"],
+    ids=["apart", "always", "now and then", "the part and not its link", "allowed", "where they are there"],
 )
 def test_links_that_overlap_in_all_objects_are_warned_of(gap: str, more: str, told: list[tuple[str, str]]) -> None:
     session = Session.of_text(TEXT.format(gap=gap, more=more), "chest.apg")
@@ -47,3 +52,12 @@ def test_links_that_overlap_in_all_objects_are_warned_of(gap: str, more: str, to
     found = [d for d in session.report.diagnostics if d.code == "colliding-links"]
     assert [tuple(sorted(d.message.split("`")[1:4:2])) for d in found] == told
     assert all(d.severity == "warning" and d.span is not None for d in found)
+
+
+def test_a_part_is_told_with_the_link_that_it_moves_with() -> None:
+    session = Session.of_text(TEXT.format(gap="2mm", more=HANDLE), "chest.apg")
+    session.advise()
+    (found,) = [d for d in session.report.diagnostics if d.code == "colliding-links"]
+    assert found.message.endswith("(`handle` is on the link of `body`)")
+    assert found.span is not None and found.span.text == "handle"
+    assert "`allow overlap handle, lid because" in str(found.hint)

@@ -55,6 +55,32 @@ EQUATIONS = (
         """,
     ),
     Code(
+        "never-valid",
+        "every object has the same fault",
+        """
+        `apgc check` draws a few objects. Nothing is near enough to hold a link in any of them, or a loop of joints does
+        not close, or a `clear` does not hold, so no object would be valid and `apgc sample` would stop. Often a face is
+        aligned with the wrong one, or a distance in `close` differs from the one that places the part.
+        `apgc render --unchecked` shows the objects as they are, `apgc validate` all that is wrong with them.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Chest {
+          param width : length in 30cm .. 50cm
+          root part body : Cuboid(size = [30cm, width, 20cm])
+          part drawer : Cuboid(size = [20cm, 20cm, 10cm])
+          align drawer.back = body.front + 5cm
+          joint slide : prismatic body -> drawer along x range 0cm .. 10cm
+          material oak on body, drawer
+          label semantic.body on body
+          label semantic.drawer on drawer
+        }
+        """,
+    ),
+    Code(
         "floating-part",
         "a part touches nothing else of its link",
         """

@@ -1,0 +1,66 @@
+"""`check` warns of what is wrong with every object besides overlaps: what nothing holds, loops that stay open, parts too near."""
+
+from __future__ import annotations
+
+import pytest
+
+from artipg_dsl.session import Session
+
+CHEST = """apg 1
+use primitives {{ Cuboid }}
+category Chest {{
+  param away : length in 1cm .. 3cm
+  root part body : Cuboid(size = [9cm, 9cm, 9cm])
+  part drawer : Cuboid(size = [5cm, 9cm, 1cm])
+  align drawer.back = body.front + {away}
+  joint slide : prismatic body -> drawer along x range 0cm .. 1cm
+  {more}
+}}
+"""
+SWING = """apg 1
+use primitives {{ Cuboid }}
+category Swing {{
+  root part beam : Cuboid(size = [20cm, 1cm, 1cm])
+  repeat arm[k] in 0 ..< 2 spread beam along x margin 2cm {{
+    part bar : Cuboid(size = [1cm, 5mm, 20cm])
+    align bar.center.x = arm.center.x
+    align bar.top = beam.top
+    align bar.right = beam.left + 1mm
+    joint sway : revolute beam -> bar about line(at = bar.top.center - [0, 0, 5mm], along = y) range -20deg .. 20deg
+  }}
+  part seat : Cuboid(size = [20cm, 1cm, 1cm])
+  align seat.bottom = arm[0].bar.bottom
+  align seat.right = arm[0].bar.left + 1mm
+  joint level : revolute arm[0].bar -> seat about line(at = arm[0].bar.bottom.center + [0, 0, 5mm], along = y) range -20deg .. 20deg
+  close line(at = arm[1].bar.bottom.center + [0, 0, 5mm], along = y) on line(at = seat.bottom.center + [8cm, 0, {low}], along = y)
+}}
+"""
+
+
+def _told(text: str) -> list[tuple[str, int]]:
+    session = Session.of_text(text, "programs/some.apg")
+    session.advise()
+    assert not session.report.failed, session.report.diagnostics
+    found = [d for d in session.report.diagnostics if d.code == "never-valid"]
+    assert all(d.severity == "warning" and d.message.endswith(", in every object examined") for d in found)
+    return [(d.message.removesuffix(", in every object examined"), d.span.line) for d in found if d.span]
+
+
+@pytest.mark.parametrize(
+    ("away", "more", "told"),
+    [
+        ("1mm", "", []),
+        ("away", "", []),  # near enough now and then
+        ("4cm", "", [("nothing holds `drawer`: the link that carries it is not within 2 cm", 6)]),
+        ("1cm", "clear drawer from body by 5mm", []),
+        ("1cm", "clear drawer from body by 2cm", [("`clear drawer from body by 2cm` does not hold at rest", 9)]),
+    ],
+    ids=["near", "now and then", "far", "clear", "too near"],
+)
+def test_what_is_wrong_with_all_objects_is_warned_of(away: str, more: str, told: list[tuple[str, int]]) -> None:
+    assert _told(CHEST.format(away=away, more=more))[:1] == told
+
+
+@pytest.mark.parametrize(("low", "told"), [("5mm", []), ("60cm", [("this loop does not close at rest", 16)])])
+def test_a_loop_that_does_not_close_is_warned_of_where_it_is_stated(low: str, told: list[tuple[str, int]]) -> None:
+    assert _told(SWING.format(low=low))[-1:] == told
