@@ -40,7 +40,7 @@ from artipg_dsl.export.solids import build_meshes
 from artipg_dsl.fit.outer import outer
 from artipg_dsl.fit.real import read_real
 from artipg_dsl.geometry import points as geometry
-from artipg_dsl.geometry.resolution import SMOOTH
+from artipg_dsl.geometry.resolution import STANDARD
 from artipg_dsl.run.job import Job, open_job
 from artipg_dsl.run.request import read_request
 from artipg_dsl.run.resume import reopen
@@ -48,7 +48,7 @@ from artipg_dsl.sampling.mutation import Mutation, read_operations
 from artipg_dsl.view.camera import look_at, place_lights
 from artipg_dsl.view.png import png_bytes, srgb
 from artipg_dsl.view.scene import make_scene
-from artipg_dsl.view.sheet import make_renderer
+from artipg_dsl.view.sheet import by_pixels, make_renderer
 
 TILE = 260
 
@@ -307,7 +307,8 @@ def surfaces(pairs: list[tuple[Path, Path]], out: Path, operations: str, each: i
     TILE, rows, draw = 300, [], make_renderer("auto", 300)
 
     def drawn(batch: Any, dressing: Any) -> list[np.ndarray]:
-        robots, found = Robots(batch, resolution=SMOOTH, physics=False, details=dressing), []
+        fine = by_pixels(batch, TILE) if dressing is None else STANDARD
+        robots, found = Robots(batch, resolution=fine, physics=False, details=dressing), []
         for i in range(len(batch)):
             shown = make_scene(robots, i, batch.pose(), "part")
             camera = look_at(shown.vertices, -35.0, 20.0)

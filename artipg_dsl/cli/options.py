@@ -301,7 +301,8 @@ def _add_render(to: argparse.ArgumentParser) -> None:
         "--tile", type=positive, default=256, metavar="PIXELS", help="width of each object in pixels (default: 256)"
     )
     add_clothes(to)
-    add_meshes(to, steps=64)
+    add_meshes(to, "as fine as the pixels")
+    add_sharing(to)
     to.add_argument("--force", action="store_true", help="overwrite an existing file")
 
 

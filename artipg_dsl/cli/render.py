@@ -13,7 +13,7 @@ from .wanted import choose_details, open_wanted
 
 def run(options: argparse.Namespace) -> int:
     from ..export.write import refuse_existing
-    from ..geometry.resolution import SMOOTH
+    from ..run.painting import paint_with
     from ..view.sheet import read_direction, write_sheet
 
     refuse_existing(Path(options.out), options.force)
@@ -33,8 +33,9 @@ def run(options: argparse.Namespace) -> int:
             progress=progress,
             states="open" if options.open else "alternate",
             view=options.view,
-            resolution=read_resolution(options) or SMOOTH,
+            resolution=read_resolution(options),
             details=details,
+            paint_all=paint_with(options.workers),
         )
     say(f"drew {len(job.request.objects)} of {job.program.name} to {options.out}")
     return 0

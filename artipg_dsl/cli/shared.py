@@ -11,12 +11,12 @@ def add_program(to: argparse.ArgumentParser) -> None:
     to.add_argument("program", metavar="NAME|FILE", help="a shipped category or an .apg file")
 
 
-def add_meshes(to: argparse.ArgumentParser, steps: int = 24) -> None:
+def add_meshes(to: argparse.ArgumentParser, unless: str = "24 steps per full turn") -> None:
     to.add_argument(
         "--tolerance",
         type=tolerance,
         metavar="LENGTH",
-        help=f"how far meshes may deviate from the true surfaces, such as 0.5mm (default: {steps} steps per full turn)",
+        help=f"how far meshes may deviate from the true surfaces, such as 0.5mm (default: {unless})",
     )
     to.add_argument(
         "--triangles",

@@ -75,13 +75,15 @@ def _look(options: argparse.Namespace) -> None:
 
 
 def _draw(options: argparse.Namespace) -> None:
-    from ..view.sheet import write_sheet  # start-up: for those who want a picture
+    from ..run.painting import paint_with  # start-up: for those who want a picture
+    from ..run.sharing import AUTO
+    from ..view.sheet import write_sheet
     from .progress import Progress
     from .wanted import open_wanted
 
     job = open_wanted(options)
     with Progress("drawing") as progress:
-        write_sheet(job.batch(), options.out, force=True, progress=progress)
+        write_sheet(job.batch(), options.out, force=True, progress=progress, paint_all=paint_with(AUTO))
     say(f"          drew {plural(len(job.request.objects), 'object')} to {options.out}")
 
 

@@ -61,7 +61,6 @@ class Resolution:
 
 
 STANDARD = Resolution()
-SMOOTH = Resolution(steps=64)  # for pictures: no corners to be seen on an outline
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -130,7 +130,7 @@ def _looked_at(
 
     def others(rest: Sequence[np.ndarray], many: int) -> Iterator[_Seen]:
         nonlocal done
-        stage(f"checking objects with {min(many, len(rest))} workers")
+        stage(f"checking objects with {many} workers")
         progress(done * steps, total)
         for seen in map_each(_look, rest, many, _take, task):
             done += 1

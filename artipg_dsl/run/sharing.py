@@ -41,7 +41,7 @@ def share(
         left, now = len(items) - done, time.monotonic()
         pace = max(now - last, (now - begun) / done) if done else 0.0
         if min(many, left) > 1 and (workers or long or pace * left > _WORTH):
-            yield from others(items[done:], many)
+            yield from others(items[done:], min(many, left))
             return
         last = now
         yield alone(item)

@@ -12,7 +12,7 @@ import pickle
 import signal
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
@@ -41,7 +41,7 @@ def write_shared(job: Job, count: int, chunks: Sequence[Chunk], room: Room) -> I
 
 
 def map_each(
-    function: Callable[[T], R], items: Sequence[T], count: int, begin: Callable[..., None] | None = None, *given: Any
+    function: Callable[[T], R], items: Iterable[T], count: int, begin: Callable[..., None] | None = None, *given: Any
 ) -> Iterator[R]:
     """``function`` of each item, in their order, called in ``count`` processes that called ``begin(*given)`` first.
 
@@ -50,9 +50,7 @@ def map_each(
     before = set(mp.active_children())
     with _task_file(begin, given) as task:
         # spawned, not forked: libraries that run threads do not outlive a fork, and it is the same on all systems
-        pool = ProcessPoolExecutor(
-            max(1, min(count, len(items))), mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(task,)
-        )
+        pool = ProcessPoolExecutor(count, mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(task,))
         left = iter(items)
         done = False
         try:

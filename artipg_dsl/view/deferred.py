@@ -32,7 +32,8 @@ class RayHits:
 class Engine(Protocol):
     """What differs between the renderers: which face a ray meets first, and which points (n, 3) see a light, 0 .. 1."""
 
-    def begin(self, scene: Scene, camera: Camera, lights: Lights, floor: float) -> None: ...
+    def begin(self, scene: Scene, opaque: np.ndarray, camera: Camera, lights: Lights, floor: float) -> None:
+        """Take a scene, and the faces that cast shadows."""
 
     def first(self, faces: np.ndarray, rays: Rays) -> RayHits: ...
 
@@ -59,9 +60,8 @@ class _SeenSurface:
     gloss: np.ndarray
 
 
-def camera_rays(camera: Camera, size: int) -> Rays:
-    """Rays through the samples of a picture of ``size`` pixels."""
-    edge = size * _SAMPLES
+def camera_rays(camera: Camera, edge: int) -> Rays:
+    """Rays through a picture of ``edge`` samples on a side."""
     steps = ((np.arange(edge) + 0.5) / edge * 2 - 1) / camera.scale
     right, up, back = camera.axes
     direction = unit(steps[None, :, None] * right - steps[:, None, None] * up - back)
@@ -72,16 +72,17 @@ def shade_picture(
     engine: Engine, size: int, backdrop: np.ndarray, scene: Scene, camera: Camera, lights: Lights, floor: float
 ) -> np.ndarray:
     """Linear light (size, size, 3) of a scene that stands on the plane z = ``floor``."""
-    engine.begin(scene, camera, lights, floor)
-    rays = camera_rays(camera, size)
     opaque, clear = scene.split()
+    engine.begin(scene, opaque, camera, lights, floor)
+    rays = camera_rays(camera, size * _SAMPLES)
     image = np.broadcast_to(backdrop, rays.direction.shape).copy()
     solid = engine.first(opaque, rays)
     extent = float((scene.vertices.max(axis=0) - scene.vertices.min(axis=0)).max())
 
     ground = _ground_samples(scene, rays, solid, floor, extent)
-    points = rays.eye + rays.direction[ground] * _distance_to_floor(rays, ground, floor)[:, None]
-    image[ground] = backdrop * _shadow(engine, lights, points, rays.edge, ground)
+    y, x = np.divmod(ground, rays.edge)
+    pixels, own = np.unique(y // _SAMPLES * size + x // _SAMPLES, return_inverse=True)
+    image[ground] = backdrop * _shadow(engine, lights, camera_rays(camera, size), pixels, floor)[own]
     at = np.flatnonzero(solid.face >= 0)
     image[at] = _light_up(engine, lights, _surface(scene, rays, at, solid), rays, at, backdrop, extent)[0]
     if len(clear):
@@ -97,7 +98,7 @@ def shade_picture(
 def _shares(lights: Lights, edge: int, at: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Which of the samples ``at`` (indices into them) look at which lights (m,), and the irradiance (m, 3) that stands for all lights.
 
-    The samples of one pixel share out all lights, so that their mean has seen every one.
+    Neighbours, two by two, share out all lights, so that their mean has seen every one.
     """
     count = _SAMPLES * _SAMPLES
     y, x = np.divmod(at, edge)
@@ -108,6 +109,11 @@ def _shares(lights: Lights, edge: int, at: np.ndarray) -> Iterator[tuple[np.ndar
 
 def _dot(rows: np.ndarray, vector: np.ndarray) -> np.ndarray:
     return rows[:, 0] * vector[..., 0] + rows[:, 1] * vector[..., 1] + rows[:, 2] * vector[..., 2]
+
+
+def _across(columns: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    x, y, z = vector
+    return columns[0] * x + columns[1] * y + columns[2] * z
 
 
 def _surface(scene: Scene, rays: Rays, at: np.ndarray, hits: RayHits) -> _SeenSurface:
@@ -134,21 +140,25 @@ def _light_up(
     """Linear light (n, 3) that leaves the surface towards the eye, and how much it covers (n,)."""
     normal, towards = seen.normal, -rays.direction[at]
     cosine = _dot(normal, towards)
-    sharp = np.exp2(2.0 + 7.0 * seen.gloss)
     light, shine = np.empty_like(normal), np.empty_like(normal)
+    # single precision and a row per axis: the loop over lights is what a picture waits for
+    facing, to_eye = (np.ascontiguousarray(rows.T, dtype=np.float32) for rows in (normal, towards))
+    points = (seen.position + normal * (0.004 * extent)).astype(np.float32)
+    aslant, sharp = cosine.astype(np.float32), np.exp2(2.0 + 7.0 * seen.gloss).astype(np.float32)
     for mine, chosen, power in _shares(lights, rays.edge, at):
-        diffuse, mirror = np.zeros((3, len(mine))), np.zeros((3, len(mine)))
-        facing, to_eye, sharpness = normal[mine], towards[mine], sharp[mine]
-        points = seen.position[mine] + facing * (0.004 * extent)
-        for k, strength in zip(chosen.tolist(), power[:, :, None], strict=True):
-            cast = np.maximum(_dot(facing, lights.direction[k]), 0.0)
-            lit = np.flatnonzero(cast)
-            shown = np.zeros(len(mine))
-            shown[lit] = engine.visible(points[lit], k)
+        diffuse, mirror = np.zeros((2, 3, len(mine)), dtype=np.float32)
+        own, eye, start = facing.take(mine, axis=1), to_eye.take(mine, axis=1), points.take(mine, axis=0)
+        tilt, narrow = aslant[mine], sharp[mine]
+        for k, strength in zip(chosen.tolist(), power.astype(np.float32)[:, :, None], strict=True):
+            to_light = lights.direction[k].astype(np.float32)
+            cast = _across(own, to_light)
+            lit = np.flatnonzero(cast > 0.0)
+            shown = np.zeros(len(mine), dtype=np.float32)
+            shown[lit] = engine.visible(start.take(lit, axis=0), k)
             diffuse += shown * cast * strength
             if lights.sun[k]:
-                middle = (cast + cosine[mine]) / np.sqrt(2 + 2 * _dot(to_eye, lights.direction[k]))
-                mirror += shown * np.maximum(middle, 0.0) ** sharpness * strength
+                middle = (cast + tilt) / np.sqrt(2 + 2 * _across(eye, to_light))
+                mirror += shown * np.exp2(narrow * np.log2(np.maximum(middle, 1e-6))) * strength  # faster than a power
         light[mine], shine[mine] = diffuse.T, mirror.T
     light += 0.13 + 0.10 * backdrop * (0.5 - 0.5 * normal[:, 2:])
     edge = (1 - np.maximum(cosine, 0.0)) ** 5
@@ -189,12 +199,16 @@ def _ground_samples(scene: Scene, rays: Rays, solid: RayHits, floor: float, exte
     return at[away < _GROUND_REACH * extent]
 
 
-def _shadow(engine: Engine, lights: Lights, points: np.ndarray, edge: int, at: np.ndarray) -> np.ndarray:
-    """How much of the open sky's light (n, 3) reaches points of the ground; 1 towards the border of the picture."""
-    raised, share = points + [0.0, 0.0, 1e-5], np.empty_like(points)
+def _shadow(engine: Engine, lights: Lights, rays: Rays, at: np.ndarray, floor: float) -> np.ndarray:
+    """How much of the open sky's light (n, 3) reaches the ground in the pixels ``at``; 1 towards the border of the picture.
+
+    A shadow is soft, so one ray per pixel tells enough, a quarter of the lights each.
+    """
+    points = rays.eye + rays.direction[at] * _distance_to_floor(rays, at, floor)[:, None] + [0.0, 0.0, 1e-5]
+    share, edge = np.empty_like(points), rays.edge
     for mine, chosen, power in _shares(lights, edge, at):
         up = np.maximum(lights.direction[chosen, 2:], 0.0) * power
-        got, own = np.zeros((3, len(mine))), raised[mine]
+        got, own = np.zeros((3, len(mine))), points[mine]
         for k, strength in zip(chosen.tolist(), (up / up.sum(axis=0))[:, :, None], strict=True):
             got += engine.visible(own, k) * strength
         share[mine] = got.T
@@ -206,14 +220,14 @@ def _shadow(engine: Engine, lights: Lights, points: np.ndarray, edge: int, at: n
 
 
 def _soften(share: np.ndarray, at: np.ndarray, edge: int) -> np.ndarray:
-    """Light (n, 3) of the samples ``at`` of which what few lights miss runs into what is around it: the shadows of single lights are
+    """Light (n, 3) of the pixels ``at`` of which what few lights miss runs into what is around it: the shadows of single lights are
     streaks where an open sky gives none. What most lights miss keeps its edge, since there the object is near."""
     known = np.zeros((edge * edge, 4))
     known[at] = np.column_stack([share, np.ones(len(share))])
     picture = known.reshape(edge, edge, 4)
 
     def around(width: float) -> np.ndarray:
-        spread = gaussian_filter(picture, width * edge, truncate=2.5, axes=(0, 1)).reshape(-1, 4)[at]
+        spread = gaussian_filter(picture, max(width * edge, _SAMPLES / 2), truncate=2.5, axes=(0, 1)).reshape(-1, 4)[at]
         return spread[:, :3] / spread[:, 3:]
 
     near, far = around(_NEAR), around(_FAR)

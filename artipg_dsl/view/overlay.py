@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..export.robot import Robots
-from ..geometry.resolution import SMOOTH
 from .camera import Camera, look_at, place_lights
 from .png import srgb
 from .scene import hex_colour, make_scene
-from .sheet import BACKDROP, VIEWS, make_renderer
+from .sheet import BACKDROP, VIEWS, by_pixels, make_renderer
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -34,7 +33,7 @@ def overlay(
     """(tile, 3 * tile, 3) uint8: the ``cloud`` (n, 3) in the frame of object ``row`` of a batch, the object with its joints at
     ``states`` (J,), at rest by default, and both."""
     draw = make_renderer(which, tile) if draw is None else draw
-    robots = Robots(batch, resolution=SMOOTH, physics=False)
+    robots = Robots(batch, resolution=by_pixels(batch, tile), physics=False)
     shown = make_scene(robots, row, batch.pose(states))
     azimuth, elevation = VIEWS["iso"]
     camera = look_at(np.concatenate([shown.vertices, cloud]), -azimuth, elevation)
@@ -52,10 +51,8 @@ def overlay(
 def _dotted(image: np.ndarray, camera: Camera, cloud: np.ndarray, ink: np.ndarray) -> np.ndarray:
     """The picture with a dot for each point that no other hides, those behind fainter."""
     size = len(image)
-    local = camera.local(cloud)
-    depth = -local[:, 2]
-    x = ((1.0 + camera.scale * local[:, 0] / depth) * size / 2).astype(np.int64)
-    y = ((1.0 - camera.scale * local[:, 1] / depth) * size / 2).astype(np.int64)
+    place, depth = camera.picture(cloud)
+    x, y = ((place + 1.0) * (size / 2)).astype(np.int64)
     inside = (x >= 0) & (x < size) & (y >= 0) & (y < size)
     x, y, depth = x[inside], y[inside], depth[inside]
     wide = -(-size // _CELL)

@@ -26,10 +26,9 @@ class Renderer:
         """Linear light (size, size, 3) of a scene that stands on the plane z = ``floor``."""
         return shade_picture(self, self.size, self.backdrop, scene, camera, lights, floor)
 
-    def begin(self, scene: Scene, camera: Camera, lights: Lights, floor: float) -> None:
+    def begin(self, scene: Scene, opaque: np.ndarray, camera: Camera, lights: Lights, floor: float) -> None:
         """Draw the shadow map of every light: the depth (K, MAP, MAP) along it of what is nearest."""
         self.scene, self.camera = scene, camera
-        opaque, _ = scene.split()
         triangles = scene.vertices[scene.faces[opaque]]
         low, high = scene.vertices.min(axis=0), scene.vertices.max(axis=0)
         low[2] = min(low[2], floor)
@@ -58,11 +57,9 @@ class Renderer:
 
     def first(self, faces: np.ndarray, rays: Rays) -> RayHits:
         """The nearest of ``faces`` at each sample of the picture."""
-        local = self.camera.local(self.scene.vertices)
-        depth = -local[:, 2]
-        place = np.stack([local[:, 0], -local[:, 1]], axis=1) * (self.camera.scale / depth)[:, None]
+        place, depth = self.camera.picture(self.scene.vertices)
         corners = self.scene.faces[faces]
-        triangle = ((place + 1) * (rays.edge / 2))[corners]
+        triangle = ((place.T + 1) * (rays.edge / 2))[corners]
         nearness = 1.0 / depth[corners]  # varies linearly over the picture
         found, near = rasterise(triangle, nearness, rays.edge)
         found, near = found.ravel(), near.ravel()

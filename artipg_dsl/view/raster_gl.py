@@ -213,7 +213,7 @@ class Renderer:
         if len(clear):
             context.enable_only(self.gl.DEPTH_TEST | self.gl.BLEND | self.gl.CULL_FACE)
             context.blend_func = self.gl.SRC_ALPHA, self.gl.ONE_MINUS_SRC_ALPHA
-            depth = camera.local(scene.vertices[scene.faces[clear]].mean(axis=1))[:, 2]
+            depth = camera.local(scene.vertices[scene.faces[clear]].mean(axis=1))[2]
             far_first = clear[np.argsort(depth, kind="stable")]
             indices = context.buffer(scene.faces[far_first].astype("u4").tobytes())
             array = context.vertex_array(program, layout, indices)

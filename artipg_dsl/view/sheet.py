@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +12,13 @@ from ..annotate.frames import rotate
 from ..errors import UsageError
 from ..export.robot import Robots
 from ..export.write import ExportError, write_bytes
-from ..geometry.resolution import SMOOTH, Resolution
-from .camera import look_at, place_lights
+from ..geometry.resolution import COARSEST, FINEST, STANDARD, Resolution
+from ..geometry.sites import object_boxes
+from ..records import dataclass
+from .camera import Camera, look_at, place_lights
 from .png import png_bytes, srgb, write_number, write_text
 from .regions import colours_of, find_regions, words_said
-from .scene import COLOURINGS, hex_colour, make_scene, open_values
+from .scene import COLOURINGS, Scene, hex_colour, make_scene, open_values
 
 if TYPE_CHECKING:
     from ..details.dressing import Dressing
@@ -33,6 +35,7 @@ VIEWS = {  # degrees to the left of the front, and above
 }
 _STATES = ("rest", "open", "alternate")
 _TILES = 16, 4096  # pixels: a number below an object has to go into the least
+_CORNER = 0.125  # pixels: how far a corner of an outline may lie off the true surface
 BACKDROP = "eaedf1"
 
 
@@ -64,6 +67,39 @@ def _make(name: str, size: int) -> Any:
     return Plain(size, backdrop)
 
 
+@dataclass(frozen=True, slots=True)
+class Shot:
+    """What there is to draw, where one looks from, and the height of the ground."""
+
+    scene: Scene
+    camera: Camera
+    floor: float
+
+
+class Painter:
+    """Draws shots in tiles of some pixels. To another process goes the name of its renderer alone."""
+
+    def __init__(self, which: str, tile: int):
+        self.tile, self.renderer = tile, make_renderer(which, tile)
+
+    def __reduce__(self) -> tuple[type[Painter], tuple[str, int]]:
+        return Painter, (self.renderer.name, self.tile)
+
+    def paint(self, shot: Shot) -> np.ndarray:
+        """The picture (tile, tile, 3) uint8 of a shot."""
+        lights = place_lights(shot.camera, *self.renderer.light_counts)
+        return srgb(self.renderer.render(shot.scene, shot.camera, lights, shot.floor))
+
+
+PaintAll = Callable[[Painter, int, Callable[[int], Shot]], Iterable[np.ndarray]]
+"""How the pictures of so many shots, each made when it is asked for, come about, in their order."""
+
+
+def _paint_here(painter: Painter, count: int, shot: Callable[[int], Shot]) -> Iterable[np.ndarray]:
+    """One picture after the other, in this process."""
+    return (painter.paint(shot(i)) for i in range(count))
+
+
 def draw_sheet(
     batch: Batch,
     *,
@@ -73,8 +109,9 @@ def draw_sheet(
     which: str = "auto",
     states: str = "alternate",
     view: str | tuple[float, float] | None = None,
-    resolution: Resolution = SMOOTH,
+    resolution: Resolution | None = None,
     details: Dressing | None = None,
+    paint_all: PaintAll = _paint_here,
     progress: Callable[[int, int], None] | None = None,
 ) -> np.ndarray:
     """The picture (height, width, 3) uint8 of all objects of a batch, ``tile`` pixels each (16 to 4096). Raises ExportError, UsageError.
@@ -82,7 +119,7 @@ def draw_sheet(
     ``colour``: "part", "material" or "affordance", which has a row below with the words that hold somewhere.
     ``states``: "rest", "open", or "alternate": even tiles at rest, odd ones opened. ``view``: where one looks from, one of
     ``VIEWS`` or (azimuth, elevation) in degrees; None for "iso", from the side on which one sees into what opens.
-    ``resolution`` of the meshes, but for those of affordances; ``details`` that they wear.
+    ``resolution`` of the meshes, by default as fine as the pixels, but for those of affordances; ``details`` that they wear.
     """
     if colour not in COLOURINGS:
         raise UsageError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
@@ -95,9 +132,10 @@ def draw_sheet(
     acting = colour == "affordance"
     if acting and not words_said(batch, colour):
         raise ExportError(f"{batch.program.name} has no label of `affordance`", "say where one acts: see `label`")
-    draw, said = make_renderer(which, tile), set[str]()
+    painter, said = Painter(which, tile), set[str]()
     if acting and details is not None:
         raise UsageError("affordances are drawn on the structure, not on its details", "leave out the details")
+    resolution = resolution or (STANDARD if details is not None else by_pixels(batch, tile))
     robots = Robots(batch, resolution=resolution, physics=False, details=details)
     poses = {"rest": batch.pose(), "open": batch.pose(open_values(batch))}
     azimuth, elevation = read_direction(view)
@@ -107,19 +145,22 @@ def draw_sheet(
     rows = -(-len(batch) // columns)
     image = np.empty((rows * tile, columns * tile, 3), dtype=np.uint8)
     image[:] = srgb(hex_colour(BACKDROP))
-    for i, number in enumerate(batch.numbers.tolist()):
+
+    def shot(i: int) -> Shot:
         state = states if states != "alternate" else ("rest", "open")[(i + i // columns * (columns % 2 == 0)) % 2]
         if acting:
-            shown, found = find_regions(batch, robots, i, poses[state], colour)
-            said |= found
+            scene, found = find_regions(batch, robots, i, poses[state], colour)
+            said.update(found)
         else:
-            shown = make_scene(robots, i, poses[state], colour)
-        camera = look_at(shown.vertices, azimuth, elevation)
-        floor = float(shown.vertices[:, 2].min())
-        light = draw.render(shown, camera, place_lights(camera, *draw.light_counts), floor)
+            scene = make_scene(robots, i, poses[state], colour)
+        return Shot(scene, look_at(scene.vertices, azimuth, elevation), float(scene.vertices[:, 2].min()))
+
+    for i, (number, picture) in enumerate(
+        zip(batch.numbers.tolist(), paint_all(painter, len(batch), shot), strict=True)
+    ):
         y, x = i // columns * tile, i % columns * tile
         cell = image[y : y + tile, x : x + tile]
-        cell[:] = srgb(light)
+        cell[:] = picture
         write_number(cell, number, (120, 126, 134), size=max(1, tile // 160))
         if progress:
             progress(i + 1, len(batch))
@@ -127,6 +168,13 @@ def draw_sheet(
         tints = {word: srgb(tint) for word, tint in colours_of(batch, colour).items() if word in said}
         image = np.concatenate([image, draw_legend(tints, image.shape[1])])
     return image
+
+
+def by_pixels(batch: Batch, tile: int) -> Resolution:
+    """Meshes whose outlines show no corners in a picture ``tile`` pixels wide, not even of the smallest object."""
+    low, high = object_boxes(batch.sites(), len(batch))
+    smallest = float((high - low).max(axis=1).min())
+    return Resolution(tolerance=min(max(_CORNER * smallest / tile, FINEST), COARSEST))
 
 
 def read_direction(view: str | tuple[float, float] | None) -> tuple[float, float]:

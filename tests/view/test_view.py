@@ -14,6 +14,8 @@ from export.fake_batch import FakeBatch
 from artipg_dsl.errors import UsageError
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.geometry.resolution import Resolution
+from artipg_dsl.run.painting import paint_with
 from artipg_dsl.session import Session
 from artipg_dsl.view import regions
 from artipg_dsl.view import sheet as sheets
@@ -74,7 +76,7 @@ def test_what_is_in_front_covers_what_is_behind(name: str) -> None:
     assert image.shape == (64, 64, 3) and np.isfinite(image).all()
 
     def at(point: list[float]) -> np.ndarray:
-        x, y, z = camera.local(np.array(point))
+        x, y, z = camera.local(np.array([point]))[:, 0]
         column, row = (1 + x * camera.scale / -z) * 32, (1 - y * camera.scale / -z) * 32
         return image[int(row), int(column)]
 
@@ -193,8 +195,10 @@ def test_an_opened_door_is_elsewhere() -> None:
 def test_the_camera_frames_all_points() -> None:
     points = np.random.default_rng(1).uniform([-3, -0.1, 0], [0.5, 2, 1], (200, 3))
     camera = look_at(points)
-    x, y, z = camera.local(points).T
-    reach = np.abs(np.stack([x, y]) * camera.scale / -z).max(axis=1)
+    x, y, z = camera.local(points)
+    place, depth = camera.picture(points)
+    assert (depth == -z).all()
+    reach = np.abs(place).max(axis=1)
     assert reach.max() < 1.0 and reach.max() > 0.75 and (z < 0).all()
     assert (-z > camera.near).all() and (-z < camera.far).all()
     clip = np.concatenate([points, np.ones((200, 1))], axis=1) @ camera.matrix().T
@@ -203,9 +207,9 @@ def test_the_camera_frames_all_points() -> None:
 
 def test_rays_pass_through_the_picture() -> None:
     camera = look_at(np.array([[0.0, 0, 0], [1, 1, 1]]))
-    rays = camera_rays(camera, 8)
+    rays = camera_rays(camera, 16)
     local = camera.local(rays.direction + camera.eye)
-    assert local[0, 0] < 0 < local[0, 1] and local[-1, 0] > 0 > local[-1, 1]
+    assert local[0, 0] < 0 < local[1, 0] and local[0, -1] > 0 > local[1, -1]
 
 
 def test_the_rasteriser_covers_a_square_once_and_keeps_the_nearest() -> None:
@@ -248,6 +252,27 @@ def test_a_sheet_is_written_whole_and_not_over_another(tmp_path: Path) -> None:
     assert decode(target.read_bytes()).std() > 5
     with pytest.raises(ExportError, match="exists"):
         sheets.write_sheet(FakeBatch(1), target, tile=32, which="numpy")
+
+
+def test_several_processes_paint_the_same_sheet() -> None:
+    alone = sheets.draw_sheet(FakeBatch(3), tile=32, which="numpy")
+    shared = sheets.draw_sheet(FakeBatch(3), tile=32, which="numpy", paint_all=paint_with(2))
+    assert (alone == shared).all()
+
+
+@pytest.mark.parametrize("tile", [32, 512])
+def test_outlines_are_as_fine_as_the_pixels(tile: int) -> None:
+    batch = Session.of("Bottle").sampler.batch(np.arange(2), 0)
+    robots = Robots(batch, resolution=sheets.by_pixels(batch, tile), physics=False)
+    fine = Robots(batch, resolution=Resolution(steps=512), physics=False)
+    for i in range(2):
+        rough, true = (np.concatenate([item.group.vertices[item.k] for item in r.visuals[i]]) for r in (robots, fine))
+        pixel = np.ptp(true, axis=0).max() / tile
+        # how far the outline lies off the true one, to all sides
+        around = np.linspace(0, 2 * np.pi, 97)
+        ways = np.stack([np.cos(around), np.sin(around), np.zeros(97)])
+        assert ((true @ ways).max(axis=0) - (rough @ ways).max(axis=0)).max() < 0.15 * pixel
+    assert sum(len(g.faces) for g in robots.meshes) < sum(len(g.faces) for g in fine.meshes) / 4
 
 
 def test_wrong_options_are_answered_in_words() -> None:
