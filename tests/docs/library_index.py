@@ -20,6 +20,12 @@ The contents of the modules in `library/`, by kind of part, by role and by modul
 `use handles { Handle, BarHandle }`. A role can be used in place of any template that plays it, with its inherited parameters as arguments.
 The [primitives](primitives.md) have a page of their own with pictures, and each [category](categories.md) shows templates in use.
 
+A parameter with a range (`in`) is drawn, whatever its default (`=`), unless it is given as an argument or an equation determines it.
+One with a default alone has that value, one without either must be given or determined. Those without a type are lengths.
+
+What a template offers is named from outside, as in `knob.mount`: its ports are for `connect`, its slots for labels and grasps, its
+joints for labels, `limit` and `mimic`. Every template has what its role offers; a `?` marks what may be absent.
+
 [Materials](#materials) are at the end; the words of the vocabularies are listed under [labels](labels.md#vocabularies).
 
 This page is generated from the doc comments in `library/*.apg` by `pytest tests/docs/test_library.py --update-golden`.
@@ -129,12 +135,12 @@ def page() -> str:
     for module in dict.fromkeys(e.module for e in known):
         lines += ["", f"## {module}", ""]
         here = [e for e in known if e.module == module]
-        lines += ["| name | plays | parameters | what it is |", "|---|---|---|---|"]
+        lines += ["| name | plays | parameters | offers | what it is |", "|---|---|---|---|---|"]
         for entry in here:
-            what = "role" if isinstance(entry.node, ast.RoleDecl) else ""
-            what = "primitive" if isinstance(entry.node, ast.PrimitiveDecl) else entry.role or what or "-"
-            plays = f"`{what}`" if entry.role else what
-            lines.append(f"| `{entry.name}` | {plays} | {_parameters(entry.node)} | {_cell(entry.doc)} |")
+            offers = _offers(entry.node, _offered(entry.role, known))
+            lines.append(
+                f"| `{entry.name}` | {_kind(entry)} | {_parameters(entry.node)} | {offers} | {_cell(entry.doc)} |"
+            )
     lines += ["", "## materials", "", MATERIALS, "", "| name | module | kg/m3 | colour | |", "|---|---|---|---|---|"]
     lines += [_material(module, node) for module, node in materials()]
     return "\n".join(lines) + "\n"
@@ -166,16 +172,60 @@ def _plays(entry: Entry, role: str, known: list[Entry]) -> bool:
     return own == role
 
 
+def _kind(entry: Entry) -> str:
+    """The role of a template, or what else a name is."""
+    if isinstance(entry.node, ast.PrimitiveDecl):
+        return "primitive"
+    if isinstance(entry.node, ast.RoleDecl):
+        return f"role, a `{entry.node.parent}`" if entry.node.parent else "role"
+    return f"`{entry.role}`" if entry.role else "-"
+
+
 def _parameters(node: ast.RoleDecl | ast.TemplateDecl | ast.PrimitiveDecl) -> str:
-    """Parameters and counts with their types, ``= default`` where they have one."""
+    """Parameters and counts with their types, ``in low .. high`` and ``= default`` where they have one."""
     shown = []
     for statement in node.body:
         if isinstance(statement, ast.ParamDecl) and statement.keyword != "out":
-            kind = _type(statement.type)
-            shown += [f"`{name}`{kind}{_default(statement.default)}" for name in statement.names]
+            drawn = _type(statement.type) + _domain(statement.domain) + _default(statement.default)
+            shown += [f"`{name}`{drawn}" for name in statement.names]
         elif isinstance(statement, ast.CountDecl):
-            shown.append(f"`{statement.name}` (count){_default(statement.default)}")
+            shown.append(f"`{statement.name}` (count){_domain(statement.domain)}{_default(statement.default)}")
     return ", ".join(shown) or "-"
+
+
+def _offers(node: ast.RoleDecl | ast.TemplateDecl | ast.PrimitiveDecl, known: set[str]) -> str:
+    """Ports, slots, joints and outputs by name, by kind, without those that are ``known`` of the role of a template."""
+    found: dict[str, dict[str, None]] = {"port": {}, "slot": {}, "joint": {}, "output": {}}
+    for kind, name, optional in _members(node.body):
+        if name not in known:
+            found[kind][f"`{name}`{'?' if optional else ''}"] = None
+    shown = (f"{kind}{'s' if len(names) > 1 else ''} {', '.join(names)}" for kind, names in found.items() if names)
+    return "; ".join(shown) or "-"
+
+
+def _members(body: tuple[ast.Stmt, ...]) -> Iterator[tuple[str, str, bool]]:
+    """Kind, name, and whether it may be absent, of what a body offers; what a repeat offers is named through the repeat."""
+    for statement in body:
+        if isinstance(statement, ast.PortDecl):
+            yield "port", statement.name + ("[i]" if statement.index is not None else ""), statement.optional
+        elif isinstance(statement, ast.SlotDecl):
+            yield "slot", statement.name, statement.optional
+        elif isinstance(statement, ast.JointDecl):
+            yield "joint", statement.name, statement.optional
+        elif isinstance(statement, ast.ParamDecl) and statement.keyword == "out":
+            yield from (("output", name, False) for name in statement.names)
+        elif isinstance(statement, ast.WhenStmt):
+            yield from ((kind, name, True) for kind, name, _ in _members((*statement.body, *statement.otherwise)))
+
+
+def _offered(role: str | None, known: list[Entry]) -> set[str]:
+    """The names that a role and those it refines offer."""
+    roles = {e.name: e.node for e in known if isinstance(e.node, ast.RoleDecl)}
+    found: set[str] = set()
+    while role is not None:
+        found |= {name for _, name, _ in _members(roles[role].body)}
+        role = roles[role].parent
+    return found
 
 
 def _type(ref: ast.TypeRef) -> str:
@@ -190,11 +240,12 @@ def _type(ref: ast.TypeRef) -> str:
     return "" if ref.name == "length" else f" ({ref.name})"
 
 
+def _domain(domain: ast.RangeExpr | None) -> str:
+    return "" if domain is None else f" in {_cell(domain.span.words)}"
+
+
 def _default(expr: ast.Expr | None) -> str:
-    if expr is None:
-        return ""
-    text = " ".join(expr.span.source.text[expr.span.start : expr.span.end].split())
-    return f" = {_cell(text)}"
+    return "" if expr is None else f" = {_cell(expr.span.words)}"
 
 
 def _cell(text: str) -> str:

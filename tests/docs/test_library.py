@@ -38,10 +38,18 @@ def test_whatever_is_sought_is_found() -> None:
         assert any(e.words & set(words.split()) for e in known), title
 
 
-def test_a_parameter_is_shown_with_its_type_and_default() -> None:
+def test_a_parameter_is_shown_with_its_type_range_and_default() -> None:
     text = PAGE.read_text(encoding="utf-8")
-    assert "| `BracketHandle` | `Handle` | `thickness` = 10mm | A flat grip on two or three posts. |" in text
-    assert "| `Handle` | role | `size` (three lengths) |" in text
+    assert "| `BracketHandle` | `Handle` | `thickness` in 8mm .. 14mm = 10mm" in text
+    assert "| `Handle` | role | `size` (three lengths) in [34mm, 1cm, 3cm] .. [6cm, 3cm, 40cm] |" in text
+
+
+def test_what_can_be_named_from_outside_is_shown() -> None:
+    """Whoever places a template, or labels a piece of it, finds the names on the page."""
+    lines = {line.split("`")[1]: line for line in page().splitlines() if line.startswith("| `")}
+    assert "| port `mount`; slot `grip` |" in lines["Handle"]
+    assert "| slot `leaf`; joint `motion` |" in lines["Closed"] and "| role, a `Front` |" in lines["Closed"]
+    assert "| port `inner` |" in lines["OpenBox"]
 
 
 def test_all_materials_are_listed() -> None:
