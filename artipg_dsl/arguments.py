@@ -26,9 +26,9 @@ def read_amount(name: str, value: Any, least: float = 0.0, most: float = np.inf)
         raise UsageError(f"{name} is {value!r}: a number is needed")
     number = float(value)
     if not (least <= number <= most and np.isfinite(number)):
-        raise UsageError(
-            f"{name} is {value}", f"give a number from {least:g}" + (f" to {most:g}" if most < np.inf else "")
-        )
+        low = f" from {least:g}" if least > -np.inf else ""
+        high = f" to {most:g}" if most < np.inf else ""
+        raise UsageError(f"{name} is {value}", f"give a number{low}{high}" if low or high else "give a finite number")
     return number
 
 

@@ -57,7 +57,10 @@ class Sampling:
                 "`per` gives each its own number of points, `balance` shares out those of an object: choose one",
             )
         if self.weights and not self.balance:
-            raise UsageError("weights of points are given without `balance`", f"balance may be {', '.join(shared)}")
+            raise UsageError(
+                "weights of points are given without `balance`",
+                f'balance may be {", ".join(shared)}: --balance semantic, in Python balance="semantic"',
+            )
         for name, weight in self.weights:
             if not 0 < weight < np.inf:
                 raise UsageError(f"the weight of {name} is {weight}", "give a number above 0")
@@ -79,8 +82,10 @@ def read_weights(weights: str | Mapping[str, float] | None) -> tuple[tuple[str, 
     if weights is None or isinstance(weights, str):
         pieces = [piece.partition("=") for piece in (weights or "").split(",") if piece.strip()]
         found: list[tuple[str, Any]] = [(name.strip(), value.strip()) for name, _, value in pieces]
-    else:
+    elif isinstance(weights, Mapping):
         found = list(weights.items())
+    else:
+        raise UsageError(f"weights is {weights!r}", 'it maps names to numbers: {"handle": 3}')
     made = []
     for name, value in found:
         try:

@@ -79,6 +79,8 @@ def load(
     frame: str | Path | None = None,
 ) -> Samples:
     """Sample objects of a category given as program text. Raises CompileError, SettingError, NoObject."""
+    if not isinstance(text, str):
+        raise UsageError(f"`load` takes the text of a program, not {text!r}", "a name or a file goes to `sample`")
     if text.strip().endswith((".apg", ".apgc")) and "\n" not in text.strip():
         raise UsageError(f"`load` takes the text of a program, not its name {text}", f'write sample("{text}")')
     sampler = Session.of_text(text).sampler

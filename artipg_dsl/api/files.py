@@ -152,6 +152,7 @@ class Files:
         from ..diagnostics.suggest import did_you_mean
         from ..layouts.entry import read_shares
         from ..layouts.registry import LAYOUTS
+        from ..layouts.words import require_map
         from ..run.laying import write_layout
 
         if layout not in LAYOUTS:
@@ -159,7 +160,8 @@ class Files:
                 f"there is no layout {layout!r}",
                 did_you_mean(layout, LAYOUTS) or f"the layouts are {', '.join(LAYOUTS)}",
             )
-        write_layout(self.job, folder, LAYOUTS[layout], shares=read_shares(split), own=map, force=force, frame=frame)
+        own = None if map is None else require_map(map, "map")
+        write_layout(self.job, folder, LAYOUTS[layout], shares=read_shares(split), own=own, force=force, frame=frame)
         return Path(folder)
 
     def to_urdf(self, folder: str | Path, *, force: bool = False) -> list[Path]:

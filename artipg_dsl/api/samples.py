@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from ..arguments import read_whole
+from ..arguments import read_amount, read_whole
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError
 from .files import Files
@@ -41,7 +41,7 @@ class Samples(Files):
 
     def object(self, number: int) -> Object:
         """The object with the given number, which need not be among these."""
-        return Object(self.job.of([number]))
+        return Object(self.job.of([read_whole("number", number, 0)]))
 
     @cached_property
     def words(self) -> dict[str, list[str]]:
@@ -166,7 +166,14 @@ class Samples(Files):
         """
         from ..annotate.states import name_values
 
-        return name_values(self.batch, [(name, value, "") for name, value in values.items()])
+        for name, value in values.items():
+            if isinstance(value, str):
+                raise UsageError(
+                    f"{name} is {value!r}: a number is needed, in radians or metres",
+                    f'text with units goes where states are taken: batch.points(2048, "{name}={value}")',
+                )
+        found = [(name, read_amount(name, value, -np.inf), "") for name, value in values.items()]
+        return name_values(self.batch, found)
 
     def joint_values(self, states: str = "random:4") -> np.ndarray:
         """Joint values (K, J) in a comma-separated list of states: "rest", "open", "random:K" within the limits."""

@@ -10,7 +10,7 @@ import re
 import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from .messages import error, findings, say
 from .options import COMMANDS
@@ -32,10 +32,29 @@ class _Version(argparse.Action):
         parser.exit()
 
 
+class _Once(argparse.Action):
+    """Stores a value, and refuses another one: of two, it would not be told which counts."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, names: argparse.Namespace, values: Any, option: str | None = None
+    ) -> None:
+        assert isinstance(parser, Parser)
+        if option is not None and parser.given.setdefault(self.dest, values) != values:
+            error(f"{option} is given twice, with different values", "keep one of them")
+            parser.exit(USAGE)
+        setattr(names, self.dest, values)
+
+
 class Parser(argparse.ArgumentParser):
     """Errors as those of the commands: what is wrong, and what to try, without pages of usage."""
 
     commands: dict[str, Parser]
+
+    def __init__(self, *arguments: Any, **more: Any):
+        super().__init__(*arguments, **more)
+        self.given: dict[str, Any] = {}
+        for action in (None, "store"):
+            self.register("action", action, _Once)
 
     def error(self, message: str) -> NoReturn:
         from ..diagnostics.suggest import did_you_mean

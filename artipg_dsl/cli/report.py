@@ -27,6 +27,7 @@ PICTURED, COLUMNS, TILE = 12, 6, 160  # objects on the picture of a page
 
 
 def run(options: argparse.Namespace) -> int:
+    from ..diagnostics.suggest import did_you_mean
     from ..export.strict import require_manifold
     from ..export.write import refuse_existing, write_bytes
     from ..quality.sizes import read_reference
@@ -64,6 +65,9 @@ def run(options: argparse.Namespace) -> int:
     for card, seen in share(
         tasks, options.workers, lambda task: _examined(replace(task, watched=True)), others, long=True
     ):
+        if options.reference is not None and card.category not in known:
+            close = did_you_mean(card.category, known)
+            say(f"{options.reference} says nothing of {card.category}" + (f": {close}" if close else ""))
         cards.append(card)
         pictures.append(seen)
         if not (options.json or options.markdown or alone):

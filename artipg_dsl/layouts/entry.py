@@ -21,7 +21,7 @@ USUAL: Shares = (8, 1, 1)
 
 def read_shares(text: str) -> Shares:
     """How many of every few objects go into train, val and test: ``8,1,1``. Raises UsageError."""
-    words = text.split(",")
+    words = text.split(",") if isinstance(text, str) else []
     if len(words) != 3 or not all(re.fullmatch(r"\s*[0-9]{1,4}\s*", word) for word in words) or not int("".join(words)):
         raise UsageError(f"{text!r} is not a split", "it is three whole numbers for train, val and test, such as 8,1,1")
     train, val, test = map(int, words)

@@ -135,6 +135,11 @@ def read_map(path: str | Path) -> dict[str, dict[str, Any]]:
         raise UsageError(
             f"{path} is not JSON: {wrong}", '{"Kettle": {"class": "jar", "parts": {"*": "jar"}}}'
         ) from None
+    return require_map(found, str(path))
+
+
+def require_map(found: Any, name: str) -> dict[str, dict[str, Any]]:
+    """The same as plain data, which messages call by a name. Raises UsageError."""
     fits = isinstance(found, dict) and all(
         isinstance(entry, dict)
         and isinstance(entry.get("class"), str)
@@ -144,7 +149,7 @@ def read_map(path: str | Path) -> dict[str, dict[str, Any]]:
     )
     if not fits:
         raise UsageError(
-            f"{path} is not a map of words",
+            f"{name} is not a map of words",
             'a map is {"Kettle": {"class": "jar", "parts": {"lid": "lid", "*": "jar"}}}',
         )
-    return found
+    return dict(found)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -149,8 +150,14 @@ def _read_shards(folder: Path, kind: str, wanted: Callable[[str], bool], most: i
         )
     parts = []
     for path in paths:
-        with np.load(path, allow_pickle=False) as file:
-            parts.append({name: file[name] for name in file.files if wanted(name)})
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                parts.append({name: file[name] for name in file.files if wanted(name)})
+        except (OSError, ValueError, EOFError, BadZipFile) as error:
+            raise UserError(
+                f"{path} cannot be read: {error}",
+                "remove it, and run the command that made it again: that makes what is missing",
+            ) from None
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, fields
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..diagnostics.suggest import did_you_mean
 from ..errors import UserError
 from ..records import dataclass
 from ..runtime.batch import Batch
@@ -70,7 +71,7 @@ def read_reference(path: str | Path | None = None) -> dict[str, Real]:
         raise UserError(f"{path} cannot be read: {getattr(error, 'strerror', None) or error}") from None
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise UserError(
-            f"{path} is not a file of real sizes: {error}", "docs/categories.md shows what it holds"
+            f"{path} is not a file of real sizes: {error}", "docs/cli.md shows, under `report`, what it holds"
         ) from None
 
 
@@ -82,6 +83,9 @@ def _real(entry: Mapping[str, Any]) -> Real:
     if not isinstance(models, dict):
         raise ValueError("`variants` is not a table of names and their settings")
     known["variants"] = {name: _variant(name, chosen) for name, chosen in models.items()}
+    names = [entry.name for entry in fields(Real)]
+    if odd := sorted(known.keys() - set(names)):
+        raise ValueError(f"there is no `{odd[0]}`; {did_you_mean(odd[0], names) or 'there are ' + ', '.join(names)}")
     return Real(**known)
 
 

@@ -184,6 +184,8 @@ def _bind_one(job: Job, asked: Binding, item: Item) -> str:
         if record.get("joints"):
             real = closed(batch, real, record["joints"])
         details = bind(batch, real, asked.points, asked.assignment, asked.completed)
+        if not len(details):
+            raise UserError("none of its points has a counterpart on the structure", "give more of them: --points 8192")
         arrays = to_arrays(details, job.program.hash)
         told |= report(batch, real, arrays, asked.points)
         write_bytes(asked.out / f"{name}.npz", npz_bytes(arrays), force=True)

@@ -29,7 +29,10 @@ def read_params(values: str | Path | Iterable[Mapping[str, Any]]) -> tuple[tuple
             reason = getattr(error, "strerror", None) or "it is not text"
             raise UserError(f"{values} cannot be read: {reason}") from None
         return tuple(_parse_entries(text, str(values))), str(values)
-    found = tuple(dict(entry) for entry in ([values] if isinstance(values, Mapping) else values))
+    entries = [values] if isinstance(values, Mapping) else list(values) if isinstance(values, Iterable) else [values]
+    if not all(isinstance(entry, Mapping) for entry in entries):
+        raise UsageError(f"values is {values!r}", 'it is a file, or a dictionary for each object: [{"width": 0.52}]')
+    found = tuple(dict(entry) for entry in entries)
     if not found:
         raise UsageError("no objects are given: values is empty")
     return found, "values"
@@ -41,15 +44,26 @@ def _parse_entries(text: str, name: str) -> list[Mapping[str, Any]]:
         try:
             whole = json.loads(text)
             found = whole if isinstance(whole, list) else [whole]
-        except json.JSONDecodeError:
-            found = [json.loads(line) for line in text.splitlines() if line.strip()]
-    except json.JSONDecodeError as error:
-        raise UserError(f"{name}:{error.lineno} is not JSON: {error.msg}", _FORM) from None
+        except json.JSONDecodeError as error:
+            lines = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip()]
+            if text.lstrip().startswith("["):  # a list, whose mistake lies where it is found
+                raise UserError(f"{name}:{error.lineno} is not JSON: {error.msg}", _FORM) from None
+            found = [_parse_line(f"{name}:{k}", line) for k, line in lines]
     except (ValueError, RecursionError) as error:  # numbers of thousands of digits, thousands of lists
         raise UserError(f"{name} cannot be read: {error}", _FORM) from None
-    if not found or not all(isinstance(entry, dict) for entry in found):
+    if not found:
         raise UserError(f"{name} holds no objects", _FORM)
+    odd = next((k for k, entry in enumerate(found) if not isinstance(entry, dict)), None)
+    if odd is not None:
+        raise UserError(f"{name}, object {odd}: {json.dumps(found[odd])[:40]} is no table of names and values", _FORM)
     return found
+
+
+def _parse_line(place: str, line: str) -> Any:
+    try:
+        return json.loads(line)
+    except json.JSONDecodeError as error:
+        raise UserError(f"{place} is not JSON: {error.msg}", _FORM) from None
 
 
 def read_values(found: Sequence[Mapping[str, Any]], program: Program, name: str) -> Values:

@@ -189,7 +189,7 @@ def read_request(
     ``values``: a file of objects given by their values, or a dictionary for each. ``prior``: the name of a shipped one, a file, or
     what is said of each draw. ``frame``: the name of a shipped one, or a file. Raises UsageError, UserError.
     """
-    if not isinstance(settings, Mapping | None):
+    if not isinstance(settings, Mapping | None) or not all(isinstance(name, str) for name in settings or ()):
         raise UsageError(f"set is {settings!r}", 'it maps names to values: {"width": "45cm"}')
     if values is None:
         asked, given = read_numbers(n, numbers), None

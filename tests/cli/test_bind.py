@@ -36,6 +36,11 @@ def fit_one(folder: Path, number: int) -> Path:
     return folder
 
 
+def test_an_object_without_a_detail_is_told(apgc: Apgc, tmp_path: Path) -> None:
+    code, out, err = apgc("bind", fit_one(tmp_path / "one", 0), "-o", tmp_path / "bound", "--points", 1)
+    assert code == 1 and "none of its points has a counterpart on the structure" in out + err
+
+
 def test_details_of_other_objects_are_not_lost(apgc: Apgc, tmp_path: Path) -> None:
     one, other, out = fit_one(tmp_path / "one", 0), fit_one(tmp_path / "other", 1), tmp_path / "bound"
     asked = ("-o", out, "--points", 500)

@@ -159,11 +159,19 @@ def test_ratios_stand_beside_real_ones(apgc: Apgc, tmp_path: Path) -> None:
         ({"variants": {"gold": 3}}, ("the variant `gold` is not a table of settings",)),
         ({"variants": ["gold"]}, ("`variants` is not a table",)),
         ({"width/height": [3, 2, 1]}, ("width/height is not three rising ratios",)),
+        ({"wdth": [1, 2, 3]}, ("there is no `wdth`", "did you mean `width`?")),
     ],
 )
 def test_what_is_wrong_in_what_is_known_is_told(apgc: Apgc, tmp_path: Path, entry: dict, words: tuple) -> None:
     code, _, err = apgc("report", CHEST, "-n", 3, "--unchecked", "--reference", _known(tmp_path, **entry))
     assert code != 0 and all(word in err for word in words), err
+
+
+def test_what_says_nothing_of_the_category_is_told(apgc: Apgc, tmp_path: Path) -> None:
+    file = tmp_path / "known.json"
+    file.write_text(json.dumps({"categories": {"Chests": {"source": "a shop"}}}))
+    code, _, err = apgc("report", CHEST, "-n", 3, "--unchecked", "--reference", file)
+    assert code == 0 and "says nothing of Chest: did you mean `Chests`?" in err
 
 
 def test_a_table_of_several(apgc: Apgc) -> None:

@@ -286,6 +286,9 @@ def test_wild_values_are_repaired_and_told(apgc: Apgc, tmp_path: Path) -> None:
         ('{"q": 1}', "draws no `q`"),
         ('{"n": 2.5}', "not a whole number"),
         ("{", "is not JSON"),
+        ('{"a": "5cm"}\n\n{"a": 5cm}', "v.json:3 is not JSON"),
+        ('[{"a": "5cm"},\n{"a": 5cm}]', "v.json:2 is not JSON"),
+        ('[{"a": "5cm"}, 3]', "v.json, object 1: 3 is no table of names and values"),
         ('{"a": "5kg"}', "wrong unit"),
     ],
 )

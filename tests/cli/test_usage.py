@@ -24,6 +24,7 @@ from .helpers import CHEST, Apgc, command, environment
         ("sample Microwave --no-mesh", "apgc sample has no option --no-mesh", "did you mean --no-meshes?"),
         ("sample Microwave more", "unexpected argument more", "apgc sample --help"),
         ("sample Microwave -n 0", "0 is not a number from 1", "apgc sample --help"),
+        ("sample Microwave -n 4 --number=5", "--number is given twice, with different values", "keep one"),
         ("sample", "required: DIR|NAME|FILE", "apgc sample --help"),
         ("compile Microwave --emit tree", "there is no --emit `tree`", "graph, ast, typed"),
         (f"sample {CHEST} --variant 3", "--variant applies to mutants", "--mutate"),

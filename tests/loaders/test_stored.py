@@ -72,6 +72,10 @@ def test_what_is_missing_is_named(folders: list[Path], chest: Path, tmp_path: Pa
         Stored(tmp_path / "few", "pose")
     with pytest.raises(UserError, match="--views"):
         Stored(tmp_path / "few", "completion")
+    shard = apg.sample(chest, n=1).to(tmp_path / "cut", "points", points=32) / "points-00000.npz"
+    shard.write_bytes(shard.read_bytes()[:300])
+    with pytest.raises(UserError, match="points-00000.npz cannot be read"):
+        Stored(tmp_path / "cut")
     apg.sample(chest, n=2).to(tmp_path / "links", "points", points=32, per="link")
     with pytest.raises(UserError, match="points of 4 things for 2 objects"):
         Stored(tmp_path / "links")
