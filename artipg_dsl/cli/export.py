@@ -124,7 +124,7 @@ def _wears_details(program: str) -> bool:
 def _lay_out(options: argparse.Namespace, layout: Layout, begun: float) -> int:
     from ..layouts.entry import USUAL, read_shares
     from ..layouts.words import read_map
-    from ..run.laying import write_layout
+    from ..run.laying import find_cautions, write_layout
 
     shares = USUAL if options.split is None else read_shares(options.split)
     own = None if options.map is None else read_map(options.map)
@@ -157,4 +157,6 @@ def _lay_out(options: argparse.Namespace, layout: Layout, begun: float) -> int:
     counts = ", ".join(f"{len(at)} {split}" for split, at in entry.splits().items())
     done = plural(len(entry.numbers), "object")
     say(f"{done} of {entry.category} as {layout.name} in {out}: {counts} {took(begun)}")
+    for words in find_cautions(out, layout):
+        say(words)
     return 0

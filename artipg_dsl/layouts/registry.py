@@ -36,7 +36,8 @@ class Layout:
     to it. ``words(program)``: what the index needs of a program beside that. ``needs``: (module, package, extra), ``too`` another.
     ``chunk``: objects that are made together. ``divides``: each point has a class of its own, so words that hold on some of a part
     count. ``alone``: names of objects say their class and no more, so two categories of one class need a folder each. ``frame``: the
-    shipped one by which objects lie as in the data set, where they do not lie so by themselves.
+    shipped one by which objects lie as in the data set, where they do not lie so by themselves. ``stumbles``: text in a path that its
+    loaders read as something else.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Layout:
     divides: bool = False
     alone: bool = False
     frame: str = ""
+    stumbles: str = ""
 
     def entry(
         self, program: Program, seed: int, numbers: np.ndarray, shares: Shares, own: Mapping[str, Any] | None = None
@@ -180,6 +182,7 @@ LAYOUTS: dict[str, Layout] = {
             chunk=4,
             gathers=True,
             alone=True,
+            stumbles=".",
         ),
         Layout(
             "cage",
@@ -258,6 +261,7 @@ LAYOUTS: dict[str, Layout] = {
             "completion:check_pcn",
             "shapenet",
             chunk=16,
+            stumbles="complete",
         ),
         Layout(
             "shapenet55",

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..errors import UserError
 from ..export.write import ExportError, ensure_folder, replacing_file, write_bytes
-from ..layouts.entry import USUAL, Entry, Shares
+from ..layouts.entry import SPLITS, USUAL, Entry, Shares
 from ..layouts.findings import Findings
 from ..layouts.registry import LAYOUTS, Layout, require
 from ..records import dataclass
@@ -117,6 +117,22 @@ def entries(folder: Path, layout: Layout | None = None, *, refuse: bool = False)
         if refuse and layout is not None and own is not layout:
             raise ExportError(f"{folder} is laid out as {own.name}", f"choose another folder for {layout.name}")
         found.append(_entry(record))
+    return found
+
+
+def find_cautions(folder: Path, layout: Layout) -> list[str]:
+    """What loaders stumble over in a folder whose files are right: lists of splits without an object, names in its path."""
+    known, found = entries(folder), []
+    meant = [split for k, split in enumerate(SPLITS) if any(entry.shares[k] for entry in known)]
+    if empty := [split for split in meant if not any(len(entry.splits()[split]) for entry in known)]:
+        found.append(
+            f"no object is in {' or '.join(empty)}, and most loaders fail at an empty list: make more objects, or choose other --split"
+        )
+    odd = [name for name in folder.parts if layout.stumbles and layout.stumbles in name.strip(".")]
+    if odd:
+        found.append(
+            f"loaders of {layout.name} misread a path with `{layout.stumbles}` in it: rename {odd[0]} before they read the folder"
+        )
     return found
 
 

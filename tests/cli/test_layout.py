@@ -26,6 +26,17 @@ def test_laid_out_and_checked(apgc: Apgc, tmp_path: Path) -> None:
     assert code == 1 and "1 numbers of parts differ from the model" in shown and "1 fault" in said
 
 
+def test_what_loaders_stumble_over_is_told(apgc: Apgc, tmp_path: Path) -> None:
+    out = tmp_path / "parts"
+    code, _, said = apgc("export", "Laptop", "-n", 2, "--format", "shapenetpart", "-o", out)
+    assert code == 0 and "no object is in val or test" in said
+    said = apgc("export", "Laptop", "-n", 2, "--format", "shapenetpart", "-o", out, "--split", "1,0,1", "--force")[2]
+    assert "no object is in" not in said and "misread" not in said
+    assert laying.find_cautions(Path("../all.complete/x"), LAYOUTS["shapenetpart"]) == []
+    assert "rename all.complete before" in laying.find_cautions(Path("../all.complete/x"), LAYOUTS["pcn"])[0]
+    assert "with `.` in it: rename all.v2" in laying.find_cautions(Path("../all.v2/x"), LAYOUTS["ancsh"])[0]
+
+
 @pytest.mark.slow
 def test_workers_write_the_same(apgc: Apgc, tmp_path: Path) -> None:
     for name, more in (("one", ()), ("two", ("--workers", 2))):
