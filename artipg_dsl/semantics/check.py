@@ -141,6 +141,14 @@ _PROPERTIES = {
 
 def _material(ck: Checker, symbol: Symbol, decl: ast.MaterialDecl) -> None:
     ctx, words = Context(symbol.module), ast.clause_words(ast.MaterialDecl)
+    apart = decl.static_friction or decl.dynamic_friction
+    if decl.friction is not None and apart is not None:
+        ck.error(
+            "unknown-clause",
+            decl.friction.span,
+            f"`friction` is both the static and the dynamic one, and `{apart.word}` is given, too",
+            hint="write `static_friction 0.5  dynamic_friction 0.4`, or `friction` alone",
+        )
     for clause in ast.clauses(decl):
         kind = _PROPERTIES.get(clause.word, RATIO)
         if clause.word not in words:

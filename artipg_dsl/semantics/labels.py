@@ -294,7 +294,8 @@ def _grasp(ck: Checker, ctx: Context, stmt: ast.GraspStmt) -> None:
     meant = {suggest(clause.word, needed) for clause in stmt.unknown}
     missing = [f"`{word}`" for word, clause in needed.items() if clause is None and word not in meant]
     if missing:
-        ck.error("missing-clause", stmt.name_span, f"the grasp lacks {' and '.join(missing)}")
+        hint = "for example `grasp hold on knob { at [0, 0, 0]  approach -x  close y  opening size.y }`"
+        ck.error("missing-clause", stmt.name_span, f"the grasp lacks {' and '.join(missing)}", hint=hint)
 
 
 def _material(ck: Checker, ctx: Context, stmt: ast.MaterialStmt) -> None:

@@ -117,7 +117,8 @@ def _on_face(ck: Checker, node: ast.Attaching, expr: ast.Expr, kind: Type) -> No
     target = node.on.value
     for end, found in ((expr, kind), (target, ck.types.get(id(target), UNKNOWN))):
         if found not in (PLANE, FRAME, UNKNOWN):
-            ck.unfit(end, found, "`on` lays a face on a face")
+            hint = f"name one of its faces, as in `{end.span.words}.top`" if isinstance(found, PartType) else None
+            ck.unfit(end, found, "`on` lays a face on a face", hint=hint)
     if node.fit is not None and not (isinstance(target, ast.MemberExpr | ast.NameExpr) and target.name in FACES):
         ck.error("wrong-type", node.fit.span, "`fit` needs a face of a box behind `on`, as in `on body.front fit left`")
 
@@ -283,6 +284,14 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
     wanted = LENGTH if slides else ANGLE
     if (interval := _taken(ck, kind, node.range)) is not None:
         motion_range(ck, ctx, interval.value, wanted if row is not None else UNKNOWN)
+        first, last = (components(end, ctx.module) for end in (interval.value.low, interval.value.high))
+        if len(first) == 1 and first[0] is not None and first == last:
+            ck.error(
+                "empty-range",
+                interval.value.span,
+                "the joint cannot move: both ends of its range are the same",
+                hint="give it room, or attach the part by `connect`",
+            )
         if row is not None and row.tilts and next(iter(components(interval.value.low, ctx.module)), None) != 0.0:
             ck.error(
                 "illegal-value",

@@ -296,6 +296,8 @@ def _align(ck: Checker, ctx: Context, first: ast.Expr, second: ast.Expr, word: s
                 hint = "name one of its faces (`.front`) or its center (`.center`)"
             elif kind in (FRAME, LINE, EDGE):
                 hint = "use its point: `.origin`"
+            elif kind == BOX:
+                hint = "a part fills a box by `connect lid in body.inner`, or by `in body.inner` in its joint"
             ck.unfit(expr, kind, f"`{word}` equates planes, numbers or points", hint=hint)
             return
     if is_number(left) != is_number(right):

@@ -9,7 +9,7 @@ from ..source import Span
 from ..syntax import ast
 from ..syntax.walk import walk
 from .check import TypedProgram
-from .symbols import NAMED, ModuleScope
+from .symbols import NAMED, ModuleScope, Symbol
 
 _VALUES = ("param", "count", "let")
 _DECLARING = (*NAMED, ast.ParamDecl, ast.Argument)  # what they are called is no use of it
@@ -21,6 +21,9 @@ def warn_unused(typed: TypedProgram, report: Report) -> None:
         listed = " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
         be, it = ("are", "them") if len(names) > 1 else ("is", "it")
         report.warning("unused", span, f"{listed} {be} imported and not used", hint=f"leave {it} out of `use`")
+    for symbol in _find_materials(typed.main) if typed.category is not None else ():
+        hint = f"write `material {symbol.name} on ...`, or leave it out: its properties are not checked"
+        report.warning("unused", symbol.decl.name_span, f"nothing is made of `{symbol.name}`", hint=hint)
     for name, span in _find_values(typed) if typed.category is not None else ():
         report.warning("unused", span, f"nothing reads `{name}`: it changes no object", hint="use it, or leave it out")
 
@@ -39,6 +42,11 @@ def find_imports(module: ModuleScope) -> Iterator[tuple[list[str], Span]]:
         }
         if idle:
             yield list(idle), next(iter(idle.values()))
+
+
+def _find_materials(module: ModuleScope) -> Iterator[Symbol]:
+    read = _words(tuple(decl for decl in module.tree.declarations if not isinstance(decl, ast.MaterialDecl)))
+    return (symbol for symbol in module.own() if symbol.kind == "material" and symbol.name not in read)
 
 
 def _find_values(typed: TypedProgram) -> Iterator[tuple[str, Span]]:

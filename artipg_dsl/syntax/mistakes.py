@@ -157,6 +157,11 @@ MISTAKES = (
         ("top:use handles BarHandle", "top:use handles\nuse doors { A }", "top:use handles : A"),
     ),
     Mistake(
+        "a `use` names what it imports",
+        "for example `use handles { Handle, BarHandle }`; without a name, leave it out",
+        ("top:use handles { }",),
+    ),
+    Mistake(
         "alternatives are separated by `|`",
         "for example `part door : Door = SlabDoor | WindowDoor weight 2`",
         (

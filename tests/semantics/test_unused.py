@@ -48,6 +48,12 @@ def test_imports_are_told_by_their_line_and_vocabularies_are_not() -> None:
     ]
 
 
+def test_a_material_that_nothing_is_made_of() -> None:
+    kinds = "".join(f"material {name} {{ density 900kg/m3 }}\n" for name in ("ice", "snow", "slush", "hail"))
+    body = f"style look : material = snow | slush\n  {USED}\n  material look on body\n  material hail on foot"
+    assert told(f"{HEAD}{kinds}category Box {{\n  {body}\n}}\n") == ["nothing is made of `ice`"]
+
+
 def test_a_template_may_leave_what_its_role_asks_for_and_be_asked_for_what_it_has() -> None:
     text = """apg 1
 use primitives { Cuboid }

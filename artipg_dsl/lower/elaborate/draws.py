@@ -158,7 +158,12 @@ def open_parameter(
     if kind.values:
         return draw_option(local, declaration, f"{part.path}.{name}")
     if kind.style:
-        raise part.context.error("wrong-arguments", part.span, f"the style `{name}` must be given as an argument")
+        raise part.context.error(
+            "wrong-arguments",
+            part.span,
+            f"the style `{name}` must be given as an argument",
+            hint=f"write `{name} = ` and a style, or a template with the role `{kind.name}`",
+        )
     if kind.name == "count" and declaration.domain is not None:
         return draw_scalar(local, declaration, f"{part.path}.{name}")
     if kind.size is None:

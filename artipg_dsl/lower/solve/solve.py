@@ -9,6 +9,7 @@ between parameters is an error that offers ``derived``.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import field, replace
 
@@ -335,6 +336,9 @@ def _surplus(
             if users
             else "everything that it names is already fixed"
         )
+        roots = [part.name for part in env.context.parts if part.declaration.root]
+        if not users and roots and re.search(rf"\b{roots[0]}\b", equation.span.words):
+            hint = f"`{roots[0]}` is the root, whose frame is the object's: place the other parts by it"
         message = f"this equation is one too many{guard}: {said}"
         raise env.context.error("over-determined", equation.span, message, hint=hint, notes=notes)
 
