@@ -12,7 +12,7 @@ from ..errors import UserError
 from .compile import of_text
 
 if TYPE_CHECKING:
-    from ..graph.expr import Scope
+    from ..graph.expr import Column, Scope
     from ..lower.elaborate.part import Component
     from ..lower.expressions.context import Unknown
     from ..lower.program import Lowering
@@ -34,28 +34,37 @@ def run(options: argparse.Namespace) -> int:
 
 def entries(lowering: Lowering, wanted: str | None) -> Iterator[str]:
     """A line per part and, indented, one per unknown and case: its name, what determines it, where the text says so."""
-    from ..lower.solve.ledger import carriage
     from ..lower.solve.ledger import lines as ledger_lines
 
     shown, told = None, set()
+    options = {draw.column: draw.options for draw in lowering.context.draws if draw.kind == "choice"}
     parts = {instance.part.path: instance.part for instance in lowering.links.nodes}
     for part, unknown in lowering.context.ledger:
         path = part.path if part is not None else ""
         if wanted is not None and path != wanted and not path.startswith(wanted + "."):
             continue
-        guards = _conditions(unknown.column.scope)
+        guards = _conditions(unknown.column.scope, options)
         if (path, guards) != shown:
             shown = (path, guards)
             yield (path or lowering.program.name) + (f"   with {guards}" if guards else "")
             if part is not None and path not in told and (path == wanted or lowering.links.attachments(part)):
-                yield from _shown_lines("link", carriage(lowering.links, part))
+                yield from _held(lowering, part)
             told.add(path)
         yield from _shown_lines(_quantity(unknown), ledger_lines(unknown, lowering.context.draws))
     if wanted in parts and wanted not in told:
         yield wanted
-        yield from _shown_lines("link", carriage(lowering.links, parts[wanted]))
+        yield from _held(lowering, parts[wanted])
     if wanted is not None and wanted not in parts:
         yield from _port(lowering, parts, wanted)
+
+
+def _held(lowering: Lowering, part: Component) -> Iterator[str]:
+    """The link of a part, and what fixes its whole pose where no equation does."""
+    from ..lower.elaborate.place import mounts_of
+    from ..lower.solve.ledger import carriage, mounting
+
+    yield from _shown_lines("link", carriage(lowering.links, part))
+    yield from _shown_lines("pose", mounting(lowering.links, part, mounts_of(part)))
 
 
 def _shown_lines(name: str, lines: Iterable[Line]) -> Iterator[str]:
@@ -93,9 +102,15 @@ def _port(lowering: Lowering, parts: dict[str, Component], wanted: str) -> Itera
     yield f"    {'link':<14} {f'{links}, as it lies on {through}':<44} {next(iter(ports.values())).span}"
 
 
-def _conditions(scope: Scope) -> str:
-    """The alternatives in which a table has rows: ``door = SlabDoor``."""
-    found = [s.name.replace("=", " = ") for s in scope.ancestors() if s.kind == "guard"]
+def _conditions(scope: Scope, options: dict[Column, tuple[str, ...]]) -> str:
+    """The alternatives, and the branches of ``when``, in which a table has rows: ``door = SlabDoor``, ``rows > 2``."""
+    from ..lower.solve.ledger import condition
+
+    guards = [s for s in scope.ancestors() if s.kind == "guard"]
+    found = [
+        condition(s.count, options) if "when (" in s.name and s.count is not None else s.name.replace("=", " = ")
+        for s in guards
+    ]
     return ", ".join(reversed(found))
 
 

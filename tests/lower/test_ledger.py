@@ -40,6 +40,33 @@ def test_each_case_of_a_guard_has_its_line() -> None:
     assert "along z nothing: centred <text>:12:8" in found
 
 
+MOUNTED = category("""
+  count k in 1 .. 2
+  part arm : Cuboid(size = [9cm, 1cm, 1cm])
+  when k == 1 { connect arm.back to body.front } else { connect arm.back to body.left }
+  part lid : Cuboid(size = [_, 9cm, 1cm])
+  when k == 2 { align lid.front = body.front } else { align lid.front = body.front - 1cm }
+  align lid.back = body.back
+  joint open : revolute body -> lid about lid.back.bottom range 0deg .. 90deg
+  when k == 2 {
+    part peg : Cylinder(radius = 1cm)
+    connect peg.bottom to arm.top
+    align peg.height = 2cm
+  }
+""")
+
+
+def test_what_fixes_a_whole_pose_is_told() -> None:
+    found = ledger(MOUNTED, "arm")
+    assert "pose where k = 1: arm.back on body.front <text>:9:17" in found
+    assert "where k is not 1: arm.back on body.left <text>:9:57" in found
+    assert not any(line.startswith("pose") for line in ledger(MOUNTED, "lid"))
+
+
+def test_a_branch_is_named_by_its_condition() -> None:
+    assert ledger(MOUNTED, "peg")[0] == "peg with k = 2"
+
+
 def test_coupled_unknowns_name_one_another_and_searched_ones_their_start() -> None:
     found = ledger(TEXT)
     assert any(line.startswith("a align a - b = w / 5, together with `b`") for line in found)

@@ -58,6 +58,14 @@ class Mount:
     subject: ast.Expr
     target: ast.Expr | None
 
+    @property
+    def words(self) -> str:
+        """What is mounted on what: ``handle.mount on door.front``, ``rung between one.right and two.left``."""
+        between, subject = self.statement.between, self.subject.span.words
+        if between is not None:
+            return f"{subject} {between.span.words}"
+        return subject if self.target is None else f"{subject} on {self.target.span.words}"
+
 
 def begins(env: Env, node: ast.Expr | None) -> Declared | None:
     """The declaration that a path begins with."""
@@ -92,6 +100,11 @@ def _mount_of(env: Env, statement: ast.Stmt, part: Declared) -> Mount | None:
         if isinstance(subject, ast.MemberExpr | ast.IndexExpr) and not bare(env, statement.parent):
             return Mount(env, statement, subject, statement.parent)
     return None
+
+
+def mounts_of(part: Component) -> list[Mount]:
+    """The statements that fix the whole pose of a part: one, or one in each branch of a ``when``; none if equations place it."""
+    return _mounts_of(part.env, declared(part))
 
 
 def _mounts_of(env: Env, part: Declared) -> list[Mount]:
@@ -158,7 +171,7 @@ def _sought(part: Component) -> Pose:
     """The pose of a part in its environment; registers unknown coordinates where equations shall find them."""
     if part.declaration.root:
         return Pose(part.rotation(), (ZERO, ZERO, ZERO), ONE)
-    found = _mounts_of(part.env, declared(part))
+    found = mounts_of(part)
     if not found:
         return Pose(part.rotation(), part.position(), ONE)
     poses = [(m.env.scope, _mount_pose(part, m)) for m in found]

@@ -16,6 +16,7 @@ from ..values.kinds import part_of
 if TYPE_CHECKING:
     from ..elaborate.links import Links
     from ..elaborate.part import Component
+    from ..elaborate.place import Mount
 
 WORDS = {"centred": "nothing: centred", "default": "nothing: its default", "drawn": "drawn from its domain"}
 _SIGNS = {"eq": "=", "le": "<=", "lt": "<"}
@@ -69,6 +70,15 @@ def carriage(links: Links, part: Component) -> Iterator[Line]:
         yield Line(when, told, str(one.span))
     if not attachments:
         yield Line("", f"{named(links, links.of(part))}, with what it is a part of", str(part.span))
+
+
+def mounting(links: Links, part: Component, mounts: Sequence[Mount]) -> Iterator[Line]:
+    """What fixes the whole pose of a part: in each branch of ``when`` that mounts it."""
+    draws = {d.column: d.options for d in links.context.draws if d.kind == "choice"}
+    for one in mounts:
+        guards = [s.count for s in one.env.scope.ancestors() if s.count is not None and s is not part.env.scope]
+        when = condition(E.all_of(guards), draws) if len(mounts) > 1 and guards else ""
+        yield Line(when, one.words, str(one.statement.span))
 
 
 def named(links: Links, reference: Reference) -> str:
