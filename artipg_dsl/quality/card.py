@@ -11,7 +11,14 @@ from ..records import dataclass
 from ..runtime.batch import Batch
 from ..sampling.sample import Sampler
 from .coverage import Coverage, measure_coverage
-from .dead import Dead, find_dead_alternatives, find_dead_labels, find_dead_parameters, find_idle_labels
+from .dead import (
+    Dead,
+    find_dead_alternatives,
+    find_dead_grasps,
+    find_dead_labels,
+    find_dead_parameters,
+    find_idle_labels,
+)
 from .distance import measure_distance
 from .duplicates import CLOSE, find_near_duplicates
 from .graphs import find_graphs
@@ -232,7 +239,7 @@ def make_card(
     parameters = tuple(find_dead_parameters(batch, step(6)))
     alternatives = tuple(find_dead_alternatives(sampler, batch, step(7)))
     step(8)
-    labels = (*find_dead_labels(batch), *find_idle_labels(batch))
+    labels = (*find_dead_labels(batch), *find_idle_labels(batch), *find_dead_grasps(batch))
     return Card(
         batch.program.name,
         batch.program.hash,

@@ -1,5 +1,5 @@
 """What a program states to no effect: parameters whose value shows nowhere, alternatives nobody takes or nobody could tell, labels
-that hold nowhere, or where what is pressed would not move.
+that hold nowhere, or where what is pressed would not move, grasps that no hand makes.
 
 Found by trial: a value is moved within its range, all else kept, and the objects are looked at again; an alternative is
 taken on purpose, and compared with the others; a label is looked for at points of what it is on, and its joint moved there.
@@ -12,9 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..annotate.grasps import sample_grasps
+from ..annotate.gripper import REASONS, STANDARD, judge
 from ..annotate.interactions import find_possible, joints_meant, look_at
 from ..annotate.points import field_name, select_holding
-from ..annotate.states import joint_twist
+from ..annotate.states import joint_twist, open_values
 from ..graph.expr import TRUE
 from ..graph.program import Draw, Label
 from ..records import dataclass
@@ -28,6 +30,11 @@ _FEW = 48  # objects tried at first
 _MANY = 400  # objects tried before a parameter is called dead
 _LOOKS = ((_FEW, 64), (_MANY, 512))  # objects, and points on each primitive that a label names
 _ROWS = 8  # of primitives on which a label may hold, at least, for it to be called dead
+_HINDERS = {
+    "wide": "it opens wider than the gripper",
+    "blocked": "something is in the way of fingers or palm",
+    "empty": "nothing is between the fingers",
+}
 _PRESSES = ("press", "push")  # words of what a fingertip does, along the normal
 _ACROSS = 0.45  # the cosine of the widest angle between a normal and a way that it counts as across: 63 degrees
 _ACROSS_SHARE = 1 / 3  # of the points of a label, at least, that lie across the way
@@ -157,6 +164,25 @@ def find_idle_labels(batch: Batch) -> list[Dead]:
         for ((name, where), joint), across in sorted(look_across(some).items())
         if across.mean() < _ACROSS_SHARE
     ]
+
+
+def find_dead_grasps(batch: Batch) -> list[Dead]:
+    """Grasps that the gripper they are meant for can make in none of some objects, neither at rest nor with all joints open."""
+    some = evaluate_again(batch, np.arange(min(_FEW, len(batch))))
+    grasps = sample_grasps(some)
+    rest = judge(some, grasps, STANDARD)
+    made = (rest == 0) | (judge(some, grasps, STANDARD, open_values(some)) == 0)
+    stated: dict[tuple[str, str], list[int]] = {}
+    for number, grasp in enumerate(some.program.grasps):
+        stated.setdefault((grasp.name, str(grasp.where or "")), []).append(number)
+    found = []
+    for (name, where), families in sorted(stated.items()):
+        own = np.isin(grasps.family, families)
+        if own.any() and not made[own].any():
+            worst = REASONS[int(np.bincount(rest[own]).argmax())]
+            objects = len(np.unique(grasps.owner[own]))
+            found.append(Dead(name, where, f"is a grasp that no hand makes: {_HINDERS[worst]} ({objects} objects)"))
+    return found
 
 
 def look_across(batch: Batch) -> dict[tuple[tuple[str, str], int], np.ndarray]:

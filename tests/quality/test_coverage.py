@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from artipg_dsl.quality.coverage import find_together, list_factors, measure_coverage
-from artipg_dsl.quality.dead import find_dead_alternatives, find_dead_labels, find_dead_parameters, find_idle_labels
+from artipg_dsl.quality.dead import (
+    find_dead_alternatives,
+    find_dead_grasps,
+    find_dead_labels,
+    find_dead_parameters,
+    find_idle_labels,
+)
 from artipg_dsl.quality.fingerprint import fingerprint_objects
 
 from .programs import CHEST, sampled
@@ -237,3 +243,32 @@ def test_a_fingerprint_belongs_to_the_object() -> None:
     together_, alone = fingerprint_objects(batch), fingerprint_objects(sampler.batch(np.array([11, 5]), 0))
     assert alone.tolist() == [together_[11], together_[5]]
     assert len(np.unique(together_)) == 60
+
+
+GRASPED = """use bodies { OpenBox }
+category Grasped {
+  param wide : length in 2cm .. 4cm
+  root part body : OpenBox(size = [20cm, 20cm, 20cm], wall = 1cm)
+  part door : Cuboid(size = [1cm, 20cm, 20cm])
+  align door.back = body.front + 1mm
+  joint open : revolute body -> door about door.left.back range 0deg .. 110deg
+  part peg : Cuboid(size = [3cm, wide, 3cm])
+  connect peg.bottom on body.top
+  part core : Cuboid(size = [3cm, wide, 3cm])
+  connect core.back on body.inner.back
+  grasp hold on peg { at [0, 0, 0]  approach -z  close y  opening size.y + 1mm }
+  grasp take on core { at [0, 0, 0]  approach -x  close y  opening size.y + 1mm }
+  grasp beside on peg { at [0, 0, 9cm]  approach -z  close y  opening size.y + 1mm }
+  grasp below on peg { at [0, 0, 0]  approach z  close y  opening size.y + 1mm }
+  grasp far on body { at [0, 0, size.z / 2]  approach -z  close y  opening size.y }
+}
+"""
+
+
+def test_grasps_that_no_hand_makes_are_told_with_what_is_in_the_way() -> None:
+    _, batch = sampled(GRASPED)
+    assert [(dead.name, dead.why.partition(": ")[2]) for dead in find_dead_grasps(batch)] == [
+        ("below", "something is in the way of fingers or palm (48 objects)"),
+        ("beside", "nothing is between the fingers (48 objects)"),
+        ("far", "it opens wider than the gripper (48 objects)"),
+    ]
