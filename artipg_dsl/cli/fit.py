@@ -41,9 +41,12 @@ def run(options: argparse.Namespace) -> int:
     found, failed = summary["objects"], summary["failed"]
     if found and "labels" in summary:
         tell_unmatched(options.map, dict(words), summary["labels"])
-    lost = f", {plural(len(failed), 'file')} could not be read" if failed else ""
-    say(f"{plural(len(found), 'object')} in {out}{lost} {took(begun)}")
-    return 0 if found else 1
+    good = [one for one in found if one["object"] is not None]
+    far = len(found) - len(good)
+    lost = f", {plural(far, 'object')} not among them: without a valid fit" if far else ""
+    lost += f", {plural(len(failed), 'file')} could not be read" if failed else ""
+    say(f"{plural(len(good), 'object')} in {out}{lost} {took(begun)}")
+    return 0 if good else 1
 
 
 def _table(summary: dict[str, Any]) -> str:

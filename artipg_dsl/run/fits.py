@@ -128,9 +128,10 @@ def write_fits(
 
 
 def _refuse_others(out: Path, paths: Sequence[Path]) -> None:
-    """Refuse a folder of fits of other files that are still there: what it says of them would be gone. Raises UserError."""
+    """Refuse a folder of fits of other files that are still there: what it says of them would be gone; of those that could
+    not be read it says nothing. Raises UserError."""
     old, named = read_record(out / SUMMARY) or {}, {path.resolve() for path in paths}
-    sources = [Path(one["source"]) for key in ("objects", "failed") for one in old.get(key, ())]
+    sources = [Path(one["source"]) for one in old.get("objects", ())]
     others = [str(path) for path in sources if path.exists() and path.resolve() not in named]
     if others:
         raise UserError(

@@ -56,6 +56,17 @@ def test_a_folder_of_files(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     assert code == 0 and "4 objects" in err
 
 
+def test_what_was_not_fitted_is_no_object_and_is_in_no_way(apgc: Apgc, real: Path, tmp_path: Path) -> None:
+    out, wall = tmp_path / "out", tmp_path / "wall.npz"
+    code, _, err = apgc("fit", CHEST, real / "broken.obj", "-o", out, "--plain")
+    assert code == 1 and "0 objects in" in err and "1 file could not be read" in err
+    steps = np.stack(np.meshgrid(np.linspace(-0.4, 0.4, 40), np.linspace(0, 0.01, 40)), axis=-1).reshape(-1, 2)
+    np.savez(wall, points=np.insert(steps, 1, 0.001 * np.arange(len(steps)) % 0.01, axis=1))  # a strip, and no chest
+    code, said, err = apgc("fit", CHEST, wall, "-o", out, "--plain", "--front", "x", "--at-rest")
+    assert code == 1 and "does not fit" in said, (said, err)
+    assert "0 objects in" in err and "1 object not among them: without a valid fit" in err
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
