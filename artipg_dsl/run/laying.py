@@ -210,16 +210,15 @@ def _remove(out: Path, names: Iterable[str]) -> None:
 
 def _carry_out(job: Job, layout: Layout, entry: Entry, out: Path, progress: Progress | None, workers: int) -> None:
     pieces = [Piece(out, layout.name, entry, k, numbers) for k, numbers in enumerate(entry.chunks())]
-    done, names = 0, []
-    try:
+    done = 0
+    ensure_folder(out / _RECORDS)
+    with (out / _RECORDS / f"{entry.category}.files").open("w", encoding="utf-8", newline="\n") as listed:
         for piece, written in zip(pieces, _written(job, pieces, workers), strict=True):
-            names += written
+            listed.writelines(f"{name}\n" for name in written)
+            listed.flush()  # the next run removes what a killed one has left
             done += len(piece.numbers)
             if progress:
                 progress(done, len(entry.numbers))
-    finally:
-        listed = "".join(f"{name}\n" for name in names)
-        write_bytes(out / _RECORDS / f"{entry.category}.files", listed.encode(), force=True)
 
 
 def _written(job: Job, pieces: list[Piece], workers: int) -> Iterator[list[str]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -132,6 +133,18 @@ def test_an_object_that_is_refused_midway_leaves_nothing(tmp_path: Path, monkeyp
     with pytest.raises(UserError, match="refused"):
         sample("StorageFurniture", n=2).lay_out(tmp_path / "cage", "cage")
     assert not (tmp_path / "cage").exists()
+
+
+def test_a_killed_run_has_listed_what_it_leaves(tmp_path: Path) -> None:
+    """Nothing is done after a run that is killed, so its files are known as soon as they are there."""
+    layout, seen = replace(LAYOUTS["shapenetpart"], chunk=1), []
+    listed = tmp_path / ".layout" / "Laptop.files"
+
+    def look(done: int, total: int) -> None:
+        seen.append((done, sum((tmp_path / name).exists() for name in listed.read_text().splitlines())))
+
+    laying.write_layout(sample("Laptop", n=3).job, tmp_path, layout, progress=look)
+    assert seen == [(1, 1), (2, 2), (3, 3)]
 
 
 def test_what_is_interrupted_midway_is_not_found_by_loaders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
