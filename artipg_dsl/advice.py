@@ -69,12 +69,15 @@ def _drawn(draw: Draw, lowering: Lowering, span: Span, report: Report) -> Batch 
     except Exhausted as error:
         program = lowering.program
         worst = max(error.statistics.failures().items(), key=lambda item: item[1])[0]
+        equation = worst[0] == "requirement" and "==" in program.requirements[worst[1]].text
         report.warning(
             "none-drawn",
             span,
             f"no valid `{program.name}` in {error.attempts} attempts at an object; what failed most: "
             + describe_cause(program, worst),
-            hint="widen the ranges, or state what one value leaves to the next",
+            hint="what is drawn never equals a number: give the value itself, or write `align` and declare it `derived`"
+            if equation
+            else "widen the ranges, or state what one value leaves to the next",
         )
     return None
 

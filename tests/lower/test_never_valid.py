@@ -64,3 +64,14 @@ def test_what_is_wrong_with_all_objects_is_warned_of(away: str, more: str, told:
 @pytest.mark.parametrize(("low", "told"), [("5mm", []), ("60cm", [("this loop does not close at rest", 16)])])
 def test_a_loop_that_does_not_close_is_warned_of_where_it_is_stated(low: str, told: list[tuple[str, int]]) -> None:
     assert _told(SWING.format(low=low))[-1:] == told
+
+
+@pytest.mark.parametrize(
+    ("demand", "hint"),
+    [("away == 2cm", "write `align`"), ("abs(sin(away * 1rad / 1mm) * away) >= 29mm", "widen the ranges")],
+)
+def test_an_equation_that_is_demanded_is_told_apart_from_a_range_that_is_too_narrow(demand: str, hint: str) -> None:
+    session = Session.of_text(CHEST.format(away="1mm", more=f"require {demand}"), "programs/some.apg")
+    session.advise()
+    (found,) = [d for d in session.report.diagnostics if d.code == "none-drawn"]
+    assert hint in str(found.hint) and demand in found.message
