@@ -22,7 +22,7 @@ from artipg_dsl.annotate.states import draw_values, joint_twist, own_joints
 from artipg_dsl.export.partnet_mobility import folder_frame
 from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.geometry.outside import spread_directions
-from artipg_dsl.layouts.forecast import Scene, foretell
+from artipg_dsl.layouts.forecast import BLOCKED, Scene, foretell
 from artipg_dsl.layouts.hand import Arena, Trial, succeeds
 from artipg_dsl.layouts.where2act import led_links
 from artipg_dsl.runtime.batch import Batch
@@ -35,6 +35,7 @@ POINTS = 64  # of a link
 TILT, HELD = 15.0, 30.0  # degrees about the normal, or about the motion of what is held, that a hand comes or goes by
 WORDS = ("push", "press", "pull", "open", "close", "lift", "turn", "slide")
 ABOVE, GRAZING = 1e-6, 0.02  # metres over a point that rays begin at; sine of the least angle they leave it by
+TRIES = 12  # of a word on a link at points that a finger may get to
 ROOM = 0.02  # rad or units that a joint needs for a trial of a word, or half of its range
 
 
@@ -70,6 +71,8 @@ class Case:
         led = led_links(batch, arena.order)
         self.rows = [r for r in range(len(self.cloud.link)) if led[self.cloud.link[r, 0]]]
         self.states = list(self._states())
+        self.tried = len(self.states)  # the next is for what no finger gets to in these
+        self.states += self._settled(self._opened())
 
     def _chain(self, link: int) -> list[int]:
         by_child = {int(child): k for k, child in enumerate(self.joints.child)}
@@ -88,12 +91,27 @@ class Case:
             if k == STATES - 1 and self.batch.gates is not None:  # what waits may go, and stands where it rests
                 every = np.ones(len(rest), dtype=bool)
                 drawn = self.batch.gates.open(rest, every, self.joints.low, self.joints.high)
-            state = self.batch.settle(drawn)
-            known = dict(zip(self.names, state, strict=True))
-            settled = self.arena.settle({name: known.get(name, 0.0) for name in self.arena.order})
-            if settled is not None:
-                here = np.array([settled.get(name, state[row]) for row, name in enumerate(self.names)])
-                yield settled, here
+            yield from self._settled(drawn)
+
+    def _opened(self) -> np.ndarray:
+        """Joint values with all open that has the word, and at rest what has not."""
+        assert self.cloud.acting is not None
+        known = self.cloud.acting.get("affordance.open", np.full(self.cloud.link.shape, -1))
+        opens = np.isin(np.asarray(self.joints.number), known[known >= 0])
+        values = self.batch.rest().copy()
+        values[opens] += [self.far(joint) for joint in np.flatnonzero(opens)]
+        if self.batch.gates is not None:
+            values = self.batch.gates.open(values, opens, self.joints.low, self.joints.high)
+        return values
+
+    def _settled(self, values: np.ndarray) -> list[tuple[dict[str, float], np.ndarray]]:
+        """The one state that joints at ``values`` come to by themselves, or none."""
+        state = self.batch.settle(values)
+        known = dict(zip(self.names, state, strict=True))
+        settled = self.arena.settle({name: known.get(name, 0.0) for name in self.arena.order})
+        if settled is None:
+            return []
+        return [(settled, np.array([settled.get(name, state[row]) for row, name in enumerate(self.names)]))]
 
     def random(self, count: int) -> Iterator[tuple[Trial, int, str, bool]]:
         """Trials, with the state they start from."""
@@ -102,7 +120,7 @@ class Case:
             kind = kinds[self.draw.integers(len(kinds))]
             rows = [r for r in self.rows if self.joints.definition[self.chains[int(self.cloud.link[r, 0])][0]] == kind]
             row = rows[self.draw.integers(len(rows))]
-            point, state = int(self.draw.integers(POINTS)), int(self.draw.integers(len(self.states)))
+            point, state = int(self.draw.integers(POINTS)), int(self.draw.integers(self.tried))
             yield self.make(PRIMITIVES[t % len(PRIMITIVES)], row, point, state), state, "", False
 
     def make(self, primitive: str, row: int, point: int, state: int, lead: np.ndarray | None = None) -> Trial:
@@ -160,11 +178,29 @@ class Case:
                         yield self.make(trial.primitive, row, point, state), state, word, False
 
     def one(self, word: str, row: int, fit: np.ndarray) -> tuple[Trial, int] | None:
-        """A trial of a word at one of the points that are ``fit`` (states, POINTS), in a state in which its joint has room; None where there is
-        none."""
+        """A trial of a word at one of the points that are ``fit`` (states, POINTS), in a state in which its joint has room and, if it is
+        pressed, a finger gets to it: a key under a shut lid waits until the lid is open. None where there is none; where no finger gets to
+        any point in a few tries, in these states or with all open that opens, the first of them stands, and fails."""
+        kept = None
+        for k in range(TRIES):
+            made = self._one(word, row, fit[: self.tried] if k == 0 else fit)
+            if made is None:
+                break
+            if made[0].primitive != "pushing" or self.reaches(*made):
+                return made
+            kept = kept or made
+        return kept
+
+    def reaches(self, trial: Trial, state: int) -> bool:
+        """Whether the finger of a push gets to its point in a state: nothing lies on its way."""
+        scene = Scene.of(self.batch, self.robot, self.states[state][1])
+        return bool(foretell(scene, [trial], self.unit, self.arena.groups).why[0] != BLOCKED)
+
+    def _one(self, word: str, row: int, fit: np.ndarray) -> tuple[Trial, int] | None:
+        """As ``one``, by a finger that may be blocked."""
         assert self.cloud.acting is not None
         gripped = self.cloud.labels.get("affordance.grasp")
-        for k in self.draw.permutation(len(self.states)):
+        for k in self.draw.permutation(len(fit)):
             values = self.states[k][1]
             points = np.flatnonzero(fit[k])
             if not len(points):

@@ -74,13 +74,14 @@ def nested(env: Env) -> Iterator[Env]:
 def _aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
     """The things a target names; a path may run through repeats and slots."""
     found: list[Aim] = []
+    slot = isinstance(env.context.typed.type_of(node), types.SlotType)
     for value, home, named in walk(env, node):
         reached = len(found)
         if isinstance(value, Surface):
             found.extend(_aim_at(links, part, part, (name,)) for _, part, _, name in value.branches)
         elif isinstance(value, Ref):
             for branch in value.branches:
-                found.extend(_aim_at(links, p, _slot_owner(p, home, env), ()) for p, _ in branch.members)
+                found.extend(_aim_at(links, p, _slot_owner(p, home, env, slot), ()) for p, _ in branch.members)
         elif isinstance(value, Element):
             for part in value.env.all_parts():
                 found.append(_aim_at(links, part, part, ()))
@@ -92,8 +93,9 @@ def _aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
     return found
 
 
-def _slot_owner(part: Component, home: Env, env: Env) -> Component:
-    """Whose axes a formula has: those of the instance whose role declares the slot, for a part reached through one."""
+def _slot_owner(part: Component, home: Env, env: Env, slot: bool) -> Component:
+    """Whose axes a formula has: those of the instance whose role declares the slot, for a part reached through one; its own for
+    a part that is named itself, whatever slots are bound beside it."""
     instance = home.root.instance
     if instance is None or home.root is env.root:
         return part
@@ -102,7 +104,7 @@ def _slot_owner(part: Component, home: Env, env: Env) -> Component:
         if instance.part.role is not None
         else set()
     )
-    return instance.part if part.name in names or instance.bindings else part
+    return instance.part if part.name in names or slot and instance.bindings else part
 
 
 def _aim_at(links: Links, part: Component, owner: Component, surfaces: tuple[str, ...]) -> Aim:
