@@ -7,6 +7,7 @@ import warnings
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
+from zipfile import is_zipfile
 
 import numpy as np
 
@@ -121,6 +122,8 @@ def _read_points(path: Path) -> Cloud:
             raise UserError(f"{path.name} has {table.shape[1]} numbers a line", "three are needed, or six with normals")
         normals = table[:, 3:6] if table.shape[1] >= 6 else None
         return Cloud(table[:, :3], normals, np.full(len(table), -1), ())
+    if not is_zipfile(path):  # NumPy would take it for pickled data, and advise to load it unsafely
+        raise UserError(f"{path.name} cannot be read as npz: it is no archive of arrays", "np.savez writes one")
     with np.load(path, allow_pickle=False) as held:
         if "points" not in held:
             raise UserError(f"{path.name} has no array `points`", f"it has {', '.join(held) or 'none'}")
