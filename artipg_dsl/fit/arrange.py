@@ -1,17 +1,20 @@
-"""Elements of repeats put together anew: how many there are, where they end, and what is in each.
+"""The elements of repeats put together anew: how many there are, where they end, and what each of them holds.
 
-A count is seldom right alone: with three rows instead of one all that the rows hold is new, and drawn at random it is hardly ever right in
-every one of them. But elements stand apart from one another, and each can be judged by the points where it stands. So copies are drawn whose
-elements end where the cloud has planes across them, in all ways in which few planes part the room; of the elements between the same planes
-the likeliest is kept, and of the ways those whose elements are likeliest together. The noise is taken for large meanwhile, so that what is
-right, but a little off, is likelier than nothing. What elements hold that repeats in turn is put together after them.
+A count is seldom right on its own. With three rows instead of one, everything in the rows is new, and contents drawn at random are hardly ever
+right in every row. But elements stand beside one another, so each can be judged by the points near it. This is done in four steps:
+
+1. ``_rooms``: the box that a row of elements has, and the axis along which they follow one another.
+2. ``_ways``: every way to divide that box where the cloud has planes across it.
+3. ``_drawn`` and ``_costs``: copies in all these ways with random contents, and how likely the cloud makes each element of each copy.
+4. ``_assembled``: for each way, the likeliest element between the same two planes; of all ways, the likeliest.
+
+Meanwhile the noise of the cloud is taken to be large, so that an element that is right but a little off is likelier than none. Repeats within
+elements are put together after the elements.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
-from itertools import combinations
 
 import numpy as np
 
@@ -26,24 +29,24 @@ from .model import Model
 from .repeats import Layout, Places, Repeat, boxes_of_elements, contents_of, find_repeats, relaid
 from .search import Effort, best_of, taken, united
 
-_WIDE = 8e-3  # diagonals: the noise meanwhile
-_PROBES = 8  # copies that tell along which axis elements stand, and in which box
-# ways of laying out elements that are looked into: where these hold repeats in turn, and where not
+_WIDE = 8e-3  # diagonals: the noise is taken to be at least this
+_PROBES = 8  # copies of each candidate from which the rooms are read off
+# how many of the likeliest ways are kept: for a repeat that holds others, and for one that does not
 _OUTER, _INNER = 2, 3
-_PLANES = 7  # of a cloud, across a row of elements, at which these may end
-_BINS = 128  # of the extent of a row, where planes are looked for,
-_ENDS = 5  # of which so many on each end are no planes between elements,
-_NEXT = 2  # and two planes lie farther apart
-_FEW = 4  # points that are no plane yet
-_ACROSS = 0.9  # of a normal, along the axis, of a point of such a plane
-_AROUND = 0.02  # metres beyond the box of a row where its points may lie
-_SLACK = 1.05  # in the ratio of weights, which do not tell the room of elements exactly
-_BLOCK = 96  # copies at a time
-_LANE = 1000  # the first that contents are drawn by: other copies have smaller numbers
+_PLANES = 7  # planes of the cloud across a row that are considered: 2 ** 7 ways at most to divide it
+_BINS = 128  # in which the points of a row are counted along its axis
+_ENDS = 5  # bins at either end of a row: planes there are its own sides
+_NEXT = 2  # bins: planes as near to each other as this count as one
+_FEW = 4  # points: with fewer, a bin holds no plane
+_ACROSS = 0.9  # how far the normal of a point of such a plane reaches along the axis, at least
+_AROUND = 0.02  # metres: points that lie this far outside the box of a row still belong to it
+_SLACK = 1.05  # factor: elements may differ in size by so much more than their weights, as gaps and walls count as well
+_BLOCK = 96  # copies that are weighed at a time
+_LANE = 1000  # contents are drawn by lanes from here on: the lanes of other copies are smaller
 
 
 def rearranged(model: Model, own: Targets, found: Candidates, clouds: Clouds, effort: Effort) -> Candidates:
-    """Those of the candidates that become likelier with the elements of their repeats put together anew, with these."""
+    """The candidates that become likelier when the elements of their repeats are put together anew, in their new form."""
     repeats, nothing = find_repeats(model), taken(model, found, np.zeros(0, dtype=np.int64))
     if not repeats:
         return nothing
@@ -71,7 +74,8 @@ def rearranged(model: Model, own: Targets, found: Candidates, clouds: Clouds, ef
 def _composed(
     model: Model, own: Targets, found: Candidates, clouds: Clouds, base: Evidence, one: Repeat, copies: int, best: int
 ) -> tuple[Candidates, np.ndarray]:
-    """Candidates with the elements of a repeat put together of many ``copies`` of each, in the ``best`` ways; and of which each was made."""
+    """Each candidate with the elements of one repeat put together anew from many ``copies`` of it, in the ``best`` ways; and for each of these
+    the candidate that it was made of."""
     places, none = Places.of(found.batch, one), np.zeros(0, dtype=np.int64)
     if not len(places.owner):
         return taken(model, found, none), none
@@ -88,8 +92,9 @@ def _composed(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Rooms:
-    """Of each of the places: the ``axis`` that elements follow one another along, upwards or downwards (``sign``), and the box ``low`` ..
-    ``high`` (n, 3) of all of them, in the frames of candidates; inf and -inf where there are none."""
+    """Where the elements of each of n places stand: the ``axis`` (n,) along which they follow one another, in its direction or against it
+    (``sign`` (n,), 1 or -1), and the box of all of them, ``low`` and ``high`` (n, 3) in metres, in the frames of the candidates; inf and -inf
+    for a place that never has elements."""
 
     axis: np.ndarray
     sign: np.ndarray
@@ -97,7 +102,7 @@ class _Rooms:
     high: np.ndarray
 
     def along(self, points: np.ndarray, place: np.ndarray) -> np.ndarray:
-        """(...) how far along the room of its ``place`` (...) each of some points (..., 3) lies: 0 where the first element begins, 1 where the
+        """How far along the room of its ``place`` (...) each of the ``points`` (..., 3) lies: 0 where the first element begins, 1 where the
         last one ends."""
         axis = self.axis[place][..., None]
         at, low, high = (
@@ -108,7 +113,7 @@ class _Rooms:
 
 
 def _rooms(model: Model, found: Candidates, one: Repeat, places: Places) -> _Rooms:
-    """By some copies with other counts."""
+    """Read off a few copies of each candidate that have various numbers of elements."""
     of = np.repeat(np.arange(len(found)), _PROBES)
     turn = np.tile(np.arange(_PROBES), len(found))
     place, copy = _pairs(places, of)
@@ -131,11 +136,20 @@ def _rooms(model: Model, found: Candidates, one: Repeat, places: Places) -> _Roo
     np.minimum.at(lows, rows.parent, low)
     np.maximum.at(highs, rows.parent, high)
     full = np.isfinite(lows).all(axis=1)
-    ends = [np.full((size, 3), np.inf), np.full((size, 3), -np.inf)]
-    for each in np.unique(place[full]).tolist():  # a few of each candidate
-        mine = full & (place == each)
-        ends[0][each], ends[1][each] = np.median(lows[mine], axis=0), np.median(highs[mine], axis=0)
+    ends = _medians(lows[full], place[full], size, np.inf), _medians(highs[full], place[full], size, -np.inf)
     return _Rooms(axis, np.where(step[np.arange(size), axis] < 0.0, -1.0, 1.0), *ends)
+
+
+def _medians(values: np.ndarray, of: np.ndarray, size: int, other: float) -> np.ndarray:
+    """(size, 3) the medians of ``values`` (n, 3) that belong to each of ``size`` groups, ``other`` for a group without any."""
+    many = np.bincount(of, minlength=size)
+    start, some = np.cumsum(many) - many, np.flatnonzero(many)
+    low, high = (start + (many - 1) // 2)[some], (start + many // 2)[some]
+    found = np.full((size, 3), other)
+    for axis in range(3):
+        ascending = values[np.lexsort((values[:, axis], of)), axis]
+        found[some, axis] = (ascending[low] + ascending[high]) / 2.0
+    return found
 
 
 def _weights(one: Repeat) -> tuple[int, ...]:
@@ -149,16 +163,18 @@ def _sums(values: np.ndarray, of: np.ndarray, size: int) -> np.ndarray:
 
 
 def _pairs(places: Places, of: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The places of copies ``of`` candidates, and of which copy each is: in the order in which a batch of these has them."""
+    """For copies made ``of`` (K,) candidates: all their places, in the order in which a batch of these copies has them, and the copy that each
+    of these places is in."""
     many = places.many[of]
     return runs(places.first[of], many), np.repeat(np.arange(len(of)), many)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Ways:
-    """Ways of laying out elements (W,): of which ``place``, how ``many`` elements, their ``ends`` (W, most + 1) from 0 to 1, inf beyond, and
-    the ``slot`` (W, most) that each takes, -1 beyond: elements of one slot are between the same ends. ``begin`` (n,), ``count`` (n,): those of
-    each place. ``ratio``: between which numbers weights lie."""
+    """W ways to lay out elements, ordered by place. For each the ``place`` (W,), how ``many`` (W,) elements it has, their ``ends``
+    (W, most + 1) from 0 to 1, inf beyond the last one, and the ``slot`` (W, most) of each element, -1 beyond: elements that lie between the
+    same two ends share a slot. The ways of place k are the ``count[k]`` ones from ``begin[k]`` on. ``ratio``: the least and the largest weight
+    that an element may have."""
 
     place: np.ndarray
     many: np.ndarray
@@ -169,7 +185,7 @@ class _Ways:
     ratio: tuple[float, float]
 
     def layout(self, way: np.ndarray, copy: np.ndarray) -> Layout:
-        """Some of them in copies."""
+        """The ways ``way`` (m,), each in one of the copies ``copy`` (m,)."""
         with np.errstate(invalid="ignore"):
             room = np.diff(self.ends[way], axis=1)
         room = np.where(self.slot[way] >= 0, room, np.nan)
@@ -180,89 +196,96 @@ class _Ways:
 
 
 def _ways(own: Targets, found: Candidates, one: Repeat, places: Places, rooms: _Rooms) -> _Ways:
-    """All ways in which planes of the clouds can part rooms, as far as weights allow; equal parts where there are no weights."""
+    """All the ways in which planes of the clouds can divide the rooms, as far as the weights allow; if there are no weights, each number of
+    equal elements."""
     ratio = _range_of_weights(found.batch, one)
-    place, many, ends = [], [], []
-    for each in np.flatnonzero(np.isfinite(rooms.low).all(axis=1)).tolist():  # a few of each candidate
-        least, most = max(int(places.least[each]), 1), int(places.most[each])
-        for parted in _parted(own, found, rooms, each, places, least, most, ratio if one.weight >= 0 else None):
-            place.append(each)
-            many.append(len(parted) - 1)
-            ends.append(parted)
-    wide = max(many, default=1)
-    padded = np.full((len(ends), wide + 1), np.inf)
-    for row, parted in enumerate(ends):
-        padded[row, : len(parted)] = parted
-    of, number = np.array(place, dtype=np.int64), np.array(many, dtype=np.int64)
-    there = np.arange(wide) < number[:, None]
-    way, rank = np.nonzero(there)
+    ends, many = _parted(own, found, places, rooms) if one.weight >= 0 else _equal(int(places.most.max(initial=1)))
+    room = np.diff(np.where(np.isfinite(ends), ends, np.nan), axis=2)
+    with np.errstate(invalid="ignore"):
+        least, most = (f(room, axis=2, initial=end) for f, end in ((np.fmin.reduce, np.inf), (np.fmax.reduce, 0.0)))
+    good = (many >= np.maximum(places.least, 1)[:, None]) & (many <= places.most[:, None])
+    good &= np.isfinite(rooms.low).all(axis=1)[:, None] & ~np.isnan(ends).any(axis=2)
     if one.weight >= 0:
-        said = np.stack([of[way], padded[way, rank], padded[way, rank + 1]])
+        good &= most * ratio[0] <= least * ratio[1] * _SLACK
+    of, way = np.nonzero(good)
+    number = many[way]
+    wide = int(number.max(initial=1))
+    chosen = np.broadcast_to(ends, (len(places.owner), *ends.shape[1:]))[of, way, : wide + 1]
+    there = np.arange(wide) < number[:, None]
+    row, rank = np.nonzero(there)
+    if one.weight >= 0:
+        said = np.stack([of[row], chosen[row, rank], chosen[row, rank + 1]])
     else:
-        said = np.stack([of[way], number[way], rank])
+        said = np.stack([of[row], number[row], rank])
     slot = np.full(there.shape, -1)
     if len(of):
         slot[there] = np.unique(said, axis=1, return_inverse=True)[1].ravel()
     begin, end = (np.searchsorted(of, np.arange(len(places.owner)), side=side) for side in ("left", "right"))
-    return _Ways(of, number, padded, slot, begin, end - begin, ratio)
+    return _Ways(of, number, chosen, slot, begin, end - begin, ratio)
+
+
+def _equal(most: int) -> tuple[np.ndarray, np.ndarray]:
+    """The ends (1, most, most + 1) of 1 to ``most`` equal elements, inf beyond the last one; and how many elements these are (most,)."""
+    many, rank = np.arange(1, most + 1), np.arange(most + 1)
+    return np.where(rank <= many[:, None], rank / many[:, None], np.inf)[None], many
+
+
+def _parted(own: Targets, found: Candidates, places: Places, rooms: _Rooms) -> tuple[np.ndarray, np.ndarray]:
+    """The ends (n, W, P + 2) of elements for each of the W = 2^P choices among the P planes across each of n rooms, inf beyond the last one;
+    and how many elements a choice makes (W,). A choice with a plane that a room does not have has an end that is nan."""
+    number = np.arange(1 << _PLANES)
+    chosen = (number[:, None] >> np.arange(_PLANES)[::-1]) % 2 == 1
+    size = chosen.sum(axis=1)
+    order = np.lexsort((-number, size))  # few planes first
+    chosen, size = chosen[order], size[order]
+    planes = np.where(chosen, _planes(own, found, places, rooms)[:, None], np.inf)
+    planes = np.sort(planes, axis=2)  # what is not chosen comes last, and so does nan
+    ends = np.concatenate([np.zeros((*planes.shape[:2], 1)), planes, np.full((*planes.shape[:2], 1), np.inf)], axis=2)
+    ends[:, np.arange(len(size)), size + 1] = 1.0
+    return ends, size + 1
 
 
 def _range_of_weights(batch: Batch, one: Repeat) -> tuple[float, float]:
-    """Between which numbers the weights of elements may lie."""
+    """The least and the largest weight that an element may have."""
     if one.weight < 0:
         return 1.0, 1.0
     low, high = domain_ends(batch, one.weight)
     return max(float(low.max(initial=0.0)), 1e-6), max(float(high.min(initial=np.inf)), 1e-6)
 
 
-def _parted(
-    own: Targets,
-    found: Candidates,
-    rooms: _Rooms,
-    place: int,
-    places: Places,
-    least: int,
-    most: int,
-    ratio: tuple[float, float] | None,
-) -> list[tuple[float, ...]]:
-    if ratio is None:
-        return [tuple(np.linspace(0.0, 1.0, n + 1).tolist()) for n in range(least, most + 1)]
-    planes = _planes(own, found, rooms, place, int(places.owner[place]))
-    made = []
-    for n in range(least, most + 1):
-        for between in combinations(planes, n - 1):
-            ends = (0.0, *between, 1.0)
-            room = np.diff(ends)
-            if room.max() * ratio[0] <= room.min() * ratio[1] * _SLACK:
-                made.append(ends)
-    return made
-
-
-def _planes(own: Targets, found: Candidates, rooms: _Rooms, place: int, owner: int) -> Sequence[float]:
-    """Where the cloud of a candidate has its largest planes across a room, ascending, 0 to 1."""
-    target, placed, axis = found.target[owner], found.placed, rooms.axis[place]
-    count = int(own.count[target])
-    points = (own.points[target, :count] - placed.shift[owner]) / placed.scale[owner]
-    there = ((points > rooms.low[place] - _AROUND) & (points < rooms.high[place] + _AROUND)).all(axis=1)
-    there &= np.abs(own.normals[target, :count, axis]) > _ACROSS
-    at = rooms.along(points[there], np.full(int(there.sum()), place))
-    bins = np.bincount(np.clip((at * _BINS).astype(np.int64), 0, _BINS - 1), minlength=_BINS).astype(np.float64)
-    rest = np.convolve(bins, [0.5, 1.0, 0.5], "same")
-    rest[:_ENDS] = rest[-_ENDS:] = 0.0
-    found_at = []
-    for _ in range(_PLANES):
-        top = int(np.argmax(rest))
-        if rest[top] < _FEW:
-            break
-        near = slice(max(top - 1, 0), top + 2)
-        found_at.append(float((bins[near] * (np.arange(_BINS)[near] + 0.5)).sum() / bins[near].sum() / _BINS))
-        rest[max(top - _NEXT, 0) : top + _NEXT + 1] = 0.0
-    return sorted(found_at)
+def _planes(own: Targets, found: Candidates, places: Places, rooms: _Rooms) -> np.ndarray:
+    """(n, P) where the cloud has its largest planes across each of n rooms, ascending from 0 to 1; nan where there are fewer."""
+    owner, size = places.owner, len(places.owner)
+    target, every = found.target[owner], np.arange(size)
+    shift, scale = found.placed.shift[owner], found.placed.scale[owner, None]
+    there = np.arange(own.points.shape[1]) < own.count[target, None]
+    for axis in range(3):
+        at = (own.points[target, :, axis] - shift[:, axis, None]) / scale
+        there &= (at > rooms.low[:, axis, None] - _AROUND) & (at < rooms.high[:, axis, None] + _AROUND)
+    there &= np.abs(own.normals[target, :, rooms.axis]) > _ACROSS
+    place, point = np.nonzero(there)
+    at = rooms.along((own.points[target[place], point] - shift[place]) / scale[place], place)
+    bin_ = np.clip((at * _BINS).astype(np.int64), 0, _BINS - 1)
+    bins = np.bincount(place * _BINS + bin_, minlength=size * _BINS).reshape(size, _BINS).astype(np.float64)
+    rest = bins.copy()
+    rest[:, 1:] += 0.5 * bins[:, :-1]
+    rest[:, :-1] += 0.5 * bins[:, 1:]
+    rest[:, :_ENDS] = rest[:, -_ENDS:] = 0.0
+    planes = np.full((size, _PLANES), np.nan)
+    for nth in range(_PLANES):
+        top = rest.argmax(axis=1)
+        good = np.flatnonzero(rest[every, top] >= _FEW)
+        near = top[good, None] + np.arange(-1, 2)
+        weight = bins[good[:, None], near]
+        planes[good, nth] = (weight * (near + 0.5)).sum(axis=1) / weight.sum(axis=1) / _BINS
+        rest[np.abs(np.arange(_BINS) - top[:, None]) <= _NEXT] = 0.0
+    return np.sort(planes, axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pairs:
-    """Of each place of each copy the ``way`` in which it is laid out, -1 for none; ``of`` (K,): the candidate that a copy was made of."""
+    """For each place of each copy, one after the other, the ``way`` in which it is laid out, -1 for none; ``of`` (K,): the candidate that each
+    copy was made of."""
 
     way: np.ndarray
     of: np.ndarray
@@ -271,19 +294,19 @@ class _Pairs:
 def _drawn(
     model: Model, found: Candidates, one: Repeat, places: Places, ways: _Ways, copies: int
 ) -> tuple[Batch, _Pairs]:
-    """As many ``copies`` of each candidate, whose places take all their ways in turn."""
+    """So many ``copies`` of each candidate, in which each place goes through all its ways in turn, with contents drawn at random."""
     some = np.flatnonzero(np.bincount(places.owner, ways.count, minlength=len(found)) > 0)
     of, turn = np.repeat(some, copies), np.tile(np.arange(copies), len(some))
     place, copy = _pairs(places, of)
     nth = place - places.first[of[copy]]
     many = ways.count[place]
-    step = 2 * nth + 1  # so that places do not go through their ways side by side
+    step = 2 * nth + 1  # other steps for other places, so that their ways are combined freely
     way = np.where(many > 0, ways.begin[place] + (turn[copy] * step + nth) % np.maximum(many, 1), -1)
     laid = np.flatnonzero(way >= 0)
     made = relaid(model, found.batch, of, _LANE + turn, one, places, ways.layout(way[laid], copy[laid]))
     good = np.flatnonzero(~made.state.failed)
     batch, way = model.assembled([(made, good)]), way[np.isin(copy, good)]
-    as_asked = batch.rowmap.rows(one.scope).count == ways.many[way]  # a count may have no room
+    as_asked = batch.rowmap.rows(one.scope).count == ways.many[way]  # the program may have lowered a count
     return batch, _Pairs(np.where(as_asked, way, -1), of[good])
 
 
@@ -300,7 +323,8 @@ def _costs(
     batch: Batch,
     pairs: _Pairs,
 ) -> np.ndarray:
-    """(n,) what the clouds say of each element of all copies: what is less is likelier."""
+    """How unlikely the clouds make each element of all copies (n,), in natural logarithms: by the points of its own surface, and by those of
+    the cloud within its ends."""
     costs: list[np.ndarray] = [np.zeros(0)]
     copy = np.repeat(np.arange(len(batch)), places.many[pairs.of])
     for start in range(0, len(batch), _BLOCK):
@@ -329,7 +353,7 @@ def _costs(
 
 
 def _nearest(rooms: _Rooms, places: Places, of: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """(m,) which of the places of its candidate ``of`` (m,) each of some points (m, 3) is nearest to."""
+    """For points (m, 3) of the candidates ``of`` (m,): the nearest room, as the number (m,) of its place among those of the candidate."""
     least, found = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int64)
     for nth in range(int(places.many.max(initial=0))):
         has = places.many[of] > nth
@@ -351,7 +375,7 @@ def _assembled(
     cost: np.ndarray,
     best: int,
 ) -> tuple[Candidates, np.ndarray]:
-    """The likeliest ways of each place, of the likeliest elements of each slot."""
+    """Candidates in the ``best`` likeliest ways of their places, each slot taken by its likeliest element; and what each was made of."""
     rows = batch.rowmap.rows(one.scope)
     way = pairs.way[rows.parent]
     element = np.flatnonzero(way >= 0)

@@ -125,8 +125,9 @@ def _at(primitive: Primitive, patch: int, params: Params, u: float, v: float) ->
     return grid(element_split(primitive, patch), params, np.array([u]), np.array([v]))[:, 0, 0]
 
 
+@lru_cache(maxsize=256)
 def _rule(nodes: int, order: int) -> tuple[np.ndarray, np.ndarray]:
-    """Places and weights of a quadrature over 0 .. 1."""
+    """Places and weights of a quadrature over 0 .. 1; not to be written to, as they are kept."""
     if nodes <= 2:
         return (np.array([0.5]), np.array([1.0])) if nodes == 1 else (np.array([0.0, 1.0]), np.array([0.5, 0.5]))
     panels = min(4, (nodes - 1) // _QUARTER)  # bends of quarter turns end where panels do

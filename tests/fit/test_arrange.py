@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
+from unittest import mock
 
 import numpy as np
 import pytest
 
 import artipg_dsl as apg
+from artipg_dsl.fit import arrange
 from artipg_dsl.fit.arrange import rearranged
 from artipg_dsl.fit.compare import Candidates
 from artipg_dsl.fit.evidence import Clouds
@@ -141,3 +144,23 @@ def test_each_is_put_together_as_it_would_be_alone(racks: tuple[Model, Candidate
     alone = Candidates(batch, np.zeros(1, dtype=np.int64), wrong.placed.take(last), np.zeros(1))
     one = rearranged(model, own, alone, Clouds(own), effort)
     assert np.array_equal(model.fingerprints(one.batch), model.fingerprints(found.batch)[1:])
+
+
+def test_a_room_is_divided_at_all_choices_of_its_planes() -> None:
+    planes = np.full((2, arrange._PLANES), np.nan)
+    planes[0, :3] = 0.2, 0.5, 0.8
+    with mock.patch.object(arrange, "_planes", return_value=planes):
+        ends, many = arrange._parted(*[mock.Mock()] * 4)
+    for row, some in enumerate(([0.2, 0.5, 0.8], [])):
+        there = np.flatnonzero(~np.isnan(ends[row]).any(axis=1))
+        found = [tuple(ends[row, k][np.isfinite(ends[row, k])].tolist()) for k in there]
+        assert found == [(0.0, *one, 1.0) for n in range(len(some) + 1) for one in combinations(some, n)]
+        assert [len(one) - 1 for one in found] == many[there].tolist()
+
+
+def test_medians_are_those_of_each_group() -> None:
+    values, of = np.random.default_rng(2).normal(size=(40, 3)), np.arange(40) % 7 // 2 * 2  # none of 1, 3 and 5
+    found = arrange._medians(values, of, 7, np.inf)
+    for k in range(7):
+        right = np.median(values[of == k], axis=0) if (of == k).any() else np.full(3, np.inf)
+        assert found[k].tobytes() == right.tobytes()
