@@ -17,7 +17,7 @@ from .options import COMMANDS
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 _DESCRIPTION = "Compile structure programs of articulated objects (.apg), and sample annotated objects from them."
-_MADE = 50_000, 20, 50  # objects between collections of garbage, of which hardly any is circular
+_MADE = 1_000_000, 20, 50  # objects between collections of garbage, of which hardly any is circular
 _EPILOG = (
     "apgc COMMAND --help lists the options of a command. "
     "Exit codes: 0 success, 1 errors in a program or in data, 2 wrong usage, 130 interrupted."
