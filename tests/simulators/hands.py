@@ -35,6 +35,7 @@ WORDS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "roll": (("hold",), ("rest",)),
 }
 """By word: how the hand acts, any of which will do, and in which states."""
+LED = ("pull", "open", "close")  # what a hand that grips also does by going along
 FORCE = 50.0  # newton
 TIME = 0.5  # seconds
 ALIKE = 4  # links of one object that are moved by joints of one declaration, such as keys
@@ -80,12 +81,18 @@ class Bench:
         return found
 
     def states(self, name: str, chain: list[int]) -> list[np.ndarray]:
-        """All joint values (J,) to begin with: at rest, or with one of the joints half way to the farther end."""
-        rest = self.batch.settle(self.batch.rest())
+        """All joint values (J,) to begin with: at rest, or with one of the joints half way to the farther end; what they wait
+        for has come."""
+        rest, joints, gates = self.batch.rest(), self.batch.joints(), self.batch.gates
+        if gates is not None:
+            rest = gates.open(rest, np.isin(np.arange(len(rest)), chain), joints.low, joints.high)
+        rest = self.batch.settle(rest)
         if name == "rest":
             return [rest]
-        joints, found = self.batch.joints(), []
+        found, first = [], int(self.rows[0])
         for row in chain:
+            while joints.mimic[row] >= 0:  # goes with another
+                row = first + int(joints.mimic[row])
             low, high = float(joints.low[row]), float(joints.high[row])
             if joints.kind[row] in ("continuous", "ball") or np.isnan(low) or np.isnan(high):
                 continue
@@ -187,6 +194,7 @@ def on_link(
 ) -> list[Trial]:
     rest = bench.batch.settle(bench.batch.rest())
     turn, shift = bench.frame(rest, link)
+    gripped = cloud.labels.get("affordance.grasp")
     found = []
     for word in WORDS:
         label = cloud.labels.get(f"affordance.{word}")
@@ -199,7 +207,8 @@ def on_link(
                 speed = np.sqrt(v @ v)
                 v = v / speed if speed > 1e-9 else n
                 moved = False
-                for act in WORDS[word][0]:
+                held = word in LED and gripped is not None and gripped[row, k] > 0
+                for act in (*WORDS[word][0], *(("hold",) if held else ())):
                     forces = {"push": (-n,), "pull": (n,), "hold": (v, -v)}[act]
                     for force in forces:
                         for state in WORDS[word][1]:
