@@ -21,7 +21,7 @@ from .coverage import Coverage, Sight
 from .focus import Differing, Rows, small, spread
 from .match import Gaps, features, gaps
 from .model import Placed
-from .outer import outer
+from .outer import Screens
 from .states import tables
 from .words import Nearest, unlike
 
@@ -83,6 +83,7 @@ class Clouds:
         theirs = features(targets.points, targets.normals, targets.diagonal[:, None]).reshape(-1, 6)
         word = targets.word.ravel()
         self._trees = [Nearest(theirs[:, :axes], own, word, targets.meant) for axes in _BY]
+        self.screens = Screens(targets.points, targets.apart[:, 0])
         self._sight = Sight(theirs, own, targets.apart[:, 0] / targets.diagonal)
 
     def unlikely(self, laid: _Laid, target: np.ndarray, asked: np.ndarray) -> np.ndarray:
@@ -163,8 +164,9 @@ class _Laid:
 
 
 def _lay(
-    batch: Batch, marked: Rows, placed: Placed, around: int, near: int, targets: Targets, target: np.ndarray
+    batch: Batch, marked: Rows, placed: Placed, around: int, near: int, clouds: Clouds, target: np.ndarray
 ) -> _Laid:
+    targets = clouds.targets
     laid = spread(batch, marked, around, near)
     position = placed.of(laid.points.position)
     last = np.arange(position.shape[1]) >= around
@@ -179,7 +181,7 @@ def _lay(
         laid.points.normal,
         places,
         apart,
-        ~outer(position),
+        ~clouds.screens.outer(position, target),
         fresh,
         shared,
         laid.area,
@@ -192,7 +194,7 @@ def _lay(
 def weigh(batch: Batch, target: np.ndarray, placed: Placed, clouds: Clouds) -> Evidence:
     """What the clouds say of candidates, each of its target."""
     targets = clouds.targets
-    laid = _lay(batch, small(batch), placed, *_POINTS, targets, target)
+    laid = _lay(batch, small(batch), placed, *_POINTS, clouds, target)
     every = np.broadcast_to(np.arange(targets.points.shape[1]), (len(target), targets.points.shape[1]))
     cloud, there = laid.unlikely(clouds, target, every, np.ones(every.shape, dtype=bool), ~laid.hidden)
     count, stands = targets.count[target], np.where(laid.hidden, 0.0, laid.apart**2)
@@ -270,7 +272,7 @@ def weigh_change(copies: Copies, clouds: Clouds, base: Evidence, change: Differi
     origins, what is gone is asked about as coarsely as all else."""
     of = copies.of
     gone = _gone(base, change, len(of))
-    laid = _lay(copies.batch, change.new, copies.placed, _AROUND, _NEAR, clouds.targets, copies.target)
+    laid = _lay(copies.batch, change.new, copies.placed, _AROUND, _NEAR, clouds, copies.target)
     told = _ask(copies, clouds, base, gone, laid)
     cloud, new, coverage = _told(laid, copies, clouds, told)
     surface = new.sum(axis=1)
@@ -285,7 +287,7 @@ def weigh_again(copies: Copies, origins: Copies, clouds: Clouds, base: Evidence,
     """The same with as many points on what is gone as on what is new: ``origins`` are the candidates that ``copies.of`` names."""
     of = copies.of
     laid, was = (
-        _lay(one.batch, rows, one.placed, _AROUND, _NEAR, clouds.targets, copies.target)
+        _lay(one.batch, rows, one.placed, _AROUND, _NEAR, clouds, copies.target)
         for one, rows in ((copies, change.new), (origins, change.gone))
     )
     told = _ask(copies, clouds, base, _gone(base, change, len(of)), laid)
@@ -302,7 +304,7 @@ def weigh_elements(
     and the points of what is new (K, n), on which row, among those of all tables, each of these lies (K, n)."""
     of = copies.of
     around, near, asked = _ROUGHLY
-    laid = _lay(copies.batch, change.new, copies.placed, around, near, clouds.targets, copies.target)
+    laid = _lay(copies.batch, change.new, copies.placed, around, near, clouds, copies.target)
     told = _ask(copies, clouds, base, _gone(base, change, len(of)), laid, asked)
     cloud, surface, _ = _told(laid, copies, clouds, told)
     more = np.where(told.asked, cloud - told.before, 0.0) * (base.weight[of] * _each(told))[:, None]

@@ -20,3 +20,25 @@ category Board {
   connect cap.bottom on board.top
 }
 """
+# most of the tray cannot be seen
+HOUSING = """
+apg 1
+use primitives { Cuboid, RectSleeve }
+template Tray {
+  param size : length[3]
+  part plate : Cuboid(size = [1cm, size.y, size.z])
+  part floor : Cuboid(size = [size.x - 1cm, size.y, 3mm])
+  align plate.front = front
+  align floor.front = plate.back
+}
+category Housing {
+  param width : length in 40cm .. 80cm = 60cm
+  root part shell : RectSleeve(size = [60cm, width, 80cm], border = 1cm)
+  part rear  : Cuboid(size = [1cm, width, 80cm])
+  part front : Cuboid(size = [1cm, width, 80cm])
+  connect rear.front on shell.back
+  connect front.back on shell.front
+  part tray : Tray(size = [31cm, 30cm, 16cm]) | none
+  connect tray.back on front.front sink 30cm
+}
+"""

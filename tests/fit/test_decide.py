@@ -8,6 +8,7 @@ import pytest
 import artipg_dsl as apg
 from artipg_dsl.fit.compare import Candidates
 from artipg_dsl.fit.decide import alternatives, decide
+from artipg_dsl.fit.develop import apart
 from artipg_dsl.fit.evidence import Clouds, Copies, weigh, weigh_again, weigh_change
 from artipg_dsl.fit.focus import differing, lifted
 from artipg_dsl.fit.model import Changes, Model, Placed
@@ -16,7 +17,7 @@ from artipg_dsl.fit.reading import Cloud
 from artipg_dsl.fit.search import Effort
 from artipg_dsl.runtime.batch import Batch
 
-from .helpers import N
+from .helpers import HOUSING, N
 
 
 def clouds(samples: apg.Samples, noise: float = 0.0) -> Clouds:
@@ -157,6 +158,18 @@ def test_changes_that_the_rest_does_not_fit_yet_are_developed(boards: apg.Sample
         better = decide(model, clouds(boards).targets.take(has), found, effort)
         right.append(int((model.structures(better.batch) == model.structures(true)[has]).sum()))
     assert right == [len(has), 0]
+
+
+def test_what_the_cloud_hides_does_not_speak_against_a_part() -> None:
+    """A floor behind the plate of a tray, which the few points of a copy leave visible."""
+    housings = apg.load(HOUSING, n=12, seed=1)
+    model = Model(housings.job.sampler)
+    has, true, wrong = without(housings, model, "tray")
+    every, cloud = np.arange(len(has)), Clouds(clouds(housings).targets.take(has))
+    found = Candidates(wrong, every, still(len(has)), np.zeros(len(has)))
+    copies = Copies(model.assembled([(true, has)]), every, every, still(len(has)))
+    told = weigh_change(copies, cloud, weigh(wrong, every, still(len(has)), cloud), apart(found, copies))
+    assert (told.loss < 0.0).all()
 
 
 def test_candidates_do_not_depend_on_their_company(model: Model, samples: apg.Samples) -> None:

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from artipg_dsl.errors import UsageError, UserError
-from artipg_dsl.fit.outer import outer
+from artipg_dsl.fit.outer import Screens, outer, spacing
 from artipg_dsl.fit.pose import Frame, pose, targets, turn
 from artipg_dsl.fit.reading import Cloud
 
@@ -22,6 +22,18 @@ def test_what_lies_inside_is_left_out() -> None:
     (outside, _), (inside, _) = box([1.0, 1.0, 1.0]), box([0.5, 0.5, 0.5])
     seen = outer(np.concatenate([outside, inside])[None])[0]
     assert seen[: len(outside)].all() and seen[len(outside) :].mean() < 0.01
+
+
+def test_a_target_hides_what_few_points_of_a_candidate_do_not() -> None:
+    """A tray a tenth below the top, in a candidate of 500 points, beside a target of 6,000."""
+    (target, _), (outside, _) = box([1.0, 1.0, 1.0]), box([1.0, 1.0, 1.0], 300)
+    tray = box([0.8, 0.8, 0.02], 200)[0] + [0.0, 0.0, 0.4]
+    every = np.concatenate([outside, tray])[None].repeat(2, axis=0)
+    every[1, 300:, 2] += 0.2  # above the target
+    clouds = np.stack([box([3.0, 3.0, 3.0])[0], target])
+    seen = Screens(clouds, spacing(clouds)).outer(every, np.array([1, 1]))
+    assert outer(every)[0, 300:].mean() > 0.5 and seen[0, 300:].mean() < 0.1
+    assert seen[:, :300].mean() > 0.9 and seen[1, 300:].mean() > 0.9
 
 
 @pytest.mark.parametrize("known", [True, False])
