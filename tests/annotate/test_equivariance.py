@@ -36,6 +36,7 @@ def moved(program: Program, motion: Pose) -> Program:
     made.sites = [replace(s, pose=compose(motion, s.pose)) for s in program.sites]
     made.parts = [replace(p, pose=compose(motion, p.pose)) for p in program.parts]
     made.joints = [replace(j, origin=place(motion, j.origin), axis=direct(motion, j.axis)) for j in program.joints]
+    made.closures = [replace(c, points=tuple(place(motion, point) for point in c.points)) for c in program.closures]
     made.grasps = [replace(g, frame=compose(motion, g.frame)) for g in program.grasps]
     made.keypoints = [replace(k, point=place(motion, k.point)) for k in program.keypoints]
     made.labels = [

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -56,11 +57,20 @@ class Drive:
         force, way = FORCES[form.name]
         target = node.arguments[0].value
         held = E.FALSE
-        for joint in self.joints(target):
-            guard, joint = self.lifted(joint)
-            guard = E.both(guard, elements_named(self.env, target))
+        for guard, joint in self.lifted(target):
             held = E.either(held, E.both(guard, self.drives(joint, force, way)))
         return held
+
+    def there(self, node: ast.Expr) -> Expr:
+        """Where a joint of a name is there to move the target."""
+        return E.any_of(guard for guard, _ in self.lifted(node))
+
+    def lifted(self, node: ast.Expr) -> Iterator[tuple[Expr, Joint]]:
+        """The joints of a name in the table of the target, and where each exists there."""
+        named = elements_named(self.env, node)
+        for joint in self.joints(node):
+            guard, joint = self.lift(joint)
+            yield E.both(guard, named), joint
 
     def joints(self, node: ast.Expr) -> list[Joint]:
         """The joints of a name that may carry the target: one, or those of several alternatives."""
@@ -96,7 +106,7 @@ class Drive:
         inner = [p for body in part.bodies for p in body.all_parts()]
         return [definitions_of(self.links.of(part)), *(link for p in inner for link in self.links_of(p))]
 
-    def lifted(self, joint: Joint) -> tuple[Expr, Joint]:
+    def lift(self, joint: Joint) -> tuple[Expr, Joint]:
         """A joint in the table of the target, and where it exists there."""
         scope = self.aim.scope
         if scope.within(joint.scope):

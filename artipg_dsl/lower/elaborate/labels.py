@@ -27,7 +27,7 @@ from .guards import has_row, shown
 from .links import Links
 from .looks import sole_look
 from .part import Component
-from .paths import elements_named, walk
+from .paths import walk
 from .statements import Meanings, attempt
 
 
@@ -167,7 +167,8 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
             ev = formula(links, env, aim)
             guard, there = _where(ev, statement, aim), _standing(env, aim)
             if statement.joint is not None:
-                there = E.both(there, elements_named(env, statement.joint))
+                assert ev.drive is not None
+                there = E.both(there, ev.drive.there(statement.joint))
             holds = E.both(there, guard)
             if statement.value is None:  # what holds or does not is its condition
                 degree, present_if = guard, there
