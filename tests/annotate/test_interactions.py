@@ -133,6 +133,30 @@ def test_interactions_are_what_the_surface_bears() -> None:
         assert words["lid"] == ("lid" if lifted else "top"), "a guarded label is the part's word where it holds"
 
 
+def test_a_label_for_a_joint_holds_where_that_joint_is() -> None:
+    head, tail = (
+        GUARDED.rstrip().removesuffix("}"),
+        """
+  part dial : Cylinder(radius = 2cm, height = 1cm)
+  align dial.bottom = lid.top + 1mm
+  align dial.center.y = lid.left - 5cm
+  when kind == plain {
+    joint twist : continuous lid -> dial about dial.axis
+  } else {
+    connect dial to lid
+    allow floating dial because "glued"
+  }
+  label affordance.turn for twist on dial
+}
+""",
+    )
+    batch = Session(Source("chest.apg", head + tail), None).sampler.batch(np.arange(8), seed=1)
+    for k, annotation in enumerate(annotate(batch)):
+        turned = [entry["link"] for entry in annotation["interactions"] if entry["affordance"] == "affordance.turn"]
+        twists = batch.drawn(k)["kind"] == "plain"
+        assert sorted(turned) == ["dial"] * twists + ["lid"], "the knob; the lid's joint does not turn the dial"
+
+
 @pytest.mark.parametrize("category", sorted(categories()) if EVERY else ["Door", "Window", "USB"])
 def test_shipped_interactions_are_found_on_points(category: str) -> None:
     """On each link that moves, the affordances of the annotation are those of its points, both ways."""
