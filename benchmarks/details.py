@@ -45,10 +45,10 @@ from artipg_dsl.run.job import Job, open_job
 from artipg_dsl.run.request import read_request
 from artipg_dsl.run.resume import reopen
 from artipg_dsl.sampling.mutation import Mutation, read_operations
-from artipg_dsl.view.camera import look_at, place_lights
-from artipg_dsl.view.png import png_bytes, srgb
+from artipg_dsl.view.camera import look_at
+from artipg_dsl.view.png import png_bytes
 from artipg_dsl.view.scene import make_scene
-from artipg_dsl.view.sheet import by_pixels, make_renderer
+from artipg_dsl.view.sheet import Painter, Shot, by_pixels
 
 TILE = 260
 
@@ -304,7 +304,7 @@ def meshes(pairs: list[tuple[Path, Path]], operations: str) -> None:
 
 def surfaces(pairs: list[tuple[Path, Path]], out: Path, operations: str, each: int) -> None:
     global TILE
-    TILE, rows, draw = 300, [], make_renderer("auto", 300)
+    TILE, rows, painter = 300, [], Painter("auto", 300)
 
     def drawn(batch: Any, dressing: Any) -> list[np.ndarray]:
         fine = by_pixels(batch, TILE) if dressing is None else STANDARD
@@ -312,8 +312,7 @@ def surfaces(pairs: list[tuple[Path, Path]], out: Path, operations: str, each: i
         for i in range(len(batch)):
             shown = make_scene(robots, i, batch.pose(), "part")
             camera = look_at(shown.vertices, -35.0, 20.0)
-            lights = place_lights(camera, *draw.light_counts)
-            found.append(srgb(draw.render(shown, camera, lights, float(shown.vertices[:, 2].min()))))
+            found.append(painter.paint(Shot(shown, camera, float(shown.vertices[:, 2].min()))))
         return found
 
     for fitted, bound in pairs:

@@ -28,7 +28,7 @@ from ..records import dataclass
 from ..sampling.sample import Sampler
 from ..view.overlay import overlay
 from ..view.png import png_bytes
-from ..view.sheet import make_renderer
+from ..view.sheet import Painter
 from . import manifest as manifests
 from .dataset import write_dataset
 from .job import prepare
@@ -159,13 +159,13 @@ class _Work:
     opened: Model | None
     asked: Asked
     usual: float
-    draw: Any
+    painter: Painter | None
 
     @staticmethod
     def of(sampler: Sampler, asked: Asked) -> _Work:
         model = Model(sampler)
         opened = Model(sampler, opened=True) if asked.opened and can_open(sampler.program) else None
-        return _Work(model, opened, asked, usual_size(model), make_renderer("auto", _TILE) if asked.pictures else None)
+        return _Work(model, opened, asked, usual_size(model), Painter("auto", _TILE) if asked.pictures else None)
 
 
 _theirs: _Work | None = None  # what this worker works for
@@ -203,8 +203,8 @@ def _fit_group(work: _Work, group: list[Item]) -> list[Item]:
         opened=work.opened,
     )
     for (item, posed), one in zip(read, found, strict=True):
-        if asked.pictures:
-            image = overlay(one.batch, one.row, one.cloud, states=one.states, tile=_TILE, draw=work.draw)
+        if work.painter is not None:
+            image = overlay(one.batch, one.row, one.cloud, work.painter, states=one.states)
             write_bytes(asked.out / PICTURES / f"{item.name}.png", png_bytes(image), force=True)
         labels = {"labels": sorted(set(posed.names))} if asked.words else {}
         _write(asked, item, {**one.told, **labels, "drawn": one.values}, options)

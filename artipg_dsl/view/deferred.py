@@ -111,11 +111,6 @@ def _dot(rows: np.ndarray, vector: np.ndarray) -> np.ndarray:
     return rows[:, 0] * vector[..., 0] + rows[:, 1] * vector[..., 1] + rows[:, 2] * vector[..., 2]
 
 
-def _across(columns: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    x, y, z = vector
-    return columns[0] * x + columns[1] * y + columns[2] * z
-
-
 def _surface(scene: Scene, rays: Rays, at: np.ndarray, hits: RayHits) -> _SeenSurface:
     """What the samples ``at`` show, interpolated over the faces they hit."""
     corners = scene.faces[hits.face[at]]
@@ -151,13 +146,13 @@ def _light_up(
         tilt, narrow = aslant[mine], sharp[mine]
         for k, strength in zip(chosen.tolist(), power.astype(np.float32)[:, :, None], strict=True):
             to_light = lights.direction[k].astype(np.float32)
-            cast = _across(own, to_light)
+            cast = _dot(own.T, to_light)
             lit = np.flatnonzero(cast > 0.0)
             shown = np.zeros(len(mine), dtype=np.float32)
             shown[lit] = engine.visible(start.take(lit, axis=0), k)
             diffuse += shown * cast * strength
             if lights.sun[k]:
-                middle = (cast + tilt) / np.sqrt(2 + 2 * _across(eye, to_light))
+                middle = (cast + tilt) / np.sqrt(2 + 2 * _dot(eye.T, to_light))
                 mirror += shown * np.exp2(narrow * np.log2(np.maximum(middle, 1e-6))) * strength  # faster than a power
         light[mine], shine[mine] = diffuse.T, mirror.T
     light += 0.13 + 0.10 * backdrop * (0.5 - 0.5 * normal[:, 2:])

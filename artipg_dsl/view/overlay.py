@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..export.robot import Robots
-from .camera import Camera, look_at, place_lights
+from .camera import Camera, look_at
 from .png import srgb
 from .scene import hex_colour, make_scene
-from .sheet import BACKDROP, VIEWS, by_pixels, make_renderer
+from .sheet import BACKDROP, VIEWS, Painter, Shot, by_pixels
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -21,24 +21,15 @@ _BEHIND = 0.04  # of the distance: so far behind others a point is hidden
 
 
 def overlay(
-    batch: Batch,
-    row: int,
-    cloud: np.ndarray,
-    *,
-    states: np.ndarray | None = None,
-    tile: int = 320,
-    which: str = "auto",
-    draw: Any = None,
+    batch: Batch, row: int, cloud: np.ndarray, painter: Painter, *, states: np.ndarray | None = None
 ) -> np.ndarray:
-    """(tile, 3 * tile, 3) uint8: the ``cloud`` (n, 3) in the frame of object ``row`` of a batch, the object with its joints at
-    ``states`` (J,), at rest by default, and both."""
-    draw = make_renderer(which, tile) if draw is None else draw
-    robots = Robots(batch, resolution=by_pixels(batch, tile), physics=False)
+    """(tile, 3 * tile, 3) uint8, in tiles of the painter: the ``cloud`` (n, 3) in the frame of object ``row`` of a batch, the object
+    with its joints at ``states`` (J,), at rest by default, and both."""
+    robots = Robots(batch, resolution=by_pixels(batch, painter.tile), physics=False)
     shown = make_scene(robots, row, batch.pose(states))
     azimuth, elevation = VIEWS["iso"]
     camera = look_at(np.concatenate([shown.vertices, cloud]), -azimuth, elevation)
-    floor = float(shown.vertices[:, 2].min())
-    structure = srgb(draw.render(shown, camera, place_lights(camera, *draw.light_counts), floor))
+    structure = painter.paint(Shot(shown, camera, float(shown.vertices[:, 2].min())))
     empty = np.empty_like(structure)
     empty[:] = srgb(hex_colour(BACKDROP))
     dark = np.array([70, 78, 90], dtype=np.uint8)

@@ -173,8 +173,9 @@ def draw_sheet(
 def by_pixels(batch: Batch, tile: int) -> Resolution:
     """Meshes whose outlines show no corners in a picture ``tile`` pixels wide, not even of the smallest object."""
     low, high = object_boxes(batch.sites(), len(batch))
-    smallest = float((high - low).max(axis=1).min())
-    return Resolution(tolerance=min(max(_CORNER * smallest / tile, FINEST), COARSEST))
+    size = (high - low).max(axis=1)
+    smallest = float(size[size > 0.0].min(initial=COARSEST))  # some may show nothing
+    return Resolution(tolerance=max(_CORNER * smallest / tile, FINEST))
 
 
 def read_direction(view: str | tuple[float, float] | None) -> tuple[float, float]:
