@@ -40,7 +40,8 @@ from typing import Any
 
 HERE = Path(__file__).resolve().parent.parent
 COLD, WARM = ("plan", "first", "second"), ("unchecked", "check", "points", "annotation", "sample")
-FEW = 4  # objects of which files are written, and pictures drawn
+FEW = 32  # objects of which files are written
+DRAWN = 4  # objects of which pictures are drawn
 TILE = 128  # pixels
 COUNTED = {
     "plans": ("runtime.plan", "make_plan"),
@@ -111,8 +112,8 @@ def warm(sampler: Any, count: int, seed: int, exports: bool) -> dict[str, float]
     if exports:
         view = import_module("artipg_dsl.view.sheet")
         draw = getattr(view, "draw_sheet", None) or view.sheet  # as older checkouts call it
-        some = sampler.batch(numbers(0, FEW), seed)
-        row["render"] = 1e3 * clock(lambda: draw(some, tile=TILE))[0] / FEW
+        some = sampler.batch(numbers(0, DRAWN), seed)
+        row["render"] = 1e3 * clock(lambda: draw(some, tile=TILE))[0] / DRAWN
     return row
 
 

@@ -239,6 +239,22 @@ class Joint:
     whatever: bool = False
     gates: tuple[Gate, ...] = ()
 
+    @property
+    def values(self) -> tuple[Expr | None, ...]:
+        """Its limits and what moves it, in one order: low, high, rest, damping, friction, stiffness, effort, velocity,
+        pitch, positions."""
+        limits = (self.low, self.high, self.rest)
+        return (
+            *limits,
+            self.damping,
+            self.friction,
+            self.stiffness,
+            self.effort,
+            self.velocity,
+            self.pitch,
+            self.positions,
+        )
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Target:

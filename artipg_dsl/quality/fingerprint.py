@@ -56,20 +56,8 @@ class _Observer:
 
     def joints(self) -> None:
         for joint in self.program.joints:
-            given = (
-                joint.low,
-                joint.high,
-                joint.rest,
-                joint.damping,
-                joint.friction,
-                joint.stiffness,
-                joint.effort,
-                joint.velocity,
-                joint.pitch,
-                joint.positions,
-            )
-            there = [e for e in given if e is not None]
-            absent = "".join("-" if e is None else "+" for e in given)
+            there = [e for e in joint.values if e is not None]
+            absent = "".join("-" if e is None else "+" for e in joint.values)
             cells = [*joint.origin, *joint.axis, *there, *(joint.mimic[1:] if joint.mimic is not None else ())]
             followed = [] if joint.curve is None else [joint.curve]
             shape = "".join(map(_shape_of, followed))

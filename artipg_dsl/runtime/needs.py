@@ -55,19 +55,7 @@ def motion_of(program: Program) -> Iterator[Wanted]:
         for side in closure.links:
             yield from ranks_of(side)
     for joint in program.joints:
-        physics = (
-            joint.low,
-            joint.high,
-            joint.rest,
-            joint.damping,
-            joint.friction,
-            joint.stiffness,
-            joint.effort,
-            joint.velocity,
-            joint.pitch,
-            joint.positions,
-        )
-        yield from _each(joint.scope, joint.origin, joint.axis, (p for p in physics if p is not None))
+        yield from _each(joint.scope, joint.origin, joint.axis, (p for p in joint.values if p is not None))
         yield from ranks_of(joint.parent)
         if joint.mimic is not None:
             yield from _each(joint.scope, joint.mimic[1:], row_values(following(joint)))

@@ -18,7 +18,8 @@ from ..runtime.tables import JointTable
 from .bodies import Pieces, Placed, gather
 from .together import least_share, list_ways
 from .tree import Tree
-from .validate import COARSE, HALVINGS, Turns, find_near_pieces, find_turns, split_blocks
+from .turns import HALVINGS, Turns, without_apart_boxes
+from .validate import find_near_pieces, find_turns, split_blocks
 
 _HALVES = 24  # of the way of a slide
 HAIR_TURN, HAIR_SLIDE = 1e-4, 1e-5
@@ -97,16 +98,7 @@ def _sliding(tree: Tree, body: Pieces, piece: np.ndarray, joint: np.ndarray, roo
 def _turning(body: Pieces, turns: Turns, joint: np.ndarray, room: np.ndarray) -> None:
     """Lower ``room`` (J,) to how far joints turn before pieces meet others; ``joint`` (k,) of each turn."""
     turns.row = joint
-    boxes, open_ones = body.boxes(), []
-    for _ in range(COARSE):
-        if not len(turns.row):
-            break
-        hit, apart = turns.examined(boxes)
-        open_ones.append(turns.at(np.flatnonzero(hit)))
-        turns = turns.at(np.flatnonzero(~hit & ~apart)).halved()
-    left = [turns, *open_ones]
-    turns = Turns(*(np.concatenate([getattr(part, name) for part in left]) for name in Turns.__slots__))
-    body.ready(turns.piece, turns.other)
+    turns = without_apart_boxes(body, turns)
     for _ in range(HALVINGS):
         turns = turns.at(np.flatnonzero(turns.start < room[turns.row]))
         if not len(turns.row):

@@ -9,7 +9,7 @@ from artipg_dsl.geometry.vectors import dot
 from artipg_dsl.session import Session
 from artipg_dsl.validity.bodies import Placed, gather, swept_extent
 from artipg_dsl.validity.tree import Tree
-from artipg_dsl.validity.validate import Turns
+from artipg_dsl.validity.turns import Turns
 
 from .machine import bits, needs_compiler
 

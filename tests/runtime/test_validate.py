@@ -9,7 +9,7 @@ from artipg_dsl.geometry import pieces
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
-from artipg_dsl.validity import validate
+from artipg_dsl.validity import turns
 from artipg_dsl.validity.bodies import turn_points
 from artipg_dsl.validity.evidence import find_evidence, random_states
 from artipg_dsl.validity.tree import Tree
@@ -336,8 +336,8 @@ def test_boxes_about_many_pieces_rule_out_none_that_meet(name: str, monkeypatch:
     tree = Tree(batch)
     width = tree.high - tree.low
     tree.low, tree.high = tree.low - 0.5 * joint.random(len(width)) * width, tree.high + 0.5 * width
-    for many in (validate._MANY, 1, 10**9):
-        monkeypatch.setattr(validate, "_MANY", many)
+    for many in (turns._MANY, 1, 10**9):
+        monkeypatch.setattr(turns, "_MANY", many)
         hits = find_collisions(batch, tree)
         table.append(np.stack([hits.owner, hits.first, hits.second, hits.joint, hits.value], axis=1).tolist())
     assert table[0] == table[1] == table[2] and len(table[0]) > 0
