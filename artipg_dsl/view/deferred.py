@@ -159,7 +159,7 @@ def _light_up(
     edge = (1 - np.maximum(cosine, 0.0)) ** 5
     metal, gloss = seen.metalness[:, None], seen.gloss[:, None]
     base = 0.04 * (1 - metal) + seen.tint[:, :3] * metal
-    mirrored = _surroundings(2 * cosine[:, None] * normal - towards, lights.direction[0])
+    mirrored = _surroundings(2 * cosine[:, None] * normal - towards, lights.direction[0], 1 - seen.gloss)
     mirrored = mirrored * np.clip(np.sqrt(_dot(light, light))[:, None], 0.25, 1.1)
     fresnel = base + (1 - base) * edge[:, None] * gloss
     body = seen.tint[:, :3] * light * (1 - metal)
@@ -169,14 +169,25 @@ def _light_up(
     return colour, np.where(alpha < 0.999, glassy, 1.0)
 
 
-def _surroundings(direction: np.ndarray, sun: np.ndarray) -> np.ndarray:
-    """What a mirror sees (n, 1): bright sky above, a soft horizon, the ground below."""
-    sky = _smooth(-0.15, 0.75, direction[:, 2])
-    glow = _smooth(0.55, 0.95, _dot(direction, sun))
-    return (0.42 + 0.56 * sky + 0.25 * glow)[:, None]
+def _surroundings(direction: np.ndarray, sun: np.ndarray, rough: np.ndarray) -> np.ndarray:
+    """What a mirror (n,) sees (n, 1), as in a studio: a wide light overhead, one at either side, a dim room, a bright table.
+
+    Edges blur as the surface is ``rough`` (n,).
+    """
+    blur = 0.03 + 0.6 * rough
+    across = np.array([-sun[1], sun[0], 0.0]) / np.hypot(sun[0], sun[1])
+    up, aside = direction[:, 2], np.abs(_dot(direction, across))
+
+    def beyond(border: float, values: np.ndarray) -> np.ndarray:
+        return _smooth(border - blur, border + blur, values)
+
+    lamp = 0.86 * beyond(0.42, up) + 0.60 * beyond(0.80, aside) * (1 - beyond(0.55, np.abs(up)))
+    table = 0.30 * beyond(0.22, -up)
+    glow = 0.25 * _smooth(0.55, 0.95, _dot(direction, sun))
+    return (0.22 + lamp + table + glow)[:, None]
 
 
-def _smooth(low: float, high: float, values: np.ndarray) -> np.ndarray:
+def _smooth(low: float | np.ndarray, high: float | np.ndarray, values: np.ndarray) -> np.ndarray:
     t = np.clip((values - low) / (high - low), 0.0, 1.0)
     return t * t * (3 - 2 * t)
 

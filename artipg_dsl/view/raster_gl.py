@@ -48,10 +48,14 @@ float seen(int k, vec3 p, float turn) {
     return texture(shadows, vec3((tap + cell) / COLUMNS, q.z - 0.004));
 }
 
-vec3 surroundings(vec3 r) {      // what a mirror sees: bright sky above, a soft horizon, the ground below
-    float z = r.z;
-    float glow = 0.25 * smoothstep(0.55, 0.95, dot(r, direction[0]));
-    return mix(vec3(0.42), vec3(0.98), smoothstep(-0.15, 0.75, z)) + glow;
+float surroundings(vec3 r, float rough) {      // what a mirror sees, as deferred.py has it
+    float blur = 0.03 + 0.6 * rough;
+    vec2 sun = normalize(direction[0].xy);
+    float aside = abs(dot(r.xy, vec2(-sun.y, sun.x)));
+    float side = smoothstep(0.80 - blur, 0.80 + blur, aside) * (1.0 - smoothstep(0.55 - blur, 0.55 + blur, abs(r.z)));
+    float lamp = 0.86 * smoothstep(0.42 - blur, 0.42 + blur, r.z) + 0.60 * side;
+    float table = 0.30 * smoothstep(0.22 - blur, 0.22 + blur, -r.z);
+    return 0.22 + lamp + table + 0.25 * smoothstep(0.55, 0.95, dot(r, direction[0]));
 }
 
 void main() {
@@ -82,7 +86,7 @@ void main() {
     }
     light += vec3(0.13) + 0.10 * backdrop * (0.5 - 0.5 * m.z);         // what comes back from the ground and around
     float edge = pow(1.0 - max(dot(m, v), 0.0), 5.0);
-    vec3 mirrored = surroundings(reflect(-v, m)) * clamp(length(light), 0.25, 1.1);
+    float mirrored = surroundings(reflect(-v, m), 1.0 - gloss) * clamp(length(light), 0.25, 1.1);
     vec3 base = mix(vec3(0.04), tint.rgb, finish.x);
     vec3 fresnel = base + (1.0 - base) * edge * gloss;
     vec3 body = tint.rgb * light * (1.0 - finish.x);
