@@ -5,7 +5,8 @@ mass), and the load L, the most that gravity asks of the joint over its range (N
 
 * friction: what runs rubs with a hundredth or two of its weight: ``SLIDING * m g`` on runners, ``PIN * m g`` about a pin. Where
   gravity pulls the joint off its rest and no limit holds it there (a lid that stands open, the neck of a tap), it holds itself:
-  ``HOLD * L``; beside a spring, too, which not every format has.
+  ``HOLD * L``; beside a spring, too, which not every format has. A spring that balances the weight (the door of a dishwasher)
+  leaves less than L over the range, and friction holds that.
 * damping: a free movement dies away within ``FADE`` seconds: I / FADE. A spring of stiffness k brings the joint back without
   swinging past: 2 sqrt(k I).
 * effort: what friction, load and spring take, and half as much again or a push: ``HAND`` newtons at the far edge of what is moved,
@@ -43,6 +44,7 @@ QUICK = 0.15  # s, from one end to the other
 SWIFT = 0.05  # s, by an effort that the text states: ten steps of a simulator and more
 FADE = {"revolute": 2.0, "continuous": 5.0, "prismatic": 2.0, "screw": 1.0, "ball": 2.0}  # s
 VELOCITY = {"revolute": 3.0, "continuous": 6.0, "prismatic": 1.0, "screw": 6.0, "ball": 3.0}  # rad/s, m/s
+_PLACES = 65  # of a range, at which is looked at what a spring leaves of a weight
 _BALANCED = 1e-3  # of the load: less than this is no pull
 
 
@@ -91,19 +93,23 @@ def complete_dynamics(
     swing = _most(-weight * reach[:, 2], -weight * cross(axis, reach)[:, 2], joints.low - rest, joints.high - rest)
     load = np.where(slides, np.abs(pull), np.where(ball, weight * np.sqrt(dot(arm, arm)), swing + np.abs(lift)))
     pulled = np.abs(pull) > _BALANCED * np.maximum(load, 1e-9)
+    stiffness = np.nan_to_num(joints.stiffness)
+    left = np.where(
+        slides | ball, load, _left(-weight * reach[:, 2], -weight * cross(axis, reach)[:, 2], joints, rest, stiffness)
+    )
     span = np.nan_to_num(joints.high - joints.low)
     near = 1e-6 + 1e-3 * span
     held = np.where(pull > 0, rest >= joints.high - near, rest <= joints.low + near)
     hangs = np.where(ball, True, pulled & ~held)
     friction = _given(
-        joints.friction, np.maximum(weight * np.where(slides, SLIDING, PIN), np.where(hangs, HOLD * load, 0.0))
+        joints.friction,
+        np.maximum(weight * np.where(slides, SLIDING, PIN), np.where(hangs, HOLD * np.minimum(load, left), 0.0)),
     )
     velocity = _given(joints.velocity, _by_kind(joints, VELOCITY))
     way = np.where(span > 0.0, span, 2 * np.pi)  # what has no range turns round
     rubs, taken, moves = (
         _of_all(v, *together, power) for v, power in ((friction, 1), (friction + load, 1), (moved, 2))
     )
-    stiffness = np.nan_to_num(joints.stiffness)
     spring = _of_all(stiffness, *together, 2)
     drawn = spring * np.nan_to_num(np.maximum(rest - joints.low, joints.high - rest))
     taken = taken + drawn
@@ -127,6 +133,20 @@ def _most(cosine: np.ndarray, sine: np.ndarray, low: np.ndarray, high: np.ndarra
     ends = [np.abs(cosine * np.cos(d) + sine * np.sin(d)) for d in (first, last)]
     between = peak + np.pi * np.ceil((first - peak) / np.pi) <= last
     return np.where(between, np.hypot(cosine, sine), np.maximum(*ends))
+
+
+def _left(
+    cosine: np.ndarray, sine: np.ndarray, joints: JointTable, rest: np.ndarray, stiffness: np.ndarray
+) -> np.ndarray:
+    """The most of abs(cosine * cos(d) + sine * sin(d) - stiffness * d) over the range of each joint (J,): what a spring leaves of a
+    weight. inf where there is no spring."""
+    found = np.full(len(rest), np.inf)
+    k = np.flatnonzero(stiffness > 0.0)
+    low, high = (joints.low - rest)[k, None], (joints.high - rest)[k, None]
+    d = low + (high - low) * np.linspace(0.0, 1.0, _PLACES)
+    pulls = cosine[k, None] * np.cos(d) + sine[k, None] * np.sin(d) - stiffness[k, None] * d
+    found[k] = np.abs(pulls).max(axis=1, initial=0.0)
+    return found
 
 
 def _of_all(value: np.ndarray, leader: np.ndarray, ratio: np.ndarray, power: int) -> np.ndarray:

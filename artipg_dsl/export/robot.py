@@ -64,7 +64,7 @@ class RobotJoint:
     values it catches (0: anywhere), ``gates`` what it waits for: (name of a joint, from, to), -inf and inf where there is no
     such end. ``curve`` is how a joint follows by a formula: values of the leader over its range, and its own at these (k,);
     ``mimic`` is then the straight line between the ends. A spring of ``stiffness`` (0: none) draws it back to ``rest``;
-    ``unsprung`` is its damping and its effort where a format has no springs. Radians and metres, N m/rad and N/m.
+    ``unsprung`` is its friction, its damping and its effort where a format has no springs. Radians and metres, N m/rad and N/m.
     """
 
     name: str
@@ -85,7 +85,7 @@ class RobotJoint:
     positions: int = 0
     armature: float = 0.0
     stiffness: float = 0.0
-    unsprung: tuple[float, float] | None = None  # None: the object has no springs
+    unsprung: tuple[float, float, float] | None = None  # None: the object has no springs
     gates: tuple[tuple[str, float, float], ...] = ()
     curve: tuple[np.ndarray, np.ndarray] | None = None
 
@@ -397,14 +397,17 @@ class Robots:
                     positions=int(_number_or(joints.positions[j], 0.0)),
                     armature=float(self.dynamics.armature[j]),
                     stiffness=_number_or(joints.stiffness[j], 0.0),
-                    unsprung=None
-                    if self.unsprung is self.dynamics
-                    else (float(self.unsprung.damping[j]), float(self.unsprung.effort[j])),
+                    unsprung=self._unsprung(j),
                     gates=self._gates(j),
                     curve=self.curves.get(j),
                 )
             )
         return made
+
+    def _unsprung(self, j: int) -> tuple[float, float, float] | None:
+        if self.unsprung is self.dynamics:
+            return None
+        return float(self.unsprung.friction[j]), float(self.unsprung.damping[j]), float(self.unsprung.effort[j])
 
     def _gates(self, j: int) -> tuple[tuple[str, float, float], ...]:
         """What the joint in row ``j`` waits for."""

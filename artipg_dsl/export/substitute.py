@@ -68,8 +68,8 @@ def simple_joints(robot: Robot) -> Robot:
 def _unsprung(joint: RobotJoint) -> RobotJoint:
     if joint.unsprung is None:
         return joint
-    damping, effort = joint.unsprung
-    return replace(joint, stiffness=0.0, damping=damping, effort=effort, unsprung=None)
+    friction, damping, effort = joint.unsprung
+    return replace(joint, stiffness=0.0, friction=friction, damping=damping, effort=effort, unsprung=None)
 
 
 def _mark(root: RobotLink) -> RobotLink:

@@ -20,7 +20,7 @@ from ..geometry.vectors import cross
 from ..records import dataclass
 from ..runtime.motion import apply
 from ..validity.bodies import gather
-from .hand import ALONG, FAR, GRIP, LENGTH, MOVED, PRESS, RADIUS, SHARE, START, STIFF, Trial
+from .hand import ALONG, FAR, GRIP, LENGTH, MOVED, PRESS, RADIUS, SHARE, START, STIFF, Trial, sprung
 
 if TYPE_CHECKING:
     from ..export.robot import Robot
@@ -36,20 +36,23 @@ BLOCKED, _SLIPS, _LITTLE = "finger blocked", "slips", "moves too little"
 @dataclass(frozen=True)
 class Scene:
     """One object, a batch of its own, with the joints at ``state`` (J,); ``rubs`` (J,) newton metres or newton that hold each, ``weighs``
-    (J,) that pull it back from greater values; ``stiff``: newton per metre that the hand is behind."""
+    (J,) that pull it back from greater values, ``springs`` (J,) by how much more for each radian or metre; ``stiff``: newton per metre
+    that the hand is behind."""
 
     batch: Batch
     state: np.ndarray
     rubs: np.ndarray
     weighs: np.ndarray
+    springs: np.ndarray
     stiff: float = STIFF
 
     @staticmethod
     def of(batch: Batch, robot: Robot, state: np.ndarray) -> Scene:
         """With the masses and the friction that the files of the object state."""
-        stated = {joint.name: joint.friction for joint in simple_joints(robot).joints}
+        stated = {joint.name: joint.friction for joint in sprung(simple_joints(robot), robot).joints}
         rubs = np.array([stated.get(name, 0.0) for name in batch.joints().name])
-        return Scene(batch, state, _led(batch, state, rubs, np.abs), weights(batch, robot, state))
+        springs = np.nan_to_num(batch.joints().stiffness)
+        return Scene(batch, state, _led(batch, state, rubs, np.abs), weights(batch, robot, state), springs)
 
 
 @dataclass(frozen=True)
@@ -127,7 +130,7 @@ def _goes(scene: Scene, paths: Paths, lead: np.ndarray, plain: np.ndarray, unit:
 
 
 def weights(batch: Batch, robot: Robot, state: np.ndarray) -> np.ndarray:
-    """What the weight of what it carries, and of what follows it, pulls each joint (J,) back with, newton metres or newton."""
+    """What the weight of what it carries, and of what follows it, and its spring pull each joint (J,) back with, newton metres or newton."""
     joints, (turn, shift) = batch.joints(), batch.pose(state)
     mass = np.array([link.mass for link in robot.links])
     center = apply(turn, np.stack([link.origin + link.center for link in robot.links])) + shift
@@ -141,7 +144,8 @@ def weights(batch: Batch, robot: Robot, state: np.ndarray) -> np.ndarray:
     lever = cross(axis[:, None], center[None] - place[:, None])[..., 2]
     rise = np.where(joints.that("slides")[:, None], axis[:, None, 2], lever)
     own = np.where(joints.that("slides", "turns"), (_G * mass * rise * carried).sum(axis=1), 0.0)
-    return _led(batch, state, own)
+    drawn = np.nan_to_num(joints.stiffness) * (state - joints.rest)
+    return _led(batch, state, own) + drawn
 
 
 def _led(
@@ -172,16 +176,19 @@ def follow(scene: Scene, link: np.ndarray, point: np.ndarray, lead: np.ndarray) 
         waits[batch.gates.joint[batch.gates.held(state)]] = True
         driver = np.where(waits[driver], -1, driver)
     below, above = np.where(driver >= 0, below, 0.0), np.where(driver >= 0, above, 0.0)
-    rubs, weighs = scene.rubs[driver] / scene.stiff, scene.weighs[driver] / scene.stiff
+    rubs, weighs, springs = (v[driver] / scene.stiff for v in (scene.rubs, scene.weighs, scene.springs))
     gone, steps = np.zeros(driver.shape), np.zeros((*driver.shape, 3))
     for _ in range(_SWEEPS if driver.shape[1] > 1 else 1):
         for d in range(driver.shape[1]):
             rest = lead - steps.sum(axis=1) + steps[:, d]
             room = below[:, d], above[:, d]
-            gone[:, d], steps[:, d] = _nearest(turn[:, d], speed[:, d], *room, rest, rubs[:, d], weighs[:, d])
+            held = rubs[:, d], weighs[:, d], springs[:, d]
+            gone[:, d], steps[:, d] = _nearest(turn[:, d], speed[:, d], *room, rest, *held)
     way = steps.sum(axis=1)
     last = np.maximum(_size(speed + np.cross(turn, way[:, None])), 1e-9)
-    needs = np.where(gone != 0, np.maximum(rubs + np.sign(gone) * weighs, 0.0) / last, 0.0).max(axis=1)
+    needs = np.where(gone != 0, np.maximum(rubs + np.sign(gone) * (weighs + springs * gone), 0.0) / last, 0.0).max(
+        axis=1
+    )
     return Paths(driver, gone, way, needs)
 
 
@@ -193,9 +200,11 @@ def _nearest(
     lead: np.ndarray,
     rubs: np.ndarray,
     weighs: np.ndarray,
+    springs: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """How far (T,) one joint goes, and the way (T, 3) of the point, to the first place on its path where the hand, by what it
-    is still behind, no longer overcomes what ``rubs`` and ``weighs`` (T,), in metres of the hand times metres of the point per unit."""
+    is still behind, no longer overcomes what ``rubs`` and ``weighs`` (T,), in metres of the hand times metres of the point per unit,
+    and what ``springs`` (T,) draw more per unit."""
     rate, size, far = (np.sqrt((v**2).sum(axis=-1)) for v in (turn, speed, lead))
     way = np.sign((speed * lead).sum(axis=-1))
     reach = np.where(rate > 0, _TURN, far / np.maximum(size, 1e-9))
@@ -206,8 +215,9 @@ def _nearest(
     across = np.where(rate[:, None] > 0, (1 - np.cos(safe * step)) / safe**2, 0.0)
     moved = along[..., None] * speed[:, None] + across[..., None] * np.cross(turn, speed)[:, None]
     gained = -np.diff(((moved - lead[:, None]) ** 2).sum(axis=-1) / 2, axis=-1)
-    held = np.maximum(rubs + way * weighs, 0.0)
-    ends = gained < held[:, None] * (end / _STEPS)[:, None]
+    drawn = springs[:, None] * (step[:, 1:] + step[:, :-1]) / 2
+    held = np.maximum(rubs[:, None] + way[:, None] * (weighs[:, None] + drawn), 0.0)
+    ends = gained < held * (end / _STEPS)[:, None]
     best = np.where(ends.any(axis=-1), ends.argmax(axis=-1), _STEPS)
     at = np.arange(len(best))
     return step[at, best], moved[at, best]

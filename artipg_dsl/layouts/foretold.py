@@ -36,18 +36,22 @@ class Foretold:
         self._scene = Scene.of(batch, robot, batch.rest())
 
     def settle(self, values: Mapping[str, float]) -> dict[str, float] | None:
-        """Where the joints come to rest from there by themselves: what carries more than it rubs goes on to an end of its range, or to
-        where it carries less. None where there is no such end."""
+        """Where the joints come to rest from there by themselves: what carries more than it rubs, or is drawn by more, goes on to an end
+        of its range, or to where it is less. None where there is no such end."""
         joints, state = self.batch.joints(), self._state(values)
         low, high = np.asarray(joints.low), np.asarray(joints.high)
         free = np.asarray(joints.mimic) < 0
         free &= np.isin(joints.name, self.order)
         step = np.where(np.isnan(high - low), _ENDLESS, high - low) / _FALLS
+        least, before = step / _FALLS, np.zeros(len(step))
         for _ in range(_STEPS):
             scene = self._at(state)
             way = -np.sign(scene.weighs) * (np.abs(scene.weighs) > scene.rubs) * free
             if self.batch.gates is not None:
                 way[self.batch.gates.joint[self.batch.gates.held(state)]] = 0.0
+            step = np.where(way * before < 0, step / 2, step)  # it has gone too far
+            way[step < least] = 0.0
+            before = np.where(way != 0.0, way, before)
             gone = np.fmin(np.fmax(state + way * step, low), high)  # a limit that is not there is nan
             moved = (way != 0.0) & (gone != state)
             if not moved.any():

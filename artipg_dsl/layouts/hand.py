@@ -101,10 +101,21 @@ def _ties(joint: RobotJoint) -> bool:
     return joint.mimic is not None and abs(joint.mimic[1]) == 1.0
 
 
+def sprung(simple: Robot, robot: Robot) -> Robot:
+    """``simple_joints`` of a robot with the springs that URDF has no place for, and the friction and the damping beside them."""
+    given = {joint.name: joint for joint in robot.joints if joint.stiffness}
+    fields = ("stiffness", "friction", "damping")
+    joints = (
+        replace(joint, **{name: getattr(given[joint.name], name) for name in fields}) if joint.name in given else joint
+        for joint in simple.joints
+    )
+    return replace(simple, joints=tuple(joints))
+
+
 def _rotor(joint: RobotJoint) -> float:
     """The armature that MJCF and USD state, and URDF has no place for: without it a gram goes through the ends of its joint. kg m2
-    or kg, and no more than a hand does not feel."""
-    return min(joint.armature, _ROTOR[joint.kind == "prismatic"])
+    or kg, and no more than a hand does not feel, but beside a spring, which it makes slow enough for a step."""
+    return joint.armature if joint.stiffness else min(joint.armature, _ROTOR[joint.kind == "prismatic"])
 
 
 @dataclass(eq=False)
@@ -149,15 +160,16 @@ def _scene(sapien: Any, per: float) -> Any:
 
 class Standing:
     """One object in SAPIEN, its base held, with the friction and the damping that its file states. Joint values are by name,
-    those of ``order``, in radians and metres. A joint that waits for others is latched while it rests and they are not there yet: URDF
-    cannot say so. What follows another joint is drawn after it, and what it rubs and weighs its leader feels.
+    those of ``order``, in radians and metres. A joint that waits for others is latched while it rests and they are not there yet, and a
+    spring draws its joint back: URDF has neither. What follows another joint is drawn after it, and what it rubs and weighs its leader
+    feels.
 
     ``unit``: metres of what is 1 in the scene; ``per`` metre it has kilograms by the third power, newton by the fourth. ``long`` and ``heavy``
     (joints): what 1 of a joint's value is there, and 1 of what resists it."""
 
     def __init__(self, robot: Robot, unit: float = 1.0):
         sapien = _sapien()
-        self.unit, self.per, simple = unit, 1.0 / unit, simple_joints(robot)
+        self.unit, self.per, simple = unit, 1.0 / unit, sprung(simple_joints(robot), robot)
         self.robot, self.scene = scaled(simple, unit), _scene(sapien, self.per)
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = True
@@ -176,7 +188,11 @@ class Standing:
         self.heavy = np.array([resistance_scale(plain[name], unit) for name in self.order])
         self.bristle = _BRISTLE * self.long
         self.rubs = np.array([stated[name].friction for name in self.order])
-        self.damping = [stated[name].damping for name in self.order]
+        self.stiffness = np.array([stated[name].stiffness for name in self.order])
+        self.rest = np.array([stated[name].rest for name in self.order])
+        damping = np.array([stated[name].damping for name in self.order])
+        self.fading = np.where(self.stiffness > 0, damping, 0.0)  # beside a spring, whatever rubs
+        self.damping = damping - self.fading
         bodies = {link.name: link for link in self.body.links}
         self.links = [bodies[link.name] for link in robot.links]
         self.latches = list(self._latches(stated))
@@ -206,17 +222,24 @@ class Standing:
             self.rubs[leader] += abs(ratio) * stated[name].friction
             self.rubs[k] = 0.0
 
-    def _tow(self, now: np.ndarray) -> None:
-        """Draw what follows, and let leaders feel what it weighs: the drive of a follower does not reach them."""
-        if not self.towed:
+    def _draw(self, now: np.ndarray) -> None:
+        """Let springs draw, and leaders feel what follows them."""
+        if not self.towed and not self.stiffness.any():
             return
+        speed = np.asarray(self.body.get_qvel(), dtype=np.float64)
+        self.body.set_qf(-self._tow(now) - self.stiffness * (now - self.rest) - self.fading * speed)
+
+    def _tow(self, now: np.ndarray) -> np.ndarray:
+        """Draw what follows. What its leaders (joints) feel of its weight: the drive of a follower does not reach them."""
+        if not self.towed:
+            return np.zeros(len(now))
         weighs, felt = np.asarray(self.body.compute_passive_force(True, False), dtype=np.float64), np.zeros(len(now))
         for k, leader, joint, _ in reversed(self.towed):
             little = _LITTLE * float(self.long[leader])
             here, beyond = (float(joint.following(now[leader] + more)) for more in (0.0, little))
             self.active[k].set_drive_target(here)
             felt[leader] += (beyond - here) / little * (felt[k] + weighs[k])
-        self.body.set_qf(-felt)
+        return felt
 
     def place(self, values: Mapping[str, float]) -> None:
         """Put the joints there, at a standstill."""
@@ -235,7 +258,7 @@ class Standing:
         for k, _, _, stiff in self.towed:
             damping = 2 * np.sqrt(_TOWED) / _TOWED * stiff
             self.active[k].set_drive_properties(stiff, damping, mode="force")
-        self._tow(self.held)
+        self._draw(self.held)
 
     def now(self) -> np.ndarray:
         """Values in the scene."""
@@ -248,7 +271,7 @@ class Standing:
         now = self.now()
         for latch in self.latches:
             latch.turn(now)
-        self._tow(now)
+        self._draw(now)
         off = self.held - now
         slips = (np.abs(off) > self.bristle) & (self.rubs > 0)
         for k in np.flatnonzero(slips):  # what slips is held where it has come to

@@ -63,6 +63,10 @@ class Layout:
         """What a folder holds of the objects of a program, ``own`` words first. Raises UserError."""
         from .entry import Entry  # start-up: a list of layouts needs no arrays
 
+        if own and self.vocabulary and program.name not in own:
+            names = ", ".join(own)
+            hint = did_you_mean(program.name, own) or "leave --map out, or give the file that maps it"
+            raise UserError(f"--map says nothing of {program.name}, it maps {names}", hint)
         term = self.term(program.name, own)
         if term is not None and own:
             self._check_map(program, own)
@@ -83,10 +87,6 @@ class Layout:
 
     def _check_map(self, program: Program, own: Mapping[str, Any]) -> None:
         """All that a user's map says of a category is of some use. Raises UserError."""
-        if program.name not in own:
-            names = ", ".join(own)
-            hint = did_you_mean(program.name, own) or "leave --map out, or give the file that maps it"
-            raise UserError(f"--map says nothing of {program.name}, it maps {names}", hint)
         parts = own[program.name].get("parts", {})
         if parts and not self.judge_by:
             raise UserError(f"{self.name} has no parts, only a class", f"leave `parts` of {program.name} out of --map")

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ..graph.program import Program
 
 REST = "*"  # every word that is not named
+_EXAMPLE = '{"Kettle": {"class": "Mug", "parts": {"handle": "handle", "*": "cup"}}}'
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,15 +127,13 @@ def vocabulary(name: str) -> Vocabulary:
 
 
 def read_map(path: str | Path) -> dict[str, dict[str, Any]]:
-    """A map of the user's own: ``{"Kettle": {"class": "jar", "parts": {"lid": ..., "*": ...}}}``. Raises UsageError."""
+    """A map of the user's own: ``{"Kettle": {"class": "Mug", "parts": {"handle": ..., "*": ...}}}``. Raises UsageError."""
     try:
         found = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as wrong:
         raise UsageError(f"cannot read {path}: {wrong.strerror}", "--map takes a JSON file") from None
     except ValueError as wrong:
-        raise UsageError(
-            f"{path} is not JSON: {wrong}", '{"Kettle": {"class": "jar", "parts": {"*": "jar"}}}'
-        ) from None
+        raise UsageError(f"{path} is not JSON: {wrong}", f"a map is, say, {_EXAMPLE}") from None
     return require_map(found, str(path))
 
 
@@ -148,8 +147,5 @@ def require_map(found: Any, name: str) -> dict[str, dict[str, Any]]:
         for entry in found.values()
     )
     if not fits:
-        raise UsageError(
-            f"{name} is not a map of words",
-            'a map is {"Kettle": {"class": "jar", "parts": {"lid": "lid", "*": "jar"}}}',
-        )
+        raise UsageError(f"{name} is not a map of words", f"a map is, say, {_EXAMPLE}")
     return dict(found)

@@ -227,6 +227,10 @@ def test_a_map_that_would_change_nothing_is_refused(lay: Lay) -> None:
     with pytest.raises(UserError, match="says nothing of Chair, it maps Chiar") as refused:
         lay("shapenetpart", "Chair", n=1, own={"Chiar": {"class": "Chair", "parts": {"*": "leg"}}})
     assert refused.value.hint == "did you mean `Chiar`?"
+    with pytest.raises(
+        UserError, match="says nothing of Kettle, it maps Mug"
+    ):  # not that it has no class: a map is there
+        lay("shapenetpart", "Kettle", n=1, own={"Mug": {"class": "Mug", "parts": {"*": "cup"}}})
     with pytest.raises(UserError, match="pcn has no parts"):
         lay("pcn", "Kettle", n=1, own={"Kettle": {"class": "mug", "parts": {"*": "cup"}}})
     with pytest.raises(UserError, match="takes whole parts, which `affordance.grasp` may divide"):

@@ -27,8 +27,6 @@ from artipg_dsl.layouts.hand import Arena, Trial, succeeds
 from artipg_dsl.layouts.where2act import led_links
 from artipg_dsl.runtime.batch import Batch
 
-from .subject import written
-
 PRIMITIVES = ("pushing", "pushing-left", "pulling", "pulling-left")  # -up is -left turned about the approach
 STATES = 3  # of an object: at rest, and at random
 POINTS = 64  # of a link
@@ -309,9 +307,8 @@ def try_object(batch: Batch, count: int, each: int, seed: int = 0) -> list[Attem
     own = own_joints(batch)
     groups = np.where(own >= 0, own, -1)
     robot = Robots(batch).robot(0)
-    with written(robot, "urdf") as subject:
-        arena = Arena(subject.robot, folder_frame(robot).unit, groups)
-        case = Case(batch, robot, arena, list(joints.name), seed)
-        if not case.rows or not case.states:
-            return []
-        return case.attempt([*case.random(count), *case.worded(each)])
+    arena = Arena(robot, folder_frame(robot).unit, groups)
+    case = Case(batch, robot, arena, list(joints.name), seed)
+    if not case.rows or not case.states:
+        return []
+    return case.attempt([*case.random(count), *case.worded(each)])

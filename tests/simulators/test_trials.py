@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from artipg_dsl.export.robot import Robots
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session
 
@@ -119,7 +120,7 @@ def test_a_finger_that_leaves_before_it_presses_enough_moves_nothing() -> None:
     normal, lead = np.array([[-0.08, -0.35, 0.93]]), 0.014 * np.array([[0.37, 0.73, 0.57]])
 
     def rises(weight: float, deep: float) -> float:
-        scene = Scene(made, np.zeros(1), np.zeros(1), np.array([weight]), 4000.0)
+        scene = Scene(made, np.zeros(1), np.zeros(1), np.array([weight]), np.zeros(1), 4000.0)
         place = np.ones(1, dtype=np.int64), np.array([[-0.02, -0.1, 0.1]])
         return float(take_along(scene, *place, normal, -deep * normal, lead, 4.0).gone.sum())
 
@@ -153,7 +154,6 @@ category Locker {
 
 def test_what_waits_is_latched_until_it_may_go() -> None:
     """A door that swings once its knob is turned, and does not close by the latch while it stands open."""
-    from artipg_dsl.export.robot import Robots
     from artipg_dsl.layouts.hand import Standing
 
     standing = Standing(Robots(Session.of_text(LOCKED).sampler.batch(np.arange(1), 0)).robot(0))
@@ -192,7 +192,6 @@ category Towed {
 
 def test_a_follower_goes_along_and_does_not_hold_its_leader() -> None:
     """SAPIEN's own tie inverts the ratio: it held both where they were."""
-    from artipg_dsl.export.robot import Robots
     from artipg_dsl.layouts.hand import Standing
 
     standing = Standing(Robots(Session.of_text(TOWED).sampler.batch(np.arange(1), 0)).robot(0))
@@ -207,7 +206,6 @@ def test_a_follower_goes_along_and_does_not_hold_its_leader() -> None:
 
 def test_a_leader_feels_what_its_follower_weighs() -> None:
     """A kilogram that rises by 2 cm a radian turns a knob back that 0.01 Nm hold, and not one that 0.5 Nm hold."""
-    from artipg_dsl.export.robot import Robots
     from artipg_dsl.layouts.hand import Standing
 
     def left(friction: str) -> float:
@@ -224,7 +222,6 @@ def test_a_leader_feels_what_its_follower_weighs() -> None:
 
 def test_an_object_moves_in_its_unit_as_in_metres() -> None:
     """A knob that its follower's weight turns back, and a lid that falls: hinge, slide, rotor, damping, friction and mimic."""
-    from artipg_dsl.export.robot import Robots
     from artipg_dsl.layouts.hand import Standing
 
     text = TOWED.replace("1mm / 1rad", "20mm / 1rad").replace("0mm .. 2mm", "0mm .. 40mm")
@@ -268,7 +265,6 @@ category Keyed {
 def test_a_small_key_keeps_its_shape() -> None:
     """In metres PhysX made a wedge of five corners of it, 0.7 mm too high, on which fingers slipped and lids stuck."""
     from artipg_dsl.export.partnet_mobility import folder_frame
-    from artipg_dsl.export.robot import Robots
     from artipg_dsl.layouts.hand import Standing
 
     robot = Robots(Session.of_text(KEYED).sampler.batch(np.arange(1), 0)).robot(0)
@@ -300,8 +296,65 @@ def test_a_finger_turns_a_knob_that_is_smaller_than_its_way() -> None:
     point = np.array([[0.11, 0, 0.106]])  # 6 mm above the axis
 
     def goes(rubs: float) -> np.ndarray:
-        scene = Scene(made, np.zeros(1), np.array([rubs]), np.zeros(1), 4000.0)
+        scene = Scene(made, np.zeros(1), np.array([rubs]), np.zeros(1), np.zeros(1), 4000.0)
         return take_along(scene, np.ones(1, dtype=np.int64), point, normal, 8e-4 * -normal, lead, 4.0).way[0]
 
     assert goes(0.02) @ lead[0] > 0.5 * np.sqrt(goes(0.02) @ goes(0.02)) * 0.018 > 1e-5
     assert not goes(1.0).any()
+
+
+BALANCED = """apg 1
+use primitives { Cuboid }
+category Balanced {
+  root part body : Cuboid(size = [40cm, 50cm, 60cm])
+  part flap : Cuboid(size = [2cm, 50cm, 60cm])
+  align flap.back = body.front + 1mm
+  joint open : revolute body -> flap about flap.bottom.back range 0deg .. 90deg stiffness 8Nm/rad damping 1Nms/rad
+  part key : Cuboid(size = [1cm, 2cm, 2cm])
+  align key.bottom = body.top + 1mm
+  joint press : prismatic body -> key along -z range 0mm .. 4mm stiffness 1000N/m
+  material board on body, flap, key
+}
+material board { density 700kg/m3 }
+"""
+
+
+@pytest.mark.parametrize("unit", [1.0, 0.4])
+def test_a_spring_brings_a_key_back_and_bears_a_flap(unit: float) -> None:
+    """The key comes up from any place; the flap, which weighs 12 Nm, stays in any with friction of a quarter of that."""
+    from artipg_dsl.layouts.hand import Standing
+
+    robot = Robots(Session.of_text(BALANCED).sampler.batch(np.arange(1), 0)).robot(0)
+    (flap,) = (joint for joint in robot.joints if joint.name == "open")
+    assert flap.friction < 4.0 and flap.unsprung is not None and flap.unsprung[0] > 14.0
+    standing = Standing(robot, unit)
+    for opened in (0.0, 0.4, 0.9, 1.5):
+        standing.place({"open": opened, "press": 4e-3})
+        for _ in range(500):
+            standing.step()
+        found = standing.values()
+        assert abs(found["open"] - opened) < 5e-3 and abs(found["press"]) < 1e-4, found
+
+
+def test_a_spring_is_foretold_to_stop_a_hand_as_soft_as_itself_half_way() -> None:
+    from artipg_dsl.layouts.forecast import Scene, follow, weights
+
+    made = Session.of_text(BALANCED).sampler.batch(np.arange(1), 0)
+    names, springs = list(made.joints().name), np.nan_to_num(made.joints().stiffness)
+    press, key = names.index("press"), int(made.joints().child[names.index("press")])
+    scene = Scene(made, made.rest(), np.zeros(2), np.zeros(2), springs, 1000.0)
+    path = follow(scene, np.array([key]), np.array([[0.0, 0.0, 0.62]]), np.array([[0.0, 0.0, -4e-3]]))
+    assert path.gone[0] == pytest.approx([2e-3], abs=2e-5)
+    state = made.rest().copy()
+    state[press] = 3e-3
+    robot = Robots(made).robot(0)
+    assert (weights(made, robot, state) - weights(made, robot, made.rest()))[press] == pytest.approx(3.0, rel=1e-6)
+
+
+def test_what_a_spring_draws_is_foretold_to_come_back() -> None:
+    from artipg_dsl.layouts.foretold import Foretold
+
+    made = Session.of_text(BALANCED).sampler.batch(np.arange(1), 0)
+    foretold = Foretold(made, Robots(made).robot(0), 0.4, np.arange(3))
+    found = foretold.settle({"open": 0.9, "press": 3e-3})
+    assert found is not None and found["open"] == 0.9 and abs(found["press"]) < 2e-6
