@@ -46,3 +46,14 @@ def test_an_instance_has_the_same_bits_alone():
     for row in (0, 3, len(params[""]) - 1):
         alone = quadrature.volume_inertia(primitive, mesh.take(params, np.array([row])))
         assert all(a[0].tobytes() == e[row].tobytes() for a, e in zip(alone, every, strict=True))
+
+
+def test_a_bar_whose_curvature_has_cusps_takes_more_places():
+    """The rim of spectacles runs along a superellipse. With the places of a smooth patch its volume is 0.3 % off."""
+    primitive = SHIPPED["RimSag"]
+    params = mesh.take(draw_trial(primitive), np.arange(48, 72))
+    volume, _, inertia = quadrature.volume_inertia(primitive, params)
+    expected, _, bulges = mesh.volume_inertia(primitive, params, 384)  # 0.02 % too small
+    assert np.abs(volume / expected - 1).max() < 2e-3
+    assert (np.abs(inertia - bulges).max(axis=(1, 2)) < 2e-3 * np.abs(bulges).max(axis=(1, 2))).all()
+    assert set(quadrature._find_times(SHIPPED["EggRing"])) == {(1, 1)}
