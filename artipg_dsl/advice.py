@@ -14,6 +14,7 @@ from .records import dataclass
 from .source import Span
 
 if TYPE_CHECKING:
+    from .graph.program import Where
     from .lower.elaborate.part import Component
     from .lower.program import Lowering
     from .runtime.batch import Batch
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
 _OBJECTS = 8  # that are drawn, to see what floats, what collides and what their check takes
 _NAMED = 6  # parts that a warning names
 _RANKS = re.compile(r"\[\d+\]")  # of elements of repeats, in the name of a part
-_PLACE = re.compile(r"(?P<file>.+?):(?P<line>\d+): (?P<words>.*)", re.DOTALL)
-_PATH = re.compile(r"`([\w.]+)`")
 
 Draw = Callable[[np.ndarray], "Batch"]
 """The objects of some numbers, unchecked. Raises CompileError, which it has told the report, and what sampling raises."""
@@ -182,12 +181,13 @@ class _Looked:
                 hint="leave a gap, as in `align lid.bottom = body.top + 1mm`; "
                 f'if the overlap is meant, write `allow overlap {one}, {other} because "..."`',
             )
-        for words in find_never(tree, body):
-            span, words = self._place(words)
+        for fault in find_never(tree, body):
+            span = self._line(fault.where)
+            told = fault.what if span or fault.where is None else fault.words
             self.report.warning(
                 "never-valid",
-                span,
-                f"{words}, in every object examined",
+                span or self._of(fault.part or "") or self.span,
+                f"{told}, in every object examined",
                 hint="no object would be valid; `apgc render --unchecked` draws some as they are",
             )
 
@@ -247,13 +247,11 @@ class _Looked:
             path = path.rpartition(".")[0]
         return None
 
-    def _place(self, words: str) -> tuple[Span, str]:
-        """The line, or the part, that a fault names, and its words without the place; where the category is declared, and all of the
-        words, if neither is in its file."""
+    def _line(self, where: Where | None) -> Span | None:
+        """The whole of a line, if it is in the file of the category."""
         source = self.span.source
-        if (found := _PLACE.fullmatch(words)) and found["file"] == source.name:
-            text = source.line(line := int(found["line"]))
-            start = source.start(line) + len(text) - len(text.lstrip())
-            return Span(source, start, start + len(text.strip())), found["words"]
-        named = _PATH.search(words)
-        return (named and self._of(named[1])) or self.span, words
+        if where is None or where.file != source.name:
+            return None
+        text = source.line(where.line)
+        start = source.start(where.line) + len(text) - len(text.lstrip())
+        return Span(source, start, start + len(text.strip()))

@@ -161,7 +161,7 @@ def find_causes(batch: Batch, checked: bool, statistics: Statistics) -> dict[Cau
 
 def _silent(batch: Batch) -> dict[Cause, np.ndarray]:
     """Labels of objects that have no value, and of which."""
-    return {("solid", words): objects for words, objects in find_unsaid(batch)}
+    return {("solid", fault.words): fault.objects for fault in find_unsaid(batch)}
 
 
 def _solids(batch: Batch) -> dict[Cause, np.ndarray]:

@@ -209,9 +209,9 @@ def find_faulty(batch: Batch, statistics: Statistics, checked: bool = True) -> n
     ``checked`` solids that collide, tip over, ...; counted."""
     if not checked:
         silent = find_unsaid(batch)
-        for words, objects in silent:
-            statistics.unsound[words] = statistics.unsound.get(words, 0) + len(objects)
-        return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *(objects for _, objects in silent)]))
+        for fault in silent:
+            statistics.unsound[fault.words] = statistics.unsound.get(fault.words, 0) + len(fault.objects)
+        return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *(fault.objects for fault in silent)]))
     if batch.program.foreign:
         prove(batch)
     found = find_faults(batch, soon=True)

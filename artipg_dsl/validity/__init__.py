@@ -12,5 +12,5 @@ the way. Begin with ``faults``.
     stance, hull              whether an object stands without tipping over
     materials, mass           mass, centre and inertia of links
     formulas                  labels evaluated at points, and whether they have a value
-    faults, sound             all of it together; the last check of numbers before an object is delivered
+    fault, faults, sound             all of it together; the last check of numbers before an object is delivered
 """

@@ -8,15 +8,16 @@ import numpy as np
 
 from ..graph.program import Clear
 from .bodies import Pieces
+from .fault import Fault
 from .meant import find_meant, sites_of
 from .together import least_share, list_ways
 from .tree import Tree
 from .validate import find_meetings
 
 
-def find_too_near(tree: Tree, body: Pieces) -> list[tuple[str, np.ndarray]]:
-    """In words with the line, which of these statements do not hold, and the objects in which they do not."""
-    found: list[tuple[str, np.ndarray]] = []
+def find_too_near(tree: Tree, body: Pieces) -> list[Fault]:
+    """Which of these statements do not hold."""
+    found: list[Fault] = []
     program = tree.batch.program
     for statement in program.clear:
         part = _sides(tree, body, statement)
@@ -31,9 +32,8 @@ def find_too_near(tree: Tree, body: Pieces) -> list[tuple[str, np.ndarray]]:
             met = least_share(tree, part, way, np.zeros(len(tree.joints.owner), dtype=bool))[1]
             if met.any():
                 names["while several joints move"] = tree.links.owner[way.first[met]].tolist()
-        found += [
-            (f"{statement.where}: `{statement.text}` does not hold {when}", np.unique(o)) for when, o in names.items()
-        ]
+        words = f"`{statement.text}` does not hold"
+        found += [Fault(f"{words} {when}", np.unique(owners), statement.where) for when, owners in names.items()]
     return found
 
 

@@ -8,6 +8,7 @@ from ..records import dataclass
 from ..runtime.batch import Batch
 from .apart import find_too_near
 from .bodies import Pieces, gather
+from .fault import Fault
 from .floating import Solids, find_inverted
 from .formulas import find_unsaid
 from .gated import find_shut
@@ -16,14 +17,6 @@ from .mass import find_crossed, find_weightless
 from .stance import find_falling
 from .tree import Tree
 from .validate import Collisions, find_collisions
-
-
-@dataclass(frozen=True, slots=True)
-class Fault:
-    """What is wrong, in words with its place in the text, and the indices of the objects that have it."""
-
-    words: str
-    objects: np.ndarray
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,23 +39,20 @@ def find_faults(batch: Batch, soon: bool = False) -> Faults:
     body = gather(batch, tree.first, tree.turn, tree.shift)
     solids = Solids(tree, body)
     others = [
-        Fault(*wrong)
-        for wrong in (
-            *solids.missing(),
-            *solids.degenerate(),
-            *solids.floating(),
-            *solids.find_unheld(),
-            *find_inverted(tree),
-            *find_weightless(batch),
-            *find_crossed(batch),
-            *find_unsaid(batch),
-            *find_too_near(tree, body),
-            *find_shut(tree),
-            *find_open(tree),
-        )
+        *solids.missing(),
+        *solids.degenerate(),
+        *solids.floating(),
+        *solids.find_unheld(),
+        *find_inverted(tree),
+        *find_weightless(batch),
+        *find_crossed(batch),
+        *find_unsaid(batch),
+        *find_too_near(tree, body),
+        *find_shut(tree),
+        *find_open(tree),
     ]
     for statement, objects in zip(batch.program.stable, find_falling(tree, body), strict=False):
-        others.append(Fault(f"{statement.where}: {statement.message}", objects))
+        others.append(Fault(statement.message, objects, statement.where))
     found = tuple(fault for fault in others if len(fault.objects))
     lost = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *(fault.objects for fault in found)]))
     return Faults(tree, body, find_collisions(batch, tree, body, lost if soon else None), found)

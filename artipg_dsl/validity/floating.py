@@ -14,6 +14,7 @@ from ..geometry.vectors import dot
 from ..native.narrow import Side
 from ..runtime.batch import Batch
 from .bodies import Pieces, Placed, enumerate_ranges
+from .fault import Fault, Key, list_faults
 from .meant import find_meant, sites_of
 from .tree import Tree
 
@@ -23,8 +24,6 @@ _HOLD = 2e-2  # metres: a link this near to another can be held by it
 _THIN = 1e-6  # metres
 _FIRST = 4  # pairs of pieces of a link that are looked at first
 _SOME = 16  # pieces of a link, of many, that are looked at first
-
-Wrong = list[tuple[str, np.ndarray]]  # in words, and the objects
 
 
 class Solids:
@@ -51,23 +50,21 @@ class Solids:
         program = self.tree.batch.program
         return program.parts[program.sites[self.site[solid]].part].path
 
-    def told(self, wrong: np.ndarray, words: str) -> Wrong:
+    def told(self, wrong: np.ndarray, words: str) -> list[Fault]:
         """``wrong`` (S,) bool by path, in words with the path."""
-        found: dict[str, list[int]] = {}
-        for solid in np.flatnonzero(wrong).tolist():
-            found.setdefault(self.path(solid), []).append(int(self.owner[solid]))
-        return [(words.format(path), np.unique(objects)) for path, objects in found.items()]
+        paths = ((self.path(solid), int(self.owner[solid])) for solid in np.flatnonzero(wrong).tolist())
+        return list_faults(((words.format(path), None, path), owner) for path, owner in paths)
 
-    def degenerate(self) -> Wrong:
+    def degenerate(self) -> list[Fault]:
         """Primitives without pieces, without thickness, or with sizes that are no numbers."""
         extent = self.high - self.low
         return self.told(~((extent > _THIN).all(axis=1) & np.isfinite(extent).all(axis=1)), "`{}` has no thickness")
 
-    def missing(self) -> Wrong:
+    def missing(self) -> list[Fault]:
         """Objects without any primitive."""
         batch = self.tree.batch
         bare = np.setdiff1d(np.arange(len(batch)), self.owner)
-        return [(f"no part of `{batch.program.name}` has a surface", bare)]
+        return [Fault(f"no part of `{batch.program.name}` has a surface", bare)]
 
     def margin(self) -> np.ndarray:
         """By how much (S,) the pieces of each primitive may lie within it."""
@@ -82,7 +79,7 @@ class Solids:
 
     # ------------------------------------------------------------ within a link
 
-    def floating(self) -> Wrong:
+    def floating(self) -> list[Fault]:
         """Primitives that hang together with the first of their link by no chain of contacts."""
         group, margin = np.arange(len(self.site)), self.margin()
         first, second = find_neighbours(self.link, self.low, self.high, margin)
@@ -123,7 +120,7 @@ class Solids:
 
     # ------------------------------------------------------------ between links
 
-    def find_unheld(self) -> Wrong:
+    def find_unheld(self) -> list[Fault]:
         """Links that nothing of what holds them comes near."""
         tree, body = self.tree, self.body
         count = len(tree.links.owner)
@@ -146,7 +143,7 @@ class Solids:
         if len(far) and tree.batch.loops is not None:
             looped[tree.batch.loops.link] = True
             far = self._unheld_by_loops(far, tree.batch.loops.link, begin, end)
-        found: dict[str, list[int]] = {}
+        found: list[tuple[Key, int]] = []
         for link in far.tolist():
             name = tree.batch.program.links[tree.links.definition[link]].path
             away = (
@@ -154,8 +151,8 @@ class Solids:
                 if looped[link]
                 else "the link that carries it is not"
             )
-            found.setdefault(f"nothing holds `{name}`: {away} within 2 cm", []).append(int(tree.links.owner[link]))
-        return [(words, np.unique(o)) for words, o in found.items()]
+            found.append(((f"nothing holds `{name}`: {away} within 2 cm", None, name), int(tree.links.owner[link])))
+        return list_faults(found)
 
     def _unheld_by_loops(self, far: np.ndarray, ties: np.ndarray, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
         """Those of the links ``far`` from what carries them that no chain of closed loops, ``ties`` (2, C), holds near one that is not."""
@@ -348,11 +345,11 @@ def join_groups(group: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.
             return group
 
 
-def find_inverted(tree: Tree) -> Wrong:
+def find_inverted(tree: Tree) -> list[Fault]:
     """Joints whose range does not hold their rest value, as none does that ends below where it begins; those that others
     leave no way at all. Requirements see to the former, which an edited program may lack."""
     joints = tree.joints
-    found: dict[str, list[int]] = {}
+    found: list[tuple[Key, int]] = []
     low, high = (
         np.where(np.isnan(joints.low), -np.inf, joints.low),
         np.where(np.isnan(joints.high), np.inf, joints.high),
@@ -365,5 +362,5 @@ def find_inverted(tree: Tree) -> Wrong:
         what = "does not contain its rest value"
         if shut[row]:
             what = "is empty: something is in the way from the start when other joints are open"
-        found.setdefault(f"{joint.where}: the range of `{joint.path}` {what}", []).append(int(joints.owner[row]))
-    return [(words, np.unique(objects)) for words, objects in found.items()]
+        found.append(((f"the range of `{joint.path}` {what}", joint.where, None), int(joints.owner[row])))
+    return list_faults(found)

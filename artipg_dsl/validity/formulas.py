@@ -18,6 +18,7 @@ from ..graph.expr import Scope, variables
 from ..graph.program import Label, Program, Target
 from ..runtime.fields import Field, FieldReader, read_pose, read_triples
 from ..runtime.motion import apply
+from .fault import Fault, Key, list_faults
 
 if TYPE_CHECKING:
     from ..geometry.sites import SiteTable
@@ -101,8 +102,8 @@ def is_wrong(label: Label, told: np.ndarray) -> np.ndarray:
 def label_in_words(label: Label) -> str:
     """That a label says nothing that can be said at a point."""
     if label.vocabulary == "field":
-        return f"{label.where}: the field `{label.name}` has no value at some point"
-    return f"{label.where}: the label `{label.name}` is not a degree from 0 to 1 at some point"
+        return f"the field `{label.name}` has no value at some point"
+    return f"the label `{label.name}` is not a degree from 0 to 1 at some point"
 
 
 # ---------------------------------------------------------------- validity
@@ -114,14 +115,14 @@ def find_fallible(program: Program) -> tuple[Label, ...]:
     return tuple(label for label in program.labels if not is_predicate(label) and variables(label.formulas))
 
 
-def find_unsaid(batch: Batch) -> list[tuple[str, np.ndarray]]:
-    """Labels that have no value somewhere on the surfaces they lie on, in words, and the objects in which they have none."""
+def find_unsaid(batch: Batch) -> list[Fault]:
+    """Labels that have no value somewhere on the surfaces they lie on."""
     labels = find_fallible(batch.program)
     if not labels:
         return []
     sites = batch.sites()
     tables = {table.number: table for table in sites}
-    wrong: dict[str, list[np.ndarray]] = {}
+    wrong: list[tuple[Key, np.ndarray]] = []
     for label in labels:
         for target in label.targets:
             table = tables.get(target.site)
@@ -133,9 +134,8 @@ def find_unsaid(batch: Batch) -> list[tuple[str, np.ndarray]]:
                 continue
             at, told = evaluate_label(batch, label, target, at, points)
             rows = points.row.ravel()[at[is_wrong(label, told)]]
-            wrong.setdefault(label_in_words(label), []).append(table.owner[rows])
-    found = {words: np.unique(np.concatenate(owners)) for words, owners in wrong.items()}
-    return [(words, objects) for words, objects in found.items() if len(objects)]
+            wrong.append(((label_in_words(label), label.where, None), table.owner[rows]))
+    return [fault for fault in list_faults(wrong) if len(fault.objects)]
 
 
 def _places(sites: list[SiteTable], table: SiteTable) -> PointSet:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .bodies import Pieces
+from .fault import Fault
 from .together import Meeting, least_share, list_ways
 from .tree import Tree
 
@@ -48,8 +49,8 @@ def find_behind_gates(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
             yield np.stack([ends[0], others[0], moved, value, ends[1], others[1]], axis=1).astype(np.float64)
 
 
-def find_shut(tree: Tree) -> Iterator[tuple[str, np.ndarray]]:
-    """In words, the joints that never move, as what they wait for does not get so far; and the objects that have them."""
+def find_shut(tree: Tree) -> Iterator[Fault]:
+    """The joints that never move, as what they wait for does not get so far."""
     gates = tree.gates
     if gates is None:
         return
@@ -57,10 +58,8 @@ def find_shut(tree: Tree) -> Iterator[tuple[str, np.ndarray]]:
     for row in np.unique(tree.joints.definition[gates.joint[shut]]).tolist():
         joint = tree.batch.program.joints[row]
         at = gates.joint[shut][tree.joints.definition[gates.joint[shut]] == row]
-        yield (
-            f"{joint.where}: the joint `{joint.path}` never moves: what it waits for does not get so far",
-            np.unique(tree.joints.owner[at]),
-        )
+        words = f"the joint `{joint.path}` never moves: what it waits for does not get so far"
+        yield Fault(words, np.unique(tree.joints.owner[at]), joint.where)
 
 
 def _one_of_each(tree: Tree) -> Iterator[np.ndarray]:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from .fault import Fault, Key, list_faults
 from .tree import Tree
 
 
-def find_open(tree: Tree) -> list[tuple[str, np.ndarray]]:
-    """In words with the line, which ``close`` and which range does not hold, and the objects in which it does not. Of objects
-    in which one does not at rest, nothing is told of other states."""
+def find_open(tree: Tree) -> list[Fault]:
+    """Each ``close`` and each range that does not hold. Of objects in which one does not at rest, nothing is told of other states."""
     loops, joints, program = tree.batch.loops, tree.joints, tree.batch.program
     if loops is None:
         return []
-    closing = [f"{closure.where}: this loop does not close" for closure in program.closures]
-    ranges = [f"{joint.where}: the loop takes {joint.path} beyond its range" for joint in program.joints]
-    found: dict[str, list[np.ndarray]] = {}
+    closing = [("this loop does not close", closure.where) for closure in program.closures]
+    ranges = [(f"the loop takes {joint.path} beyond its range", joint.where) for joint in program.joints]
+    found: list[tuple[Key, np.ndarray]] = []
     leads, states = tree.following
     rest = np.full(len(tree.first), -1), loops.apart(tree.turn, tree.shift), joints.rest
     moved = zip(leads, *tree.poses(states)[2:], strict=True) if len(leads) else ()
@@ -30,7 +30,8 @@ def find_open(tree: Tree) -> list[tuple[str, np.ndarray]]:
             for kind, joint in sorted(set(zip(which[told].tolist(), lead[owner[told]].tolist(), strict=True))):
                 when = "at rest" if joint < 0 else f"while {program.joints[joints.definition[joint]].path} moves"
                 here = told & (which == kind) & (lead[owner] == joint)
-                found.setdefault(f"{words[kind]} {when}", []).append(owner[here])
+                what, where = words[kind]
+                found.append(((f"{what} {when}", where, None), owner[here]))
         if state == 0:
             wrong[np.concatenate([loops.owner[apart], joints.owner[beyond]])] = True
-    return [(words, np.unique(np.concatenate(objects))) for words, objects in found.items()]
+    return list_faults(found)

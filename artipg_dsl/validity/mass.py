@@ -15,6 +15,7 @@ from ..geometry.overlap import Touching
 from ..geometry.sites import weigh
 from ..records import dataclass
 from ..runtime.motion import apply, multiply
+from .fault import Fault, list_faults
 from .materials import draw_property, list_materials, material_rows
 
 if TYPE_CHECKING:
@@ -60,8 +61,8 @@ def _weighing_of(batch: Batch) -> tuple[list[SiteTable], list[np.ndarray], np.nd
     return tables, densities, start, len(links.owner), _welded(batch, start)
 
 
-def find_weightless(batch: Batch) -> list[tuple[str, np.ndarray]]:
-    """Links that weigh nothing, in words, and the objects in which they do.
+def find_weightless(batch: Batch) -> list[Fault]:
+    """Links that weigh nothing.
 
     The densest primitive of a body loses nothing to others, and none is without thickness: only a link that is fixed to
     others can lose all it has to them. Bounds tell most links that keep some of it; overlaps are measured for the others alone.
@@ -75,16 +76,14 @@ def find_weightless(batch: Batch) -> list[tuple[str, np.ndarray]]:
         return []
     found = masses(batch)
     trace = found.inertia[:, 0, 0] + found.inertia[:, 1, 1] + found.inertia[:, 2, 2]
-    wrong: dict[str, list[int]] = {}
-    for row in np.flatnonzero(asked & ~((found.mass > _LEAST) & (trace > 0.0))).tolist():
-        path = batch.program.links[links.definition[row]].path
-        words = f"the link `{path}` has no mass of its own: denser parts fill all of it"
-        wrong.setdefault(words, []).append(int(links.owner[row]))
-    return [(words, np.unique(objects)) for words, objects in wrong.items()]
+    rows = np.flatnonzero(asked & ~((found.mass > _LEAST) & (trace > 0.0))).tolist()
+    wrong = ((batch.program.links[links.definition[row]].path, int(links.owner[row])) for row in rows)
+    words = "the link `{}` has no mass of its own: denser parts fill all of it"
+    return list_faults(((words.format(path), None, path), owner) for path, owner in wrong)
 
 
-def find_crossed(batch: Batch) -> list[tuple[str, np.ndarray]]:
-    """Primitives whose surfaces cross, so that no body has their moments, in words, and the objects that have them.
+def find_crossed(batch: Batch) -> list[Fault]:
+    """Primitives whose surfaces cross, so that no body has their moments.
 
     Within the ranges that a primitive is tested for it is sound; those beyond them are asked one by one, and all of a
     program that anyone may have edited.
@@ -109,7 +108,8 @@ def find_crossed(batch: Batch) -> list[tuple[str, np.ndarray]]:
         path, inverted = batch.program.parts[batch.program.sites[table.number].part].path, volume[part] < 0.0
         for which, what in ((wrong[part] & inverted, "are inside out"), (wrong[part] & ~inverted, "cross one another")):
             if which.any():
-                found.append((f"the surfaces of `{path}` {what}", np.unique(table.owner[rows[which]])))
+                objects = np.unique(table.owner[rows[which]])
+                found.append(Fault(f"the surfaces of `{path}` {what}", objects, part=path))
     return found
 
 

@@ -9,6 +9,7 @@ from ..records import dataclass
 from .apart import find_too_near
 from .bodies import Pieces
 from .contact import describe_contact
+from .fault import Fault
 from .floating import Solids
 from .loops import find_open
 from .tree import Tree
@@ -40,8 +41,8 @@ def find_stuck(tree: Tree, body: Pieces) -> list[Stuck]:
     return stuck
 
 
-def find_never(tree: Tree, body: Pieces) -> list[str]:
-    """What is wrong with each of the objects, in words as of `find_faults`: links that nothing holds, loops that do not close, and
-    parts that come too near one another."""
+def find_never(tree: Tree, body: Pieces) -> list[Fault]:
+    """What is wrong with each of the objects: links that nothing holds, loops that do not close, and parts that come too near one
+    another."""
     wrong = (*Solids(tree, body).find_unheld(), *find_open(tree), *find_too_near(tree, body))
-    return [words for words, objects in wrong if len(objects) == len(tree.first)]
+    return [fault for fault in wrong if len(fault.objects) == len(tree.first)]

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from artipg_dsl.session import Session
+from artipg_dsl.validity.faults import find_faults
 
 CHEST = """apg 1
 use primitives {{ Cuboid }}
@@ -37,8 +39,8 @@ category Swing {{
 """
 
 
-def _told(text: str) -> list[tuple[str, int]]:
-    session = Session.of_text(text, "programs/some.apg")
+def _told(text: str, name: str = "programs/some.apg") -> list[tuple[str, int]]:
+    session = Session.of_text(text, name)
     session.advise()
     assert not session.report.failed, session.report.diagnostics
     found = [d for d in session.report.diagnostics if d.code == "never-valid"]
@@ -59,6 +61,18 @@ def _told(text: str) -> list[tuple[str, int]]:
 )
 def test_what_is_wrong_with_all_objects_is_warned_of(away: str, more: str, told: list[tuple[str, int]]) -> None:
     assert _told(CHEST.format(away=away, more=more))[:1] == told
+
+
+@pytest.mark.parametrize("name", ["a chest: 2nd.apg", "a:1: b.apg"])
+def test_a_fault_carries_its_place_whatever_the_file_is_called(name: str) -> None:
+    chest = CHEST.format(away="1cm", more="clear drawer from body by 2cm")
+    assert _told(chest, name)[:1] == [("`clear drawer from body by 2cm` does not hold at rest", 9)]
+    text = CHEST.format(away="4cm", more="clear drawer from body by 9cm")
+    batch = Session.of_text(text, name).sampler.batch(np.arange(2), 0, checked=False)
+    held, near, *_ = find_faults(batch).others
+    assert (held.part, held.where, held.objects.tolist()) == ("drawer", None, [0, 1])
+    assert near.part is None and near.where is not None and (near.where.file, near.where.line) == (name, 9)
+    assert near.words == f"{name}:9: {near.what}"
 
 
 @pytest.mark.parametrize(("low", "told"), [("5mm", []), ("60cm", [("this loop does not close at rest", 16)])])

@@ -262,5 +262,5 @@ category Ring {
 def test_a_hole_that_is_larger_than_what_it_is_in(bore: str, wrong: list[str]) -> None:
     """Beyond the range that a primitive is tested for, each of its solids is asked whether a body can have its moments."""
     batch = Session.of_text(WASHER.replace("BORE", bore)).sampler.batch(np.arange(1), 0)
-    assert [words for words, _ in find_crossed(batch)] == wrong
+    assert [fault.words for fault in find_crossed(batch)] == wrong
     assert [fault.words for fault in find_faults(batch).others] == wrong
