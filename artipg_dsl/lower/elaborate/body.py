@@ -186,11 +186,14 @@ def enter_when(env: Env, statement: ast.WhenStmt) -> list[tuple[Env, tuple[ast.S
     if statement not in env.entered:
         found = env.entered[statement] = []  # a guard that asks for what stands under it finds nothing
         ev = Evaluator(env)
+        env.deciding.append(statement)
         try:
             condition = ev.condition(statement.guard)
         except Abort:
             del env.entered[statement]
             raise
+        finally:
+            env.deciding.remove(statement)
         for guard, body in ((condition, statement.body), (E.negate(condition), statement.otherwise)):
             if not body or guard is E.FALSE:
                 continue

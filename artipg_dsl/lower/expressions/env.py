@@ -90,6 +90,7 @@ class Env:
     inner: list[Env] = field(default_factory=list)
     branches: dict[Expr, Env] = field(default_factory=dict)
     entered: dict[ast.WhenStmt, list[tuple[Env, tuple[ast.Stmt, ...]]]] = field(default_factory=dict)
+    deciding: list[ast.WhenStmt] = field(default_factory=list)  # those whose guards are being evaluated
     statements: list[ast.Stmt] = field(default_factory=list)
     parts: list[Component] = field(default_factory=list)
     element: Element | None = None
@@ -171,6 +172,16 @@ class Env:
     def foregoes(self, name: str) -> bool:
         """Whether a ``when`` declares a name, in branches that are never taken where ``branched`` finds none."""
         return any(isinstance(s, ast.WhenStmt) and _declares(s, name) for s in self.statements)
+
+    def refuse_circle(self, name: str, span: Span) -> None:
+        """Refuse a guard, here or around, that asks for a name declared under it."""
+        if any(_declares(statement, name) for env in self.chain() for statement in env.deciding):
+            raise self.context.error(
+                "circular-definition",
+                span,
+                f"`{name}` depends on itself: the `when` that it stands under asks for it",
+                hint="for a part that may be absent, use the alternative `none`; or let the condition name something else",
+            )
 
     def all_parts(self) -> list[Component]:
         """Parts declared here and in the environments inside, in the order of the text."""

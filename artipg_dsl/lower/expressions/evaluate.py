@@ -178,6 +178,7 @@ class Evaluator:
             return self.local[meaning.name]
         value = self.meant(meaning)
         if value is None:
+            self.env.refuse_circle(node.name, node.span)
             raise self.env.context.internal(node.span, f"`{node.name}` has no value here")
         return moved(value, self.pose)
 

@@ -128,6 +128,8 @@ def member(ev: Evaluator, value: Value, node: ast.MemberExpr) -> Value:
     if found is None and isinstance(value, Face | Edge):
         raise ev.env.context.error("unknown-member", node.name_span, f"{describe(value)} has no `{node.name}`")
     if found is None:
+        if isinstance(value, At):
+            ev.env.refuse_circle(node.name, node.name_span)
         raise ev.env.context.internal(node.name_span, f"{describe(value)} has no `{node.name}`")
     return found
 
