@@ -323,12 +323,15 @@ def find_neighbours(
 
 
 def find_loose(batch: Batch, link: np.ndarray, group: np.ndarray) -> np.ndarray:
-    """Which primitives (S,) are in another group than the first of their link, and in none that may float."""
+    """Which primitives (S,) are in another group than the first of their link, and in none that may float. The first is one that
+    may not float itself: what floats beside the others holds none of them."""
+    floats = _may_float(batch)
+    own = np.setdiff1d(np.arange(len(link)), floats)
     head = np.full(int(link.max(initial=-1)) + 1, len(link))
-    np.minimum.at(head, link, np.arange(len(link)))
+    np.minimum.at(head, link[own], own)
     excused = np.zeros(len(link), dtype=bool)
-    excused[group[_may_float(batch)]] = True
-    return (group != group[head[link]]) & ~excused[group]
+    excused[group[floats]] = True
+    return (group != np.append(group, -1)[head[link]]) & ~excused[group]
 
 
 def join_groups(group: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -80,6 +80,27 @@ def test_allow_floating_is_silent_and_survives_compilation() -> None:
     assert [(a.kind, a.reason) for a in again.allowed] == [("floating", "it hangs on threads")]
 
 
+def test_a_first_part_that_may_float_holds_none_of_the_others() -> None:
+    """The parts of a link that do hang together are no worse for standing below it in the text."""
+    text = (
+        BODY
+        + """
+  part worm : Cuboid(size = [1cm, 1cm, 1cm])
+  part grip : Cuboid(size = [9cm, 9cm, 1cm])
+  part stem : Cuboid(size = [1cm, 1cm, {stem}])
+  joint drive : prismatic body -> grip along z range 0cm .. 1cm
+  connect worm to grip
+  connect stem to grip
+  align grip.bottom = body.top + 5mm
+  align worm.bottom = grip.top + 4cm
+  align stem.bottom = grip.top + {gap}
+  allow floating worm because "its shank is not modelled"
+"""
+    )
+    assert not found(text.format(stem="1cm", gap="0cm"))
+    assert "stem" in str(found(text.format(stem="1cm", gap="2cm")))
+
+
 JOINTED = (
     BODY
     + """
