@@ -71,6 +71,17 @@ CONSTANT = {
         1,
         "the damping of the joint `j` is -5, but it must be finite and not negative",
     ),
+    "damping beyond all measure": (
+        SLIDE + "damping 1e300Ns/m",
+        1,
+        "the damping of the joint `j` is 1e+300, but it is at most 1e9",
+    ),
+    "positions": (SLIDE + "positions 1000000", 1, "but a joint has at most 100,000 positions"),
+    "a median": (
+        "param q : length in -1cm .. 2cm ~ lognormal(-1cm, 0.5)",
+        0,
+        "an argument of the distribution of `q` is -0.01, but a median must be finite and above 0",
+    ),
     "friction": (SLIDE + "friction -1N", 1, "the friction of the joint `j` is -1"),
     "effort": (SLIDE + "effort 0N", 1, "the effort of the joint `j` is 0, but it must be finite and above 0"),
     "effort below a spring": (
@@ -182,6 +193,7 @@ def test_what_is_never_legal_is_an_error_with_its_place(body: str, line: int | N
     [
         ("density 0kg/m3", "`density` is 0"),
         ("density -5kg/m3", "`density` is -5"),
+        ("density 500kg/m3  friction 1e300", "`friction_static` is 1e+300, but it is at most 1000"),
         ("density 5kg/m3 / 0", "divides by zero"),
         ("density 9kg/m3 .. 5kg/m3", "the range is empty"),
         ("density 5kg/m3 friction -0.5", "`friction_static` is -0.5"),

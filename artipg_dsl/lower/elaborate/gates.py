@@ -19,6 +19,7 @@ from .ranges import Legal, Quantity
 if TYPE_CHECKING:
     from .links import Links
 
+_MEETS = Legal(1e-6, 2e4, "the joint that it waits for must be able to meet both", True)
 _OPENS = Legal(1e-6, 1e4, "the joint that it waits for must reach that value", True)
 
 
@@ -65,6 +66,7 @@ def refuse_loops(links: Links) -> None:
 
 def quantities(program: Program, joint: Joint) -> Iterator[Quantity]:
     """How far the joints that a joint waits for go beyond what it waits for, where their ranges are known in its table."""
+    yield from _room(joint)
     for gate in joint.gates:
         for k in gate.joint:
             leader = program.joints[k] if isinstance(k, int) else None
@@ -75,3 +77,12 @@ def quantities(program: Program, joint: Joint) -> Iterator[Quantity]:
                 yield Quantity(name, joint.scope, E.sub(leader.high, gate.low), _OPENS, joint.where)
             if gate.high is not None and leader.low is not None:
                 yield Quantity(name, joint.scope, E.sub(gate.high, leader.low), _OPENS, joint.where)
+
+
+def _room(joint: Joint) -> Iterator[Quantity]:
+    """What gates that name one joint leave between them: it must be able to open both at once."""
+    for above in joint.gates:
+        for below in joint.gates:
+            if above.low is not None and below.high is not None and above.joint == below.joint:
+                name = f"the range between `{above.text}` and `{below.text}`, for the joint `{joint.path}`,"
+                yield Quantity(name, joint.scope, E.sub(below.high, above.low), _MEETS, joint.where)

@@ -34,6 +34,7 @@ from .ranges import (
     ELEMENT,
     ELEMENTS,
     HELD,
+    MEDIAN,
     MOTION,
     NUMBER,
     OPENING,
@@ -128,7 +129,8 @@ def refuse(context: Draft, quantity: Quantity, intervals: Intervals, sources: di
         context.report.error("illegal-value", span, f"{quantity.name}: {ELEMENT.words}", hint="they are counted from 0")
         return
     hint = "lengths are in metres, angles in radians" if quantity.legal.measured else None
-    context.report.error("illegal-value", span, f"{quantity.name} is {amount}, but {quantity.legal.words}", hint=hint)
+    said = f"{quantity.name} is {amount}, but {quantity.legal.refusal(low)}"
+    context.report.error("illegal-value", span, said, hint=hint)
 
 
 def _line_of(source: Source, place: Where) -> Span:
@@ -221,10 +223,9 @@ def _of_draw(draw: Draw) -> Iterator[Quantity]:
         total = E.maximum(*draw.weights)
         yield Quantity(f"the largest weight of {name}", scope, total, OPTION, place)
     for number, argument in enumerate(draw.arguments):
-        spread = number in DISTRIBUTIONS[draw.distribution].positive
-        yield Quantity(
-            f"an argument of the distribution of {name}", scope, argument, SPREAD if spread else NUMBER, place
-        )
+        positive = number in DISTRIBUTIONS[draw.distribution].positive
+        legal = (SPREAD if number else MEDIAN) if positive else NUMBER
+        yield Quantity(f"an argument of the distribution of {name}", scope, argument, legal, place)
     if draw.vary is not None:
         yield Quantity(f"the step of {name}", scope, draw.vary[1], STEP, place)
 

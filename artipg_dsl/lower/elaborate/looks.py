@@ -99,5 +99,5 @@ def _read_number(context: Draft, name: str, node: ast.Expr, value: Expr) -> floa
         raise context.internal(node.span, "this depends on what is drawn")
     number, legal = float(value.constant), MATERIAL[name]
     if not legal.holds(number):
-        raise context.error("illegal-value", node.span, f"`{name}` is {plain(number)}, but {legal.words}")
+        raise context.error("illegal-value", node.span, f"`{name}` is {plain(number)}, but {legal.refusal(number)}")
     return number

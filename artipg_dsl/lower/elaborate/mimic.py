@@ -35,6 +35,14 @@ def resolve(links: Links) -> None:
         except Abort:
             continue
         joint = program.joints[number]
+        if not formula.reads & lead.reads:
+            links.context.error(
+                "bad-mimic",
+                node.span,
+                f"the joint `{joint.path}` would never move: its `mimic` is the same whatever `{led[0].span.words}` is",
+                hint="give the factor a value other than 0, or attach the part by `connect`",
+            )
+            continue
         if _straight(formula, lead):
             straight = (leader, derive(formula, LEAD), substitute(formula, {lead: E.ZERO}))
             program.joints[number] = replace(joint, mimic=straight)

@@ -52,6 +52,13 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
             )
         beyond.append((_above(joint.low, low), _above(high, joint.high)))
         low, high = E.maximum(joint.low, low), E.minimum(joint.high, high)
+        if here is E.TRUE and low.constant is not None and low.constant == high.constant:
+            raise links.context.error(
+                "empty-range",
+                statement.range.span,
+                f"the joint `{joint.path}` cannot move: this limit leaves it a single value",
+                hint="give it room; where it is locked, put the limit under a `when`, or attach the part by `connect`",
+            )
         rest = E.minimum(E.maximum(joint.rest, low), high)
         low, high, rest = (
             E.where(here, new, old)

@@ -20,17 +20,23 @@ _MOST_ROWS = 20_000  # the runtime makes no more (``runtime.kernels``)
 
 @dataclass(frozen=True, slots=True)
 class Legal:
-    """A closed range, in ``words`` that stand behind the value ("..., but a size lies between ..."); ``measured``: of lengths or
-    angles, so that a message says in which unit it shows them."""
+    """A closed range, in ``words`` that stand behind the value ("..., but a size lies between ..."), for a value above it in those
+    of ``beyond`` where they differ; ``measured``: of lengths or angles, so that a message says in which unit it shows them.
+    """
 
     low: float
     high: float
     words: str
     measured: bool = False
+    beyond: str = ""
 
     def holds(self, value: float) -> bool:
         """Whether a number is legal; nan is not."""
         return self.low <= value <= self.high
+
+    def refusal(self, value: float) -> str:
+        """The words for a value that is not legal, or for the lowest of several."""
+        return self.beyond if self.beyond and value > self.high else self.words
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +51,7 @@ class Quantity:
     guard: Expr = E.TRUE
 
 
-NUMBER = Legal(-1e12, 1e12, "every value of an object must be a finite number")
+NUMBER = Legal(-1e12, 1e12, "every value of an object must be a finite number", beyond="values are at most 1e12")
 PLACE = Legal(-_FAR, _FAR, "places must lie within 1 km of the origin", True)
 SIZE = Legal(0.0, _FAR, "sizes must not be negative and are at most 1 km", True)
 TURN = Legal(-1.0 - NEAR, 1.0 + NEAR, "a direction must not be [0, 0, 0]")
@@ -53,29 +59,30 @@ AXIS = Legal(1.0 - NEAR, 1.0 + NEAR, "an axis must not be [0, 0, 0]")
 DIRECTION = Legal(NEAR, _FAR, "a direction must not be [0, 0, 0]")
 PARALLEL = Legal(-NEAR, NEAR, "axes that coincide must be parallel")
 APART = Legal(NEAR, _FAR, "a gripper must close across its approach")
-MOTION = Legal(-1e4, 1e4, "the range of a joint must be finite", True)
+MOTION = Legal(-1e4, 1e4, "the range of a joint must be finite", True, "a joint goes no further than 10,000 m or rad")
 PITCH = Legal(NEAR, _FAR, "the pitch of a screw must not be 0 and is at most 1 km", True)
-POSITIONS = Legal(2.0, 1e5, "a joint has at least two positions", True)
-HELD = Legal(0.0, 1e9, "it must be finite and not negative")
-DRIVEN = Legal(1e-9, 1e9, "it must be finite and above 0")
+POSITIONS = Legal(2.0, 1e5, "a joint has at least two positions", beyond="a joint has at most 100,000 positions")
+HELD = Legal(0.0, 1e9, "it must be finite and not negative", beyond="it is at most 1e9")
+DRIVEN = Legal(1e-9, 1e9, "it must be finite and above 0", beyond="it is at most 1e9")
 RESERVE = Legal(-1e-9, 1e9, "a joint must take its spring to the end of its range")
-OPENING = Legal(NEAR, _FAR, "an opening must be above 0", True)
+OPENING = Legal(NEAR, _FAR, "an opening must be above 0", True, "an opening is at most 1 km")
 SHARE = Legal(0.0, 1.0, "it must lie in 0 .. 1")
 ROOM = Legal(-1e-9, _FAR, "it must not be negative", True)
 DISTANCE = Legal(0.0, _FAR, "a distance must not be negative and is at most 1 km", True)
-EVERY = Legal(NEAR, _FAR, "the spacing of elements must be at least 0.001 mm", True)
+EVERY = Legal(NEAR, _FAR, "the spacing of elements must be at least 0.001 mm", True, "it is at most 1 km")
 OPTION = Legal(1e-12, 1e12, "at least one alternative needs a weight above 0")
 ELEMENTS = Legal(0.0, _MOST_ELEMENTS, f"a repeat must have 0 to {_MOST_ELEMENTS:,} elements")
 ELEMENT = Legal(0.0, _MOST_ELEMENTS, "the repeat has no such element")
 ROWS = Legal(0.0, _MOST_ROWS, f"an object must have 0 to {_MOST_ROWS:,} elements of one kind")
-WEIGHT = Legal(0.0, 1e12, "a weight must be finite and not negative")
-SPREAD = Legal(1e-12, 1e12, "a deviation must be finite and above 0")
-STEP = Legal(0.0, 1e12, "a step must be finite and not negative")
+WEIGHT = Legal(0.0, 1e12, "a weight must be finite and not negative", beyond="a weight is at most 1e12")
+SPREAD = Legal(1e-12, 1e12, "a deviation must be finite and above 0", beyond="a deviation is at most 1e12")
+MEDIAN = Legal(1e-12, 1e12, "a median must be finite and above 0", beyond="a median is at most 1e12")
+STEP = Legal(0.0, 1e12, "a step must be finite and not negative", beyond="a step is at most 1e12")
 
 MATERIAL = {
     "density": Legal(1e-3, 1e6, "a density must lie between 1 g/m3 and 1000 t/m3"),
-    "friction_static": Legal(0.0, 1e3, "a coefficient of friction must not be negative"),
-    "friction_dynamic": Legal(0.0, 1e3, "a coefficient of friction must not be negative"),
+    "friction_static": Legal(0.0, 1e3, "a coefficient of friction must not be negative", beyond="it is at most 1000"),
+    "friction_dynamic": Legal(0.0, 1e3, "a coefficient of friction must not be negative", beyond="it is at most 1000"),
     "restitution": SHARE,
     "metalness": SHARE,
     "roughness": SHARE,

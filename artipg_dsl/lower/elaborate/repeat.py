@@ -88,6 +88,10 @@ def _space_elements(ev: Evaluator, statement: ast.RepeatStmt, box: Box | None, c
     margin, rank = scalar(ev, statement.margin), E.rank(scope)
     length = box.size[axis]
     if statement.form == "pitch":
+        assert statement.pitch is not None
+        name, place = f"`pitch` of `{statement.name}`", where(statement.pitch.span)
+        beside = E.call("lt", E.ONE, count)
+        ev.env.context.asked.append(Quantity(name, ev.env.scope, scalar(ev, statement.pitch), EVERY, place, beside))
         center = E.add(E.add(box.low[axis], margin), E.mul(rank, scalar(ev, statement.pitch)))
     elif statement.form == "fill":
         step = scalar(ev, statement.every)

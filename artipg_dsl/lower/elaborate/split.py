@@ -35,6 +35,9 @@ def split(
     if statement.weight is not None:
         name, place = f"the weight of an element of `{element.name}`", where(statement.weight.span)
         asked.append(Quantity(name, scope, weight, WEIGHT, place))
+    if statement.gap is not None:
+        name, place = f"the gap between elements of `{element.name}`", where(statement.gap.span)
+        asked.append(Quantity(name, inner.outer.scope, gap, ROOM, place))
     if statement.gap is not None and statement.each is None:
         name, place = f"what the gaps leave to the elements of `{element.name}`", where(statement.gap.span)
         asked.append(Quantity(name, inner.outer.scope, tidy(room), ROOM, place))
