@@ -118,19 +118,23 @@ def _declared(ctx: Context, word: str, home: BodyScope) -> Meaning:
 
 def _unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     """Reports a name that nothing declares."""
-    hint = did_you_mean(
-        word, [*ctx.names(), *(w.name for w in WORDS.values() if w.kind != "place")]
-    ) or foreign.NAMES.get(word)
-    if hint is None and ctx.scope is not None:
-        for scope in ctx.scope.root.below():
-            if word in scope.table and scope.repeat is not None:
-                of = scope.repeat.name
-                if word == scope.repeat.index:
-                    hint = f"`{word}` is the index of the repeat `{of}` and only exists inside it"
-                    break
-                hint = f"`{word}` is declared inside the repeat `{of}`: write `{of}.{word}`"
-                break
+    hint = (
+        _within_repeat(ctx, word)
+        or did_you_mean(word, [*ctx.names(), *(w.name for w in WORDS.values() if w.kind != "place")])
+        or foreign.NAMES.get(word)
+    )
     return ck.unknown(ctx.module, word, "unknown-name", span, f"there is no `{word}` here", hint)
+
+
+def _within_repeat(ctx: Context, word: str) -> str | None:
+    """Where to find a name that a repeat of this body declares."""
+    for scope in ctx.scope.root.below() if ctx.scope is not None else ():
+        if word in scope.table and scope.repeat is not None:
+            around = [outer.repeat.name for outer in scope.chain() if outer.repeat is not None][::-1]
+            if word == scope.repeat.index:
+                return f"`{word}` is the index of the repeat `{around[-1]}` and only exists inside it"
+            return f"`{word}` is declared inside the repeat `{around[-1]}`: write `{'.'.join([*around, word])}`"
+    return None
 
 
 def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:

@@ -55,6 +55,10 @@ CHARACTERS = {
     "\u2260": "write `!=`",
     "\u2192": "write `->`",
     "\u2026": "write `..`",
+    "\u00b2": "write `^2`",
+    "\u00b3": "write `^3`",
+    "\u00bd": "write `1/2`",
+    "\u03c0": "write `pi`",
     "\u00b0": "write the unit `deg`: `30deg`",
     "\u201c": 'use straight quotes: `"..."`',
     "\u201d": 'use straight quotes: `"..."`',
@@ -62,6 +66,7 @@ CHARACTERS = {
     "\u00a0": "this is a non-breaking space: use an ordinary one",
     "\u200b": "this is a zero-width space: remove it",
 }
+MICROMETRES = ("\u00b5m", "\u03bcm")  # with the micro sign, and with the letter
 
 
 _PLACED = "place a part by `connect` or `align`, in a separate statement"

@@ -15,7 +15,7 @@ from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 from ..diagnostics.suggest import suggest
 from ..source import Source, Span
 from ..units import UNITS
-from .foreign import CHARACTERS, CLAUSES_ELSEWHERE, STATEMENTS_ELSEWHERE
+from .foreign import CHARACTERS, CLAUSES_ELSEWHERE, MICROMETRES, STATEMENTS_ELSEWHERE
 from .grammar import Machine, terminal_words
 from .mistakes import key, table
 from .recover import opening_brace
@@ -119,6 +119,11 @@ def _character(at: int, source: Source, text: str) -> Found:
         word = re.compile(r"\w+").match(text, start)
         assert word is not None
         span = Span(source, start, word.end())
+        if char in CHARACTERS:
+            return Found("syntax", Span(source, at, at + 1), f"`{char}` has no meaning here", at, CHARACTERS[char])
+        if unit := word.group().lstrip("0123456789") if word.group()[0].isdigit() else "":
+            told = "write it in mm: a micrometre is `0.001mm`" if unit in MICROMETRES else "use mm, cm, m, deg, kg or s"
+            return Found("syntax", span, f"there is no unit `{unit}`", start, told)
         return Found(
             "syntax",
             span,
@@ -390,6 +395,8 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
     placing = leading | {"TURNED"} if leading else set()  # `turned` is read there only to be refused
     follow = (accepted - statement_words() - file_words() - OPERATORS - placing) | accepted & leading
     clauses = sorted(words[a] for a in follow if a in words and a not in ("AND", "OR"))
+    if token.type == "COMMA" and re.match(r"\d,\d", span.source.text[span.start - 1 : span.start + 2]):
+        return found("a number has a decimal point, not a comma", "write it as in `0.5`")
     if "UNTIL" in accepted and len(accepted) <= 4:
         return found(f"`..` is missing before {shown}", "a range is written `low .. high`")
     if (

@@ -94,7 +94,8 @@ def _tilted(ev: Evaluator, span: Span) -> Exception:
         "plane-across-axes",
         span,
         "this face is turned, so its plane is not a coordinate in the frame of this statement",
-        hint="equate points instead (`align a.top.center = b.bottom.center`), or use `connect ... to` with frames",
+        hint="equate points instead (`align a.top.center = b.bottom.center`), or use `connect ... to` with frames; "
+        "alternatives that lie along different axes count as turned",
     )
 
 
