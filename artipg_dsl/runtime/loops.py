@@ -1,7 +1,7 @@
 """Closed loops of joints: the values of some joints follow from the others, so that points stated by ``close`` stay together.
 
-Of the joints on the loops of an object, those declared first drive and the others follow: as many, the last declared
-first, as the loops can determine (a joint declared later yields, as parts do). They are solved for by Gauss-Newton steps
+Of the joints on the loops of an object, the first of its table drive and the others follow: as many, from the last on,
+as the loops can determine (a joint declared later yields, as parts do). They are solved for by Gauss-Newton steps
 of all objects at once, led from rest to the values asked for, so that a loop does not jump to its other assembly.
 """
 
