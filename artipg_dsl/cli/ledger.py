@@ -14,7 +14,7 @@ from .compile import of_text
 if TYPE_CHECKING:
     from ..graph.expr import Column, Scope
     from ..lower.elaborate.part import Component
-    from ..lower.expressions.context import Unknown
+    from ..lower.expressions.context import Draft, Unknown
     from ..lower.program import Lowering
     from ..lower.solve.ledger import Line
 
@@ -43,7 +43,7 @@ def entries(lowering: Lowering, wanted: str | None) -> Iterator[str]:
         path = part.path if part is not None else ""
         if wanted is not None and path != wanted and not path.startswith(wanted + "."):
             continue
-        guards = _conditions(unknown.column.scope, options)
+        guards = _conditions(lowering.context, unknown.column.scope, options)
         if (path, guards) != shown:
             shown = (path, guards)
             yield (path or lowering.program.name) + (f"   with {guards}" if guards else "")
@@ -102,15 +102,17 @@ def _port(lowering: Lowering, parts: dict[str, Component], wanted: str) -> Itera
     yield f"    {'link':<14} {f'{links}, as it lies on {through}':<44} {next(iter(ports.values())).span}"
 
 
-def _conditions(scope: Scope, options: dict[Column, tuple[str, ...]]) -> str:
+def _conditions(draft: Draft, scope: Scope, options: dict[Column, tuple[str, ...]]) -> str:
     """The alternatives, and the branches of ``when``, in which a table has rows: ``door = SlabDoor``, ``rows > 2``."""
     from ..lower.solve.ledger import condition
 
-    guards = [s for s in scope.ancestors() if s.kind == "guard"]
-    found = [
-        condition(s.count, options) if "when (" in s.name and s.count is not None else s.name.replace("=", " = ")
-        for s in guards
-    ]
+    found = []
+    for guard in scope.ancestors():
+        there = draft.present.get(guard)
+        if there is not None:
+            found.append(f"{there.path} exists" if there.option is None else f"{there.path} = {there.option}")
+        elif guard.kind == "guard" and guard.count is not None:
+            found.append(condition(guard.count, options))
     return ", ".join(reversed(found))
 
 

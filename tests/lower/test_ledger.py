@@ -63,8 +63,20 @@ def test_what_fixes_a_whole_pose_is_told() -> None:
     assert not any(line.startswith("pose") for line in ledger(MOUNTED, "lid"))
 
 
+FLAGGED = category("""
+  count k in 1 .. 2
+  count j in 1 .. 2
+  when not (k == 1 and j == 1) {
+    part peg : Cuboid(size = [1cm, 1cm, _])
+    connect peg.bottom to body.top
+    align peg.size.z = 2cm
+  }
+""")
+
+
 def test_a_branch_is_named_by_its_condition() -> None:
     assert ledger(MOUNTED, "peg")[0] == "peg with k = 2"
+    assert ledger(FLAGGED, "peg")[0] == "peg with own"
 
 
 def test_coupled_unknowns_name_one_another_and_searched_ones_their_start() -> None:

@@ -12,6 +12,7 @@ from ...semantics.types import DIMENSIONS
 from ...syntax import ast
 from ...syntax.walk import walk
 from ..expressions.arithmetic import number
+from ..expressions.context import Present
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solids.primitives import lower_primitive
@@ -167,7 +168,7 @@ def _instantiate(part: Component, option: Option, lower_body: LowerBody) -> Inst
     """The alternative in its own table (that of the environment when there is nothing to choose)."""
     context = part.context
     guard = part.guard(option)
-    scope = context.guard(part.env.scope, guard, f"{part.path}={option.name}")
+    scope = context.guard(part.env.scope, guard, f"{part.path}={option.name}", Present(part.path, option.name))
     instance = Instance(part, option.symbol, scope, part.path + ".")
     if len(context.trace) > 40 and option.symbol.kind == "template":
         raise context.error("circular-definition", part.span, f"`{option.name}` contains itself")

@@ -17,7 +17,7 @@ from ...graph.reference import Elsewhere, Onward, Reference, Under
 from ...records import dataclass
 from ...source import Span
 from ...syntax import ast
-from ..expressions.context import Draft
+from ..expressions.context import Draft, Present
 from ..expressions.env import Env, Hinge, exists_in
 from ..expressions.extents import union_of
 from ..solve.cases import covered
@@ -182,7 +182,7 @@ class Links:
         found: list[tuple[Scope, Reference]] = []
         guards: list[Expr] = []
         for part in takewhile(lambda part: part is not below, first_parts(instance)):
-            found.append((self.context.guard(part.env.scope, part.exists, f"{part.path} exists"), self.of(part)))
+            found.append((self.there(part.env.scope, part), self.of(part)))
             guards.append(E.both(_condition(part.env.scope, instance.env.scope), part.exists))
             if covered(guards, self.context.draws):
                 return found
@@ -193,13 +193,17 @@ class Links:
         owner = env.root.instance
         return (0,) if owner is None else self.of(owner.part)
 
+    def there(self, scope: Scope, part: Component) -> Scope:
+        """The rows of a table in which a part exists."""
+        return self.context.guard(scope, part.exists, f"{part.path} exists", Present(part.path))
+
     def own_link(self, part: Component, attachment: Attachment) -> int:
         """The link of a part that a joint moves (made at the first question)."""
         if attachment not in self.own:
             program = self.context.program
             scope = attachment.env.scope
             if part.exists is not E.TRUE and not exists_in(attachment.env, part.exists):
-                scope = self.context.guard(scope, part.exists, f"{part.path} exists")
+                scope = self.there(scope, part)
             self.own[attachment] = len(program.links)
             self.owners[len(program.links)] = part
             program.links.append(Link(part.path, scope, -1))

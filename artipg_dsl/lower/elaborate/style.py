@@ -13,6 +13,7 @@ from ...records import dataclass
 from ...semantics.symbols import Symbol, is_a
 from ...source import Span
 from ...syntax import ast
+from ..expressions.context import Present
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solve.cases import covered
@@ -44,7 +45,10 @@ class Style(Alternatives):
         """The table of an alternative, by its number: one template may stand there several times."""
         options = self.choice.options
         guard = E.TRUE if len(options) == 1 else E.call("eq", self.choice.code, E.const(float(option)))
-        return self.env.context.guard(self.env.scope, guard, f"{self.declaration.name}={options[option]}")
+        path = self.declaration.name
+        return self.env.context.guard(
+            self.env.scope, guard, f"{path}={options[option]}", Present(path, options[option])
+        )
 
     def shared(
         self,

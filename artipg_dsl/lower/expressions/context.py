@@ -121,6 +121,14 @@ class Bend:
     radius: Expr
 
 
+@dataclass(frozen=True, slots=True)
+class Present:
+    """That a part (or a style) of a path is there: as the alternative ``option``, or at all."""
+
+    path: str
+    option: str | None = None
+
+
 @dataclass(slots=True, eq=False)
 class Draft:
     """What the lowering of one program shares: the program as far as it is made, and what only later passes need."""
@@ -130,6 +138,7 @@ class Draft:
     typed: TypedProgram
     makers: Makers
     guards: dict[tuple[Scope, Expr], Scope] = field(default_factory=dict)
+    present: dict[Scope, Present] = field(default_factory=dict)  # guards that are no branches of a `when`
     draws: list[Draw] = field(default_factory=list)
     spans: dict[Column, Span] = field(default_factory=dict)
     stated: dict[int, tuple[Span, bool]] = field(
@@ -207,7 +216,7 @@ class Draft:
 
     def mixed(self, error: ScopeError, span: Span) -> Abort:
         """Report that values of two tables meet that have no rows in common."""
-        first, second = in_words(error.first), in_words(error.second)
+        first, second = self.in_words(error.first), self.in_words(error.second)
         message = f"this mixes values of {first} and of {second}, and nothing says which belong together"
         hint = "move it inside the one that contains both, or reduce one side with sum, min or max"
         if error.first.within(error.second):
@@ -224,13 +233,16 @@ class Draft:
         self.program.scopes.append(scope)
         return scope
 
-    def guard(self, parent: Scope, condition: Expr, name: str) -> Scope:
-        """The table of the rows of ``parent`` where ``condition`` holds; one table per condition."""
+    def guard(self, parent: Scope, condition: Expr, name: str, present: Present | None = None) -> Scope:
+        """The table of the rows of ``parent`` where ``condition`` holds, which may say that something is ``present``; one table
+        per condition."""
         if condition is E.TRUE:
             return parent
         key = (parent, condition)
         if key not in self.guards:
             self.guards[key] = self.scope(name, parent, "guard", condition)
+            if present is not None:
+                self.present[self.guards[key]] = present
         return self.guards[key]
 
     def require(
@@ -254,21 +266,20 @@ class Draft:
         self.spans[column] = span
         return column
 
-
-def in_words(scope: Scope) -> str:
-    """A table as the author knows it: a repeat, an alternative, a ``when``."""
-    if scope.kind == "repeat":
-        return f"the repeat `{scope.name}`"
-    path, _, option = scope.name.partition("=")
-    if scope.kind == "guard" and option and "when " not in path:
-        return f"the alternative {option} of `{path}`"
-    if scope.kind == "guard":
+    def in_words(self, scope: Scope) -> str:
+        """A table as the author knows it: a repeat, an alternative, a ``when``."""
+        if scope.kind == "repeat":
+            return f"the repeat `{scope.name}`"
+        if scope.kind != "guard":
+            return f"`{scope.name}`"
+        there = self.present.get(scope)
+        if there is None:
+            return "a `when`"
         return (
-            f"the optional part `{scope.name.removesuffix(' exists')}`"
-            if scope.name.endswith(" exists")
-            else "a `when`"
+            f"the optional part `{there.path}`"
+            if there.option is None
+            else f"the alternative {there.option} of `{there.path}`"
         )
-    return f"`{scope.name}`"
 
 
 def where(span: Span) -> Where:

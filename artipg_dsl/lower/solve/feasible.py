@@ -9,7 +9,7 @@ from ...graph.feasible import Conflict, find_conflicts, find_idle, find_settled,
 from ...graph.interval import Intervals
 from ...graph.program import Program
 from ...source import Span
-from ..expressions.context import Bend, Draft, in_words
+from ..expressions.context import Bend, Draft
 
 
 def judge(context: Draft, hollow: list[tuple[Scope, tuple[int, ...]]], own: str) -> None:
@@ -84,7 +84,7 @@ def _tell(context: Draft, conflict: Conflict) -> None:
     if conflict.certain:
         context.report.error("impossible", span, message, hint=hint, notes=tuple(chain))
     else:
-        message += f"; so {in_words(conflict.scope)} is never drawn"
+        message += f"; so {context.in_words(conflict.scope)} is never drawn"
         context.report.warning("impossible", span, message, hint=hint, notes=tuple(chain))
 
 
