@@ -26,6 +26,7 @@ _STALE = 3600.0  # seconds after which an unfinished file is of a process that w
 SEAL = 32  # bytes of the hash before the data
 
 _pruned = False
+_told = False
 
 
 def folder() -> Path | None:
@@ -111,7 +112,9 @@ def drop(name: str) -> None:
 
 
 def write(name: str, body: bytes) -> None:
-    """Keep an entry, whole or not at all. Where that cannot be, nothing is kept: it is never needed."""
+    """Keep an entry, whole or not at all. Where that cannot be, nothing is kept: it is never needed. Of a folder that was asked
+    for, that is said on stderr, once.
+    """
     import tempfile  # start-up: most processes read alone
 
     global _pruned
@@ -129,14 +132,26 @@ def write(name: str, body: bytes) -> None:
         if not _pruned:
             _pruned = True
             prune(place)
-    except OSError:
-        pass
+    except OSError as error:
+        _tell(place, error)
     finally:
         if unfinished is not None:
             try:
                 os.unlink(unfinished)
             except OSError:
                 pass
+
+
+def _tell(place: Path, error: OSError) -> None:
+    """Say once that nothing is kept; the workers of a run leave that to the process that started them."""
+    import multiprocessing  # start-up
+
+    global _told
+    if _told or not os.environ.get("APGC_CACHE") or multiprocessing.parent_process() is not None:
+        return
+    _told = True
+    wrong = error.strerror or type(error).__name__
+    print(f"nothing is kept in {place}, which APGC_CACHE names: {wrong}", file=sys.stderr, flush=True)
 
 
 def _seal(body: bytes) -> bytes:

@@ -157,13 +157,19 @@ def test_what_is_kept_with_a_program_is_what_would_be_found(kept, stool):
     assert told == [digest(Program("", primitives={p.name: p})) for p in read.primitives.values()]
 
 
-def test_nothing_is_kept_when_off_or_where_nothing_can_be_written(tmp_path, stool, monkeypatch):
+def test_nothing_is_kept_when_off_or_where_nothing_can_be_written(tmp_path, stool, monkeypatch, capsys):
+    monkeypatch.setattr(cache, "_told", False)
     monkeypatch.setenv("APGC_CACHE", "off")
     found(stool)
     assert cache.folder() is None and found(stool)[1]
     (tmp_path / "file").write_text("")
-    monkeypatch.setenv("APGC_CACHE", str(tmp_path / "file" / "kept"))
+    assert capsys.readouterr().err == ""
+    monkeypatch.setenv("APGC_CACHE", str(tmp_path / "file"))
     assert found(stool)[1] and found(stool)[1]
+    assert capsys.readouterr().err == f"nothing is kept in {tmp_path / 'file'}, which APGC_CACHE names: File exists\n"
+    assert (tmp_path / "file").read_text() == ""
+    cache.write("entry", b"")
+    assert capsys.readouterr().err == ""  # it has been said
 
 
 def test_the_oldest_go_first(kept):
