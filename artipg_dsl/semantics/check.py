@@ -14,6 +14,7 @@ from ..source import Span
 from ..syntax import ast
 from . import attachments, declarations, primitives, roles, statements
 from .checker import Checker, Context
+from .fold import constant
 from .meanings import Meaning
 from .modules import Workspace
 from .symbols import ModuleScope, Symbol
@@ -133,6 +134,21 @@ def _body(ck: Checker, symbol: Symbol) -> None:
         attachments.check(ck, scope)
 
 
+def _check_frictions(
+    ck: Checker, module: ModuleScope, static: ast.Clause[ast.RangeExpr], dynamic: ast.Clause[ast.RangeExpr]
+) -> None:
+    """What slides is not held back more than what rests, whatever is drawn; ranges may overlap a little, as measured ones do."""
+    most, least = constant(static.value.high, module), constant(dynamic.value.low, module)
+    if most is not None and least is not None and most < least:
+        ck.error(
+            "illegal-value",
+            static.span,
+            f"the static friction is less than the dynamic one, {most:g} against {least:g}",
+            hint="what lies still is harder to move than what slides: exchange them, or write `friction` for both",
+            notes=((dynamic.span, "the dynamic friction"),),
+        )
+
+
 _PROPERTIES = {
     "density": ScalarType(DIMENSIONS["density"]),
     "colour": VecType(3, NONE),
@@ -149,6 +165,8 @@ def _material(ck: Checker, symbol: Symbol, decl: ast.MaterialDecl) -> None:
             f"`friction` is both the static and the dynamic one, and `{apart.word}` is given, too",
             hint="write `static_friction 0.5  dynamic_friction 0.4`, or `friction` alone",
         )
+    if decl.static_friction is not None and decl.dynamic_friction is not None:
+        _check_frictions(ck, symbol.module, decl.static_friction, decl.dynamic_friction)
     for clause in ast.clauses(decl):
         kind = _PROPERTIES.get(clause.word, RATIO)
         if clause.word not in words:

@@ -15,6 +15,7 @@ from .calls import range_type
 from .declarations import check_range
 from .entries import of_reference
 from .fold import constant
+from .guards import consistent
 from .meanings import Declared, Global, Inner, Previous
 from .offers import missing
 from .symbols import Symbol
@@ -69,6 +70,7 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
                 ck.unfit(at, kind, "a keypoint must be on a part, a port or a point")
             if place is not None:
                 ck.expect(formula(ctx), place, POINT, "the place of a keypoint")
+            _keypoint_twice(ck, ctx, stmt)
         case ast.SymmetryStmt(target=at, turn=turn, direction=direction):
             target(ck, ctx, at, "a symmetry belongs to")
             if turn is not None:
@@ -80,6 +82,22 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             _material(ck, ctx, stmt)
         case _:
             raise TypeError(f"no rule for {type(stmt).__name__}")
+
+
+def _keypoint_twice(ck: Checker, ctx: Context, stmt: ast.KeypointStmt) -> None:
+    """Two keypoints of one name on one part could not be told apart, unless conditions exclude each other."""
+    words = stmt.target.span.words
+    before = ck.keypoints.setdefault((ctx.scope, stmt.name, words), [])
+    first = next((span for condition, span in before if consistent(condition, ctx.condition)), None)
+    if first is not None:
+        ck.error(
+            "duplicate-name",
+            stmt.name_span,
+            f"there are two keypoints `{stmt.name}` on `{words}`",
+            hint="rename one of them, as in `tip_left`",
+            notes=((first, "the first of them"),),
+        )
+    before.append((ctx.condition, stmt.name_span))
 
 
 def formula(ctx: Context) -> Context:
