@@ -32,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
 
     out = _refuse_early(options)
     frame = Frame(options.up, options.front, options.unit, options.normalised)
-    paths = find_files(options.files)
+    paths = find_files(options.files, say)
     with Progress(options.program) as progress:
         progress.stage("compiling")
         job = open_wanted(options)

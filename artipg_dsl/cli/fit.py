@@ -27,7 +27,7 @@ def run(options: argparse.Namespace) -> int:
     out = Path(options.out)
     refuse_file(out)
     frame = Frame(options.up, options.front, options.unit, options.normalised)
-    paths = find_files(options.files)
+    paths = find_files(options.files, say)
     with Progress(options.program) as progress:
         progress.stage("compiling")
         sampler, source = open_program(options.program)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -34,8 +35,10 @@ class Cloud:
     names: tuple[str, ...]
 
 
-def find_files(places: list[str]) -> list[Path]:
-    """The files that are named, and those in folders that are, in the order of their names. Raises UserError."""
+def find_files(places: list[str], tell: Callable[[str], None] | None = None) -> list[Path]:
+    """The files that are named, and those in folders that are, in the order of their names. With ``tell``, which is told so, only
+    one URDF of each object in a folder. Raises UserError.
+    """
     found: list[Path] = []
     for name in places:
         place = Path(name)
@@ -44,6 +47,13 @@ def find_files(places: list[str]) -> list[Path]:
             robots = {p.parent for p in inside if p.suffix.lower() == ".urdf"}
             inside = [p for p in inside if p.suffix.lower() == ".urdf" or not robots & {*p.parents}]
             inside = [p for p in inside if p.suffix.lower() not in _CLOUDS or not _doubled(p, inside)]
+            variants = {p: of for p in inside if (of := _variant_of(p, inside)) is not None}
+            if tell is not None and variants:
+                first, of = next(iter(variants.items()))
+                tell(
+                    f"{len(variants)} URDF files are other ways to write objects of {place}: {first.name}, for example, is {of.name}"
+                )
+                inside = [p for p in inside if p not in variants]
             if not inside:
                 raise UserError(f"{place} has no file that can be fitted", f"the kinds are {', '.join(_SUFFIXES)}")
             found += inside
@@ -58,6 +68,12 @@ def _doubled(cloud: Path, others: list[Path]) -> bool:
     """Whether a cloud stands beside one mesh, alone with it: then both are of one object."""
     beside = [p for p in others if p.parent == cloud.parent and p != cloud]
     return len(beside) == 1 and beside[0].suffix.lower() in _MESHES
+
+
+def _variant_of(robot: Path, others: list[Path]) -> Path | None:
+    """The file ``object.urdf`` beside ``object_fixed.urdf``, as `apgc export` writes them: one object, one of them is enough."""
+    beside = [p for p in others if p.parent == robot.parent and p.suffix.lower() == robot.suffix.lower() == ".urdf"]
+    return next((p for p in beside if robot.stem.startswith(f"{p.stem}_")), None)
 
 
 def read_cloud(path: Path) -> Cloud:

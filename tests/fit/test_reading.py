@@ -45,6 +45,20 @@ def test_points_with_and_without_normals(tmp_path: Path) -> None:
         assert np.allclose(np.sort(one.points[:, 0]), np.sort(points[:, 0]), atol=1e-6)
 
 
+def test_one_urdf_of_each_object_in_a_folder(tmp_path: Path) -> None:
+    for name in ("chair", "chair_fixed", "chair_physics", "chairs", "table_fixed"):
+        (tmp_path / f"{name}.urdf").write_text("<robot/>")
+    told: list[str] = []
+    robots = [path.stem for path in find_files([str(tmp_path)], told.append)]
+    assert robots == ["chair", "chairs", "table_fixed"]
+    assert told == [
+        f"2 URDF files are other ways to write objects of {tmp_path}: chair_fixed.urdf, for example, is chair.urdf"
+    ]
+    named = [str(tmp_path / "chair_fixed.urdf")]
+    assert [str(path) for path in find_files(named)] == named  # who names it means it
+    assert len(find_files([str(tmp_path)])) == 5
+
+
 def test_a_robot_stands_with_its_joints_at_zero(tmp_path: Path) -> None:
     trimesh.creation.box([200, 400, 300]).export(tmp_path / "lid.stl")
     (tmp_path / "robot.urdf").write_text(ROBOT)
