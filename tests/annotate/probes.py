@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
+from random import Random
 
 from geometry.shipped import SHIPPED
 
@@ -22,6 +23,9 @@ SIZES = (
     "[5cm, 85cm, 200cm]",
     "[3cm, 9cm, 25cm]",
     "[12cm, 12cm, 6cm]",
+    "[60cm, 1.2m, 75cm]",
+    "[11cm, 28cm, 4mm]",
+    "[5cm, 4cm, 3mm]",
 )
 LENGTHS = ("12mm", "3mm", "4cm", "30cm")
 UNITS = {"length": "m", "angle": "rad", "ratio": ""}
@@ -29,7 +33,7 @@ UNITS = {"length": "m", "angle": "rad", "ratio": ""}
 PROBE = """apg 1
 use primitives {{ Cuboid }}
 {uses}
-vocabulary affordance {{ grasp push }}
+vocabulary touch {{ grasp push }}
 vocabulary semantic {{ probed rest }}
 category Probe {{
   root part base : Cuboid(size = [1mm, 1mm, 1mm])
@@ -38,8 +42,8 @@ category Probe {{
   align probed.center = base.center{shift}
   label semantic.rest on base
   label semantic.probed on probed
-  label affordance.push on probed where p.z > 0.1 * size.z and n.x > -0.437
-  label affordance.grasp on probed = 0.5 + 0.25 * n.y
+  label touch.push on probed where p.z > 0.005 * size.z and n.x > -0.437
+  label touch.grasp on probed = 0.5 + 0.25 * n.y
   field height : ratio on probed = p.z / size.z
   field corner : vec on probed = p / size.z - 2 * n
   grasp across on probed for t in -0.4 .. 0.4 {{ at [0, 0.1 * size.y, t * size.z]  approach -x  close y  opening 2 * size.y }}
@@ -70,7 +74,9 @@ class Shipped:
             if module != "primitives"
         )
         more = ", ".join(sorted(named.get("primitives", set())))
-        for chosen in product(*self.arguments):
+        every = list(product(*self.arguments))
+        Random(0).shuffle(every)  # of a template with many arguments, the first are not all alike
+        for chosen in every:
             arguments = f"({', '.join(chosen)})" if chosen else ""
             both = [
                 PROBE.format(
@@ -159,6 +165,10 @@ def template(module: str, node: ast.TemplateDecl) -> Shipped:
                 arguments.append((f"{name} = given_{name}",))
             elif kind.size == 3:
                 arguments.append(tuple(f"{name} = {size}" for size in SIZES))
+            elif kind.name == "length" and kind.size == 2:
+                arguments.append(tuple(f"{name} = [{a}, {b}]" for a, b in product(LENGTHS, LENGTHS)))
+            elif kind.name == "count":
+                arguments.append((f"{name} = 1", f"{name} = 2"))
             elif kind.name == "length":
                 arguments.append(tuple(f"{name} = {length}" for length in LENGTHS))
             elif kind.name == "angle":
