@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
+from zipfile import is_zipfile
 
 from ..errors import UserError
 from .remote import MARK, Place, Remote
@@ -59,10 +60,11 @@ def ensure_folder(path: Place) -> Place:
 
 
 def is_there(path: Place) -> bool:
-    """Whether a file or folder is there. An empty file is not: none that is written whole is empty."""
+    """Whether a file or folder is there. An empty file is not, nor an archive of arrays without its end, which a copy that was
+    broken off leaves: none that is written whole is like that."""
     if isinstance(path, Remote) or not path.is_file():
         return path.exists()
-    return path.stat().st_size > 0
+    return is_zipfile(path) if path.suffix == ".npz" else path.stat().st_size > 0
 
 
 def refuse_existing(path: Place, force: bool) -> None:

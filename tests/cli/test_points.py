@@ -43,6 +43,18 @@ def test_points_per_link_are_written_with_their_meaning(apgc: Apgc, tmp_path: Pa
     assert code == 1 and "the surface that points lie on (outside, now boundary)" in err
 
 
+@pytest.mark.parametrize("left", [0, 1, 700])
+def test_a_shard_that_is_cut_off_is_written_again(apgc: Apgc, tmp_path: Path, left: int) -> None:
+    """A copy that was broken off leaves such: the same command, which completes a folder, takes it for missing."""
+    again = ("sample", CHEST, "-n", 3, "-o", tmp_path / "o", "--points", 300)
+    assert apgc(*again)[0] == 0
+    shard = tmp_path / "o" / "points-00000.npz"
+    whole = tree(tmp_path / "o")
+    shard.write_bytes(shard.read_bytes()[:left])
+    assert apgc(*again)[0] == 0
+    assert tree(tmp_path / "o") == whole
+
+
 def test_bytes_do_not_depend_on_the_process(tmp_path: Path) -> None:
     for name, seed in (("a", "1"), ("b", "2")):
         made = spawn("sample", CHEST, "-n", 2, "-o", tmp_path / name, *WISHES, hash_seed=seed)
