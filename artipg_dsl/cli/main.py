@@ -9,18 +9,20 @@ import os
 import re
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from difflib import get_close_matches
 from typing import Any, NoReturn
 
 from .messages import error, findings, say
 from .options import COMMANDS
+from .stop import Stopped, heeding
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 _DESCRIPTION = "Compile structure programs of articulated objects (.apg), and sample annotated objects from them."
 _MADE = 1_000_000, 20, 50  # objects between collections of garbage, of which hardly any is circular
 _EPILOG = (
     "apgc COMMAND --help lists the options of a command. "
-    "Exit codes: 0 success, 1 errors in a program or in data, 2 wrong usage, 130 interrupted."
+    "Exit codes: 0 success, 1 errors in a program or in data, 2 wrong usage, 130 interrupted (143 by SIGTERM)."
 )
 
 
@@ -125,7 +127,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             from ..native import backend
 
             backend.choose(options.backend)
-        code = importlib.import_module(f".{options.command}", __package__).run(options)
+        with heeding():
+            code = importlib.import_module(f".{options.command}", __package__).run(options)
         sys.stdout.flush()
         return code
     except UserError as wrong:
@@ -137,9 +140,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             "this is a fault of apgc, not of the program: please report it with its text",
         )
         return FAILED
-    except KeyboardInterrupt:
-        say("\ninterrupted: no file is left incomplete; run the same command again to finish")
-        return INTERRUPTED
+    except KeyboardInterrupt as stop:
+        with suppress(OSError):  # the terminal may be gone
+            say("\ninterrupted: no file is left incomplete; run the same command again to finish")
+        return stop.code if isinstance(stop, Stopped) else INTERRUPTED
     except BrokenPipeError:  # the reader of our output has seen enough
         _drop_output()
         return OK

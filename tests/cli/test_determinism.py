@@ -93,7 +93,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     return tree(out)
 
 
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_an_interrupted_run_leaves_nothing_partial_and_is_completed(
     tmp_path: Path, whole: dict[str, bytes], how: signal.Signals
 ) -> None:
@@ -106,13 +106,14 @@ def test_an_interrupted_run_leaves_nothing_partial_and_is_completed(
         time.sleep(0.005)
     process.send_signal(how)
     _, err = process.communicate(timeout=60)
-    assert process.returncode == (130 if how is signal.SIGINT else -how), err
+    told = {signal.SIGINT: 130, signal.SIGTERM: 143}.get(how)
+    assert process.returncode == (told or -how), err
     left = {name: data for name, data in tree(out).items() if not name.startswith(".")}
     assert 0 < sum(name.endswith(".npz") for name in left) < 5
     assert all(
         whole[name] == data for name, data in left.items() if name != "manifest.json" and not name.startswith("counts-")
     )
-    if how is signal.SIGINT:
+    if told is not None:
         assert "interrupted" in err and "Traceback" not in err
         assert left == tree(out)  # no hidden file either
     again = spawn(*MANY, "-o", out)
