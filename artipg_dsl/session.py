@@ -52,6 +52,15 @@ def _locate(name: str | Path, report: Report) -> Path | None:
     """The file of a category given by name (in any case) or by path."""
     text = str(name)
     path = Path(text)
+    try:
+        special = path.exists() and not path.is_file() and not path.is_dir()
+    except OSError as error:
+        report.error("missing-file", None, f"{text} cannot be read: {error.strerror}")
+        return None
+    if special:
+        hint = "a program is read more than once: save it in a file"
+        report.error("missing-file", None, f"{text} is a pipe or a device, not a file", hint=hint)
+        return None
     if path.suffix == ".apg" or path.is_file():
         return path
     shipped = categories()
@@ -65,7 +74,8 @@ def _locate(name: str | Path, report: Report) -> Path | None:
         report.error("missing-file", None, f"there is no file {text}", hint=hint)
         return None
     hint = (
-        (f"did you mean `{text}.apg`?" if path.with_suffix(".apg").is_file() else None)
+        ("only `apgc fmt -` reads a program from standard input: save it in a file" if text == "-" else None)
+        or (f"did you mean `{text}.apg`?" if path.with_suffix(".apg").is_file() else None)
         or did_you_mean(text, shipped)
         or f"the shipped categories are {', '.join(shipped)}; or give the path of an .apg file"
     )

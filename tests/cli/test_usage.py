@@ -177,9 +177,13 @@ def test_a_program_that_is_not_there(apgc: Apgc, tmp_path: Path, monkeypatch: py
     monkeypatch.chdir(tmp_path)
     (tmp_path / "stool.apg").write_text("apg 1\n")
     (tmp_path / "bad.apgc").write_bytes(b"\x87\xff")
+    os.mkfifo(tmp_path / "pipe.apg")
     for name, told in (
         ("stool", "did you mean `stool.apg`?"),
         ("stool.txt", "there is no file stool.txt\n  = help: a program is an .apg file"),
+        ("pipe.apg", "pipe.apg is a pipe or a device, not a file\n  = help: a program is read more than once"),
+        ("-", "there is no category `-`\n  = help: only `apgc fmt -` reads a program from standard input"),
+        (300 * "a", "aaa cannot be read: File name too long"),
         ("parts/stool", "there is no file parts/stool\n  = help: check the path, and end it with .apg"),
     ):
         assert told in apgc("check", name)[1]
