@@ -95,6 +95,8 @@ def _binding(batch: Batch, points: Points | Mapping[str, np.ndarray]) -> tuple[n
         owner, found = points.object, [getattr(points, name) for name in _BINDING]
         if len(owner) and owner.max() >= len(batch):
             raise UsageError(f"points of {owner.max() + 1} objects on a batch of {len(batch)}", _HINT)
+    elif not isinstance(points, Mapping):
+        raise UsageError(f"points is {points!r}", _HINT)
     else:
         missing = [name for name in ("object", *_BINDING) if name not in points]
         if missing:

@@ -54,6 +54,11 @@ def read_states(text: str) -> States:
     wanted = []
     for piece in (p.strip() for p in text.split(",")):
         if all(_CHOSEN.fullmatch(one.strip()) for one in piece.split("+")):
+            named = [one.partition("=")[0].strip() for one in piece.split("+")]
+            if twice := next((name for k, name in enumerate(named) if name in named[:k]), None):
+                raise UsageError(
+                    f"`{piece}` gives `{twice}` two values", "for two states, write a comma for the plus sign"
+                )
             wanted.append((piece, 1))
             continue
         match = re.fullmatch(r"(rest|open|random)(?::(\d{1,9}))?", piece)
@@ -105,6 +110,8 @@ def read_values(batch: Batch, states: str | np.ndarray | None, *, several: bool 
             f"states are text or joint values, one for each of {joints} joints: not {type(states).__name__} of shape {found.shape}",
             "such as open=60deg; `rest`, `opened`, `states` and `joint_values` of the same objects give values",
         )
+    if found.ndim == 2 and not len(found):
+        raise UsageError("no states are given: there is no row of joint values", "leave them out for the rest")
     if found.ndim == 2 and not several:
         raise UsageError(f"{len(found)} states, where one is shown at a time", "give the values (J,) of one of them")
     if not np.isfinite(found).all():

@@ -81,8 +81,9 @@ def load(
     """Sample objects of a category given as program text. Raises CompileError, SettingError, NoObject."""
     if not isinstance(text, str):
         raise UsageError(f"`load` takes the text of a program, not {text!r}", "a name or a file goes to `sample`")
-    if text.strip().endswith((".apg", ".apgc")) and "\n" not in text.strip():
-        raise UsageError(f"`load` takes the text of a program, not its name {text}", f'write sample("{text}")')
+    name = text.strip()
+    if name.isidentifier() or name.endswith((".apg", ".apgc")) and "\n" not in name:
+        raise UsageError(f"`load` takes the text of a program, not its name {name}", f'write sample("{name}")')
     sampler = Session.of_text(text).sampler
     request = read_request(
         sampler.program.name, seed=seed, n=n, settings=set, checked=checked, prior=prior, frame=frame

@@ -79,6 +79,8 @@ class Files:
         from ..run.output import Output, read_content, refuse_idle
 
         refuse_idle_strength(details, detail_strength)
+        if isinstance(folder, str) and not folder.strip():
+            raise UsageError("the folder is empty text", 'give its name; "." is the current one')
         names = formats if formats is None or isinstance(formats, str) else list(formats)
         content = read_content(
             points=points,

@@ -84,6 +84,8 @@ class Samples(Files):
         """Repeat recorded mutations (lines of ``trace-*.jsonl``) on these objects. Raises NoObject, UsageError, UserError."""
         from ..sampling.trace import Replay, check_record
 
+        if not isinstance(records, Iterable):
+            raise UsageError(f"records is {records!r}", "give lines of trace-*.jsonl, as dictionaries")
         made = {record["object"]: record for record in map(check_record, records)}
         if not made:
             raise UsageError("there is no record to repeat", "give lines of trace-*.jsonl")

@@ -80,16 +80,18 @@ def run(options: argparse.Namespace) -> int:
 
 def _layout(options: argparse.Namespace) -> Layout | None:
     """The layout asked for, None where formats are. Raises UsageError."""
-    from ..export.registry import FORMATS
+    from ..export.registry import FORMATS, OTHERS
     from ..layouts.registry import LAYOUTS
 
     names = [name.strip() for name in options.format.split(",")]
     found = [LAYOUTS[name] for name in names if name in LAYOUTS]
     for name in names:
-        close = None if name in FORMATS else get_close_matches(name, (*FORMATS, *LAYOUTS), n=1)
-        if close and close[0] in LAYOUTS and name not in LAYOUTS:
+        if name and name not in FORMATS and name not in LAYOUTS and name not in OTHERS:
+            close = get_close_matches(name.lower(), (*FORMATS, *LAYOUTS), n=1)
+            meant = f"did you mean {close[0]}? " if close else ""
             raise UsageError(
-                f"unknown format {name!r}", f"did you mean {close[0]}? the layouts are {', '.join(LAYOUTS)}"
+                f"unknown format {name!r}",
+                f"{meant}the formats are {', '.join(FORMATS)}; the layouts are {', '.join(LAYOUTS)}",
             )
     if not found:
         if options.split is not None or options.map is not None:

@@ -9,6 +9,7 @@ one that needs most, so that seams stay matched. Steps are rounded up to a ladde
 from __future__ import annotations
 
 from collections.abc import Sequence
+from numbers import Real
 
 import numpy as np
 
@@ -43,7 +44,8 @@ class Resolution:
     triangles: int | None = None
 
     def __post_init__(self) -> None:
-        if self.tolerance is not None and not FINEST <= self.tolerance <= COARSEST:
+        known = self.tolerance is None or isinstance(self.tolerance, Real) and FINEST <= self.tolerance <= COARSEST
+        if not known or isinstance(self.tolerance, bool):
             raise UsageError(f"tolerance={self.tolerance} is not a distance from {FINEST} to {COARSEST} metres")
         if self.triangles is not None:
             read_whole("triangles", self.triangles, 1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import field, fields
 from importlib import resources
 from pathlib import Path
@@ -65,17 +65,26 @@ def read_reference(path: str | Path | None = None) -> dict[str, Real]:
             if path is not None
             else resources.files(__package__).joinpath(_REFERENCE).read_text(encoding="utf-8")
         )
-        found = json.loads(text)["categories"]
-        return {name: _real(entry) for name, entry in found.items()}
+        return {name: _real(name, entry) for name, entry in _categories(json.loads(text)).items()}
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"{path} cannot be read: {getattr(error, 'strerror', None) or error}") from None
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (ValueError, TypeError, RecursionError) as error:
         raise UserError(
             f"{path} is not a file of real sizes: {error}", "docs/cli.md shows, under `report`, what it holds"
         ) from None
 
 
-def _real(entry: Mapping[str, Any]) -> Real:
+def _categories(found: Any) -> dict[str, Any]:
+    """The entries of a file, by category."""
+    entries = found.get("categories") if isinstance(found, dict) else None
+    if not isinstance(entries, dict):
+        raise ValueError('it has no table "categories"')
+    return entries
+
+
+def _real(category: str, entry: Any) -> Real:
+    if not isinstance(entry, dict):
+        raise ValueError(f"the entry of {category} is not a table")
     known: dict[str, Any] = {key: value for key, value in entry.items() if key not in _RATIOS}
     known.update({axis: _range(axis, known[axis]) for axis in _AXES if axis in known})
     known["ratios"] = {name: _range(name, entry[name]) for name in _RATIOS if name in entry}
@@ -89,7 +98,9 @@ def _real(entry: Mapping[str, Any]) -> Real:
     return Real(**known)
 
 
-def _range(name: str, values: Sequence[Any]) -> tuple[float, float, float]:
+def _range(name: str, values: Any) -> tuple[float, float, float]:
+    if not isinstance(values, list) or len(values) != 3 or not all(type(v) in (int, float) for v in values):
+        raise ValueError(f"{name} is not a list of three numbers")
     low, middle, high = (float(v) for v in values)
     if not 0.0 < low <= middle <= high:
         raise ValueError(f"{name} is not three rising {'ratios' if name in _RATIOS else 'lengths'} above 0")

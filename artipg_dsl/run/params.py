@@ -9,10 +9,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..diagnostics.suggest import did_you_mean
 from ..errors import SettingError, UsageError, UserError
 from ..sampling.values import Values
-from .settings import read_setting
+from .settings import read_setting, unknown_name
 
 if TYPE_CHECKING:
     from ..graph.program import Draw, Program
@@ -42,7 +41,7 @@ def _parse_entries(text: str, name: str) -> list[Mapping[str, Any]]:
     """The objects that a text holds as plain data: a list, one object, or one a line."""
     try:
         try:
-            whole = json.loads(text)
+            whole = json.loads(text, object_pairs_hook=_once)
             found = whole if isinstance(whole, list) else [whole]
         except json.JSONDecodeError as error:
             lines = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip()]
@@ -59,9 +58,19 @@ def _parse_entries(text: str, name: str) -> list[Mapping[str, Any]]:
     return found
 
 
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A table of names and values; of a name that is given twice, it would not be told which value counts."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for k, name in enumerate(names) if name in names[:k])
+        raise ValueError(f"`{twice}` is given twice in one object")
+    return found
+
+
 def _parse_line(place: str, line: str) -> Any:
     try:
-        return json.loads(line)
+        return json.loads(line, object_pairs_hook=_once)
     except json.JSONDecodeError as error:
         raise UserError(f"{place} is not JSON: {error.msg}", _FORM) from None
 
@@ -88,8 +97,7 @@ def _read_record(entry: Mapping[str, Any], program: Program) -> dict[int, tuple[
     for key, value in entry.items():
         draws = [(k, d) for k, d in enumerate(program.draws) if d.column.name == key]
         if not draws:
-            names = list(dict.fromkeys(d.column.name for d in program.draws))
-            raise UserError(f"{program.name} draws no `{key}`", did_you_mean(key, names))
+            raise unknown_name(program, key)
         items = value if isinstance(value, list) else [value]
         if not items:
             raise UserError(f"`{key}` is an empty list", "leave it out to have it drawn")

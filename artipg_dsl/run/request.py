@@ -189,6 +189,10 @@ def read_request(
     ``values``: a file of objects given by their values, or a dictionary for each. ``prior``: the name of a shipped one, a file, or
     what is said of each draw. ``frame``: the name of a shipped one, or a file. Raises UsageError, UserError.
     """
+    if not isinstance(source, str | Path) or not str(source).strip() or source == Path():
+        raise UsageError(
+            f"a category is a name or a file, not {source!r}", 'for example "Microwave" or "desk_lamp.apg"'
+        )
     if not isinstance(settings, Mapping | None) or not all(isinstance(name, str) for name in settings or ()):
         raise UsageError(f"set is {settings!r}", 'it maps names to values: {"width": "45cm"}')
     if values is None:
@@ -224,7 +228,7 @@ def is_file(source: str | Path) -> bool:
 
 def read_sampling(text: str) -> int:
     """How many candidates ``sequential`` (none), ``prior`` or ``prior:128`` asks for. Raises UsageError."""
-    found = CANDIDATES if text == PRIOR else _candidates(text)
+    found = CANDIDATES if text == PRIOR else _candidates(text) if isinstance(text, str) else None
     if found is None:
         raise UsageError(
             f"unknown sampling `{text}`",
@@ -246,10 +250,17 @@ def read_numbers(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> R
         count = 1 if n is None else read_whole("n", n)
         if count < 1:
             raise UsageError(f"n is {n}: there must be at least one object")
+        if count > MOST:
+            raise UsageError(
+                f"n is {n}", f"give a number up to {MOST:,}; other `numbers` and seeds give further objects"
+            )
         return ((0, count - 1),)
     if n is not None:
         raise UsageError("both n and numbers are given", "n objects are the numbers 0 .. n - 1")
-    asked = np.asarray(numbers).reshape(-1)
+    asked = np.asarray(numbers)
+    if asked.ndim > 1:
+        raise UsageError(f"object numbers are a list, not an array of shape {asked.shape}")
+    asked = asked.reshape(-1)
     if len(asked) and asked.dtype.kind not in "iu":
         raise UsageError(f"object numbers are whole numbers, not {asked[0]!r}")
     found = np.unique(asked.astype(np.int64))

@@ -49,6 +49,8 @@ class Mutation:
         if unknown or not self.operations:
             wrong = f"there is no operation `{unknown[0]}`" if unknown else "no operation is given"
             raise UsageError(wrong, f"the operations are {', '.join(OPERATIONS)}")
+        if not isinstance(self.only, str):
+            raise UsageError(f"only is {self.only!r}", 'it is text: "door" or "door,handle*"')
         read_amount("strength", self.strength, 0, _STRONGEST)
         read_amount("share", self.share, 0, 1)
         read_whole("variant", self.variant)
@@ -140,7 +142,10 @@ _USUAL = Mutation()
 
 def read_operations(names: str | Iterable[str]) -> tuple[str, ...]:
     """``"apa,cpa"``, or a list of these. Raises UsageError where one is there twice: each is applied once."""
-    found = tuple(name.strip() for name in (names.split(",") if isinstance(names, str) else names))
+    listed = names.split(",") if isinstance(names, str) else list(names) if isinstance(names, Iterable) else [names]
+    if not all(isinstance(name, str) for name in listed):
+        raise UsageError(f"operations is {names!r}", 'it is text or a list: "apa,cpa" or ["apa", "cpa"]')
+    found = tuple(name.strip() for name in listed)
     twice = [name for name in found if found.count(name) > 1]
     if twice:
         raise UsageError(f"the operation {twice[0]} is given twice", "each is applied once, in the order apa, dpa, cpa")

@@ -16,6 +16,7 @@ import pytest
 from artipg_dsl import sample
 from artipg_dsl.errors import UserError
 from artipg_dsl.export import objects, registry
+from artipg_dsl.layouts.registry import LAYOUTS
 
 from .helpers import CHEST, Apgc, command, environment, tree
 
@@ -112,7 +113,7 @@ def test_objects_that_nobody_vouches_for_are_left_alone(apgc: Apgc, tmp_path: Pa
 def test_an_unknown_format_lists_the_known_ones(apgc: Apgc, made: Path) -> None:
     code, _, err = apgc("export", made, "--format", "urfd")
     assert code == 2 and "'urfd'" in err and "did you mean urdf?" in err
-    assert all(name in err for name in registry.FORMATS)
+    assert all(name in err for name in (*registry.FORMATS, *LAYOUTS))
     assert "no format" in apgc("export", made, "--format", " , ")[2]
     code, _, err = apgc("export", made, "--format", "points")
     assert code == 2 and "apgc sample" in err

@@ -160,11 +160,20 @@ def test_ratios_stand_beside_real_ones(apgc: Apgc, tmp_path: Path) -> None:
         ({"variants": ["gold"]}, ("`variants` is not a table",)),
         ({"width/height": [3, 2, 1]}, ("width/height is not three rising ratios",)),
         ({"wdth": [1, 2, 3]}, ("there is no `wdth`", "did you mean `width`?")),
+        ({"width": 3}, ("width is not a list of three numbers",)),
+        ({"width": [1, "2", 3]}, ("width is not a list of three numbers",)),
     ],
 )
 def test_what_is_wrong_in_what_is_known_is_told(apgc: Apgc, tmp_path: Path, entry: dict, words: tuple) -> None:
     code, _, err = apgc("report", CHEST, "-n", 3, "--unchecked", "--reference", _known(tmp_path, **entry))
     assert code != 0 and all(word in err for word in words), err
+
+
+@pytest.mark.parametrize("text", ["[]", "3", '{"Chest": {}}', '{"categories": []}', '{"categories": {"Chest": 3}}'])
+def test_a_file_of_another_form_is_told(apgc: Apgc, tmp_path: Path, text: str) -> None:
+    (tmp_path / "known.json").write_text(text)
+    code, _, err = apgc("report", CHEST, "-n", 3, "--unchecked", "--reference", tmp_path / "known.json")
+    assert code == 1 and ('it has no table "categories"' in err or "the entry of Chest is not a table" in err), err
 
 
 def test_what_says_nothing_of_the_category_is_told(apgc: Apgc, tmp_path: Path) -> None:

@@ -48,6 +48,7 @@ def test_bytes_do_not_depend_on_the_process(tmp_path: Path, cameras: Path) -> No
     [
         (("--states", "ajar"), "`ajar` is not a joint state"),
         (("--states", "random:0"), "a number from 1"),
+        (("--states", "rest,open=45deg+open=20deg"), "`open=45deg+open=20deg` gives `open` two values"),
         (("--views", "0"), "`views` is 0"),
         (("--views", "cams.json"), "there is no camera file cams.json"),
         (("--motion", "--format", "urdf"), "--motion applies to points"),
