@@ -3,7 +3,8 @@
 Each corner of each patch asks for its detail as a point at the same (patch, u, v) does. Corners of one vertex whose normals are alike
 are one node, and ways are smoothed from node to node: so nothing is smoothed across an edge. What wears nothing goes with the nearest
 of its element that does, ever less the farther it is: the inner wall of a bottle goes with the outer one. In the end the nodes of a
-vertex meet, each along its own normal where it wants to be, and the vertex is moved once: what was closed stays closed.
+vertex meet, each along its own normal where it wants to be, and the vertex is moved once: what was closed stays closed. What lay behind
+another primitive in the original, as the neck of a bottle in its collar, stays where it is.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ def displace(
 def _find_ways(skin: Skin, wardrobe: Wardrobe, suits: Suits, scale: np.ndarray, strength: float) -> np.ndarray:
     """How far each vertex (V, 3) is moved, metres."""
     own = skin.element[skin.vertex]
-    moved, normal, worn = find_offsets(wardrobe, suits, own, skin.patch, skin.u, skin.v, strength)
+    moved, normal, worn, behind = find_offsets(wardrobe, suits, own, skin.patch, skin.u, skin.v, strength)
     node = _join(skin.vertex, normal)
     count = int(node.max()) + 1
     vertex = np.empty(count, dtype=np.int64)
@@ -53,7 +54,8 @@ def _find_ways(skin: Skin, wardrobe: Wardrobe, suits: Suits, scale: np.ndarray, 
     way = total(node, moved, count) / np.maximum(told, 1.0)[:, None]
     place, element = skin.place[vertex], skin.element[vertex]
     size = scale[suits.elements.owner[element]]
-    way = _followed(place / size[:, None], element, way, told > 0.0)
+    free = np.bincount(node, ~behind, count) > 0.0
+    way = _followed(place / size[:, None], element, way, told > 0.0, free)
     means = neighbours(node[skin.corners], place)
     for _ in range(_ROUNDS):
         way = 0.5 * way + 0.5 * (means @ way)
@@ -76,9 +78,12 @@ def _join(vertex: np.ndarray, normal: np.ndarray) -> np.ndarray:
     return np.asarray(connected_components(graph, directed=False)[1])
 
 
-def _followed(place: np.ndarray, element: np.ndarray, way: np.ndarray, told: np.ndarray) -> np.ndarray:
-    """The ways (m, 3) of places, in diagonals, where those that nothing is ``told`` of go with the nearest of their element."""
-    bare, worn = np.flatnonzero(~told), np.flatnonzero(told)
+def _followed(
+    place: np.ndarray, element: np.ndarray, way: np.ndarray, told: np.ndarray, free: np.ndarray
+) -> np.ndarray:
+    """The ways (m, 3) of places, in diagonals, where those ``free`` to go that nothing is ``told`` of go with the nearest of
+    their element."""
+    bare, worn = np.flatnonzero(~told & free), np.flatnonzero(told)
     if not len(bare) or not len(worn):
         return way
     asked, marked = (

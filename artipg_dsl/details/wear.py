@@ -6,6 +6,7 @@ offset; on a primitive of another kind the place is found on a map of its box. A
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +19,7 @@ from ..records import dataclass
 from .assign import TURN
 from .elements import Elements, Solids
 from .maps import is_long, map_frames, on_map
-from .record import Details
+from .record import DIRECT, Details
 from .suits import Suits
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 _APART = 10.0  # diagonals between the elements of donors: points of one are never near those of another
 _REACH = 0.03  # diagonals: farther from any bound point the structure shows itself, or, where there are few,
+_SEEN = 0.012  # diagonals: farther from what was seen of its element a place was not seen
+_BEFORE = 0.06  # diagonals: so far from it what was seen of others may lie before it
 _LOOSE = 1.5  # times the square root of their share
 _ON_MAP = 0.35  # the same on a map
 _MOST = 4.0  # times larger or smaller: so far offsets are scaled
@@ -59,6 +62,32 @@ class Wardrobe:
             else None
         )
         self._maps: Nearest | None = None
+
+    @cached_property
+    def _seen(self) -> tuple[np.ndarray, Nearest, Nearest]:
+        """The bound points that were seen: of which element each is, all among those of their elements, and of their donors."""
+        at = np.flatnonzero(self.details.how == DIRECT)
+        element, elements = self.details.element[at], self.details.elements
+        place, normal, owner = self.frames.place[at], self.frames.normal[at], elements.owner[element]
+        size = self.details.diagonal[owner]
+        outer = _features(elements.placed(element, place), elements.turned(element, normal), size)
+        return element, Nearest(_features(place, normal, size), element, _APART), Nearest(outer, owner, _APART)
+
+    def before(self, place: np.ndarray, normal: np.ndarray, element: np.ndarray) -> np.ndarray:
+        """(m,) the element that was seen where places of elements, in their own frames, were hidden by it; -1 where none was."""
+        out = np.full(len(element), -1)
+        if self._tree is None:
+            return out
+        of, among, every = self._seen
+        elements, donor = self.details.elements, self.details.elements.owner[element]
+        size = self.details.diagonal[donor]
+        own = among.find(_features(place, normal, size), element, _SEEN)[0]
+        far = np.flatnonzero(own >= _SEEN)
+        outer = elements.placed(element[far], place[far]), elements.turned(element[far], normal[far])
+        found = every.find(_features(*outer, size[far]), donor[far], _BEFORE)[1]
+        other = np.append(of, -1)[found]
+        out[far] = np.where(other != element[far], other, -1)
+        return out
 
     def nearest(self, place: np.ndarray, normal: np.ndarray, element: np.ndarray) -> np.ndarray:
         """(m,) the bound point nearest to places of elements, in their own frames; -1 where none is near."""
@@ -150,14 +179,22 @@ def find_offsets(
     u: np.ndarray,
     v: np.ndarray,
     strength: float,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """For m places of the surface, on elements of ``suits``: how far each is moved (m, 3) metres, the normal there (m, 3), both in the
-    frame of the object, and whether anything is worn there (m,)."""
+    frame of the object, whether anything is worn there (m,), and whether it lay behind another
+    in the original that is worn here, too (m,)."""
     points = _Flat(suits.elements, element, patch, u, v)
-    here, offset, _, bound = _found(wardrobe, points, suits.match[element], strength)
+    match = suits.match[element]
+    here, offset, _, bound = _found(wardrobe, points, match, strength)
+    at = np.flatnonzero((match >= 0) & (wardrobe.solids.kind(suits.elements.site)[element] == wardrobe.kind[match]))
+    there = wardrobe.solids.frames(wardrobe.details.elements, match[at], patch[at], u[at], v[at])
+    other = wardrobe.before(there.place, there.normal, match[at])
+    behind = np.zeros(len(match), dtype=bool)
+    owner, several = suits.elements.owner, len(wardrobe.details.elements)
+    behind[at] = (other >= 0) & np.isin(owner[element[at]] * several + other, owner * several + suits.match)
     moved, normal = (suits.elements.turned(element, vectors) for vectors in (here.out_of(offset), here.normal))
-    worn = bound >= 0
-    return np.where(worn[:, None], moved, 0.0), normal, worn
+    worn = (bound >= 0) & ~behind
+    return np.where(worn[:, None], moved, 0.0), normal, worn, behind
 
 
 def _found(

@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import artipg_dsl as apg
 from artipg_dsl.api import Samples
+from artipg_dsl.details.binding import Real, bind
 from artipg_dsl.details.calm import calm
 from artipg_dsl.details.displace import _met, displace
 from artipg_dsl.details.elements import Solids, elements_of
@@ -20,7 +22,7 @@ from artipg_dsl.export.solids import SolidGroup, build_meshes
 from artipg_dsl.geometry.vectors import cross, dot
 from artipg_dsl.runtime.batch import Batch
 
-from .raised import RAISED
+from .raised import RAISED, surface
 
 EDGE = 0.02
 
@@ -93,7 +95,8 @@ def test_an_object_is_the_same_in_any_batch(samples: Samples, details: Details) 
 def test_strength_nought_is_the_structure(samples: Samples, details: Details) -> None:
     solids, made = Solids.of(samples.batch.sites()), grids(samples.batch)
     suits = own_suits(samples.batch, details.elements, np.arange(2))
-    same = displace(made, Wardrobe(calm(details, solids), solids), suits, np.full(2, 0.7), 0.0)
+    wardrobe = Wardrobe(calm(details, solids), solids)
+    same = displace(made, wardrobe, suits, np.full(2, 0.7), 0.0)
     assert all(np.allclose(group.vertices, vertices, atol=1e-15) for group, vertices in zip(made, same, strict=True))
 
 
@@ -151,3 +154,39 @@ def test_nodes_of_a_vertex_meet() -> None:
     assert np.allclose(met[0], [1.0, 2.0, 3.0], rtol=0.1) and not met[1].any()
     alone = _met(np.array([1]), axes[:1], np.array([[0.1, 0.2, 0.3]]), 2)
     assert np.allclose(alone[1], [0.1, 0.2, 0.3])
+
+
+SHEATH = """apg 1
+use primitives { Cylinder, HollowFrustum, Cuboid }
+category Sheath {
+  param tall : length in 19cm .. 21cm = 20cm
+  root part plate : Cuboid(size = [10cm, 10cm, 3cm])
+  part rod : Cylinder(radius = 1cm, height = tall) along z
+  part sleeve : HollowFrustum(radius = 15mm, bore = 10.5mm, height = 8cm) along z
+  align rod.bottom = plate.bottom + 1cm
+  align rod.center.x = plate.center.x
+  align rod.center.y = plate.center.y
+  connect rod to plate
+  align sleeve.bottom = plate.top
+  align sleeve.center.x = plate.center.x
+  align sleeve.center.y = plate.center.y
+  connect sleeve to plate
+}
+"""
+
+
+def test_what_lay_behind_stays_there() -> None:
+    """All of the surface is raised by 4 mm. Within the sleeve nothing was seen of the rod, which would follow what was."""
+    batch = apg.load(SHEATH, n=1, seed=1).batch
+    found = surface(batch, 12_000, 3)
+    points = found.position[0] + RAISED * found.normal[0]
+    mixed = np.random.default_rng(1).permutation(12_000)
+    real = Real("sheath", points[mixed], found.normal[0][mixed], np.zeros(12_000, dtype=np.int64), ("all",))
+    made, moved = displaced(batch, bind(batch, real, 6_000), np.zeros(1, dtype=np.int64))
+    (rod,) = (k for k, group in enumerate(made) if group.table.path == "rod")
+    (place,), (risen,) = made[rod].vertices, moved[rod]
+    height = place[:, 2] - place[:, 2].min() - 0.02  # above the plate
+    wall = np.hypot(place[:, 0], place[:, 1]) > 0.0099
+    out = np.hypot(risen[:, 0], risen[:, 1]) - np.hypot(place[:, 0], place[:, 1])
+    assert np.abs(out[wall & (height > 0.11) & (height < 0.15)] - RAISED).max() < 0.2 * RAISED
+    assert np.abs(out[wall & (height > 0.02) & (height < 0.05)]).max() < 0.1 * RAISED
