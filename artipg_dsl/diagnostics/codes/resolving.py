@@ -350,7 +350,7 @@ RESOLVING = (
         """
         Parameters, parts, ports, surfaces and slots of one template share one namespace. One name may be declared in
         two branches that exclude each other (`when a { } else { }`). Otherwise it would be unclear which one is meant.
-        Rename one of the two.
+        Rename one of the two. Keypoints have names of their own; two of one name may lie on different parts, not on one.
         """,
         """
         apg 1

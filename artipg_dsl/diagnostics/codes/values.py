@@ -130,10 +130,10 @@ VALUES = (
         "a value lies outside its legal range",
         """
         Every number of an object has a legal range: sizes lie above 0 and below 1 km, places within 1 km; densities are
-        above 0; damping, friction and stiffness are not negative; colours lie within 0 .. 1; axes and directions are
-        not [0, 0, 0]; a repeat has at most 5,000 elements; and so on. Here the value is illegal for every draw. If it
-        is illegal for some draws only, those objects are invalid and drawn again, which `sample --stats` counts.
-        Correct the formula.
+        above 0; damping, friction and stiffness are not negative; what lies still has no less friction than what
+        slides; colours lie within 0 .. 1; axes and directions are not [0, 0, 0]; a repeat has at most 5,000 elements;
+        and so on. Here the value is illegal for every draw. If it is illegal for some draws only, those objects are
+        invalid and drawn again, which `sample --stats` counts. Correct the formula.
         """,
         """
         apg 1
