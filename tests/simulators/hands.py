@@ -133,8 +133,14 @@ class Bench:
             self.alone[key] = np.array(told)
         return self.alone[key]
 
+    def strength(self, word: str, link: int) -> float:
+        """Newtons. What is lifted off may need both hands: they give what its joint says it takes, 260 N for a full bottle of water."""
+        joints = self.batch.joints()
+        lifts = [joints.effort[row] for row in self.chain(link) if word == "lift" and joints.kind[row] == "prismatic"]
+        return float(np.nanmax([FORCE, *lifts]))
+
     def act(self, values: np.ndarray, link: int, local: np.ndarray, force: np.ndarray, follow: bool) -> bool:
-        """Whether a force at a point moves it, both in the frame of its link; ``follow``: it has to go along."""
+        """Whether a force (newton) at a point moves it, both in the frame of its link; ``follow``: it has to go along."""
         chain = self.chain(link)
         alone = self.by_itself(values, chain)
         limits = np.array([self.span(row) for row in chain])
@@ -146,15 +152,13 @@ class Bench:
             turn = body.xmat.reshape(3, 3)
             at = body.xpos + turn @ local
             self.data.qfrc_applied[:] = 0
-            mujoco.mj_applyFT(
-                self.model, self.data, turn @ force * FORCE, np.zeros(3), at, body.id, self.data.qfrc_applied
-            )
+            mujoco.mj_applyFT(self.model, self.data, turn @ force, np.zeros(3), at, body.id, self.data.qfrc_applied)
             mujoco.mj_step(self.model, self.data)
             gone = np.abs(self.read(chain) - alone[step])
             if (gone > np.minimum(ENOUGH, SHARE * limits)).any():
                 mujoco.mj_kinematics(self.model, self.data)
                 way = body.xpos + body.xmat.reshape(3, 3) @ local - start
-                if not follow or way @ led > ALONG * np.sqrt(way @ way):
+                if not follow or way @ led > ALONG * np.sqrt((way @ way) * (led @ led)):
                     return True
         return False
 
@@ -200,6 +204,7 @@ def on_link(
         label = cloud.labels.get(f"affordance.{word}")
         if label is None or not (label[row] > 0).any():
             continue
+        strength = bench.strength(word, link)
         for value in (True, False)[: 1 + others]:
             for k in spread(np.flatnonzero((label[row] > 0) == value), each):
                 p, n = cloud.position[row, k], cloud.normal[row, k]
@@ -214,7 +219,7 @@ def on_link(
                         for state in WORDS[word][1]:
                             for values in bench.states(state, bench.chain(link)):
                                 moved = moved or bench.act(
-                                    values, link, turn.T @ (p - shift), turn.T @ force, act != "push"
+                                    values, link, turn.T @ (p - shift), strength * (turn.T @ force), act != "push"
                                 )
                 name = bench.robot.links[link].name
                 found.append(Trial(i, word, name, value, moved, p.round(4).tolist(), n.round(3).tolist()))
