@@ -13,6 +13,7 @@ from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
 from artipg_dsl.validity.faults import find_faults
+from artipg_dsl.validity.floating import find_neighbours
 from artipg_dsl.validity.mass import Weighing, find_crossed, find_weightless
 
 HEAD = "apg 1\nuse primitives { Cuboid, Cylinder, RoundedCuboid }\ncategory Case {\n"
@@ -99,6 +100,26 @@ def test_a_first_part_that_may_float_holds_none_of_the_others() -> None:
     )
     assert not found(text.format(stem="1cm", gap="0cm"))
     assert "stem" in str(found(text.format(stem="1cm", gap="2cm")))
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_neighbours_are_all_pairs_of_a_link_whose_boxes_overlap(axis: int) -> None:
+    random = np.random.default_rng(axis)
+    link = random.integers(0, 4, 120)
+    low = random.uniform(-1, 1, (120, 3)) * np.where(np.arange(3) == axis, 1.0, 0.05)
+    high, margin = low + random.uniform(0, 0.2, (120, 3)), random.uniform(0, 0.05, 120)
+    low[:6], high[:6] = low[6:12], low[6:12]  # without extent, and at the same place
+    expected = [
+        (i, j)
+        for i in np.argsort(link, kind="stable").tolist()
+        for j in range(i + 1, 120)
+        if link[i] == link[j]
+        and (low[i] < high[j] + max(margin[i], margin[j])).all()
+        and (low[j] < high[i] + max(margin[i], margin[j])).all()
+    ]
+    first, second = find_neighbours(link, low, high, margin)
+    assert list(zip(first.tolist(), second.tolist(), strict=True)) == expected and len(expected) > 50
+    assert all(len(found) == 0 for found in find_neighbours(link[:0], low[:0], high[:0], margin[:0]))
 
 
 JOINTED = (
