@@ -358,9 +358,9 @@ def _repeat(ck: Checker, ctx: Context, stmt: ast.RepeatStmt) -> None:
     assert ctx.scope is not None
     _form(ck, stmt)
     if stmt.count is not None:
-        ck.expect(ctx, stmt.count, COUNT, "the number of elements")
+        kind = ck.expect(ctx, stmt.count, COUNT, "the number of elements")
         _, most = conditions.ends(ctx, stmt.count)
-        if most == 0:
+        if most == 0 and fits(kind, COUNT):
             said = f"`{stmt.name}` never has an element: `{stmt.count.span.words}` is never more than 0"
             ck.error("never-there", stmt.count.span, said, hint="widen the range of the count, or remove the repeat")
     for box in ast.present(stmt.spread, stmt.split, stmt.fill):
