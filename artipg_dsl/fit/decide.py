@@ -82,33 +82,51 @@ def _origins(model: Model, found: Candidates, copies: Copies) -> Copies:
 def _better(
     model: Model, found: Candidates, clouds: Clouds, base: Evidence, copies: Copies, change: Change
 ) -> tuple[Candidates, np.ndarray]:
-    """Each candidate with all the changes for which the cloud speaks, or with the best one where it does not speak for all together; and by
-    how much it is less likely than before. Of changes of much of an object whole candidates tell."""
-    loss, wide = np.zeros(len(found)), np.zeros(len(found))
+    """Each candidate with those of the changes for which the cloud speaks that are likeliest together; and by how much it is less likely than
+    before. Of changes of much of an object whole candidates tell; where these refuse them, small ones are made."""
+    loss, every = np.zeros(len(found)), np.arange(len(found))
     good = np.flatnonzero(change.loss < -SURE)
     if not len(good):
         return found, loss
     good = good[np.lexsort((change.loss[good], copies.of[good]))]
-    first = good[np.unique(copies.of[good], return_index=True)[1]]
-    loss[copies.of[first]], wide[copies.of[first]] = change.loss[first], change.share[first]
-    every, single = np.arange(len(found)), np.arange(len(found))
-    single[copies.of[first]] = len(found) + np.arange(len(first))
-    several = model.assembled([(found.batch, every), (copies.batch, first)])
-    placed = Placed.joined([found.placed, copies.placed.take(first)]).take(single)
-    best = replace(found, batch=model.assembled([(several, single)]), placed=placed)
-    others = model.assembled([(copies.batch, np.sort(good))])
-    rank = np.argsort(np.argsort(change.loss[np.sort(good)], kind="stable"))
-    both = copied(found, model.merged(found.batch, others, copies.of[np.sort(good)], rank), every)
-    told = weigh_again(both, _origins(model, found, both), clouds, base, apart(found, both))
-    whole = (told.loss < loss) & ~both.batch.state.failed
-    loss, wide = np.where(whole, told.loss, loss), np.where(whole, told.share, wide)
-    merged = replace(found, batch=both.batch, placed=both.placed)
-    better = taken(model, united(model, [best, merged]), np.where(whole, len(found), 0) + every)
-    large = np.flatnonzero((loss < -SURE) & (wide > LARGE))
+    of, joined = nested_sets(copies.of[good], change.share[good] <= LARGE)
+    made, one = np.nonzero(joined)
+    others = model.assembled([(copies.batch, good[one])])
+    tried = copied(found, model.merged(model.assembled([(found.batch, of)]), others, made, one), of)
+    told = weigh_again(tried, _origins(model, found, tried), clouds, base, apart(found, tried))
+    less = np.where(tried.batch.state.failed, np.inf, told.loss)
+    some = Candidates(tried.batch, tried.target, tried.placed, np.zeros(len(of)))
+    best = _least(of, less)
+    large = best[told.share[best] > LARGE]
     if len(large):
-        some = taken(model, better, large)
-        loss[large] = beside(weigh(some.batch, some.target, some.placed, clouds), base, large)
-    return better, loss
+        whole = taken(model, some, large)
+        less[large] = beside(weigh(whole.batch, whole.target, whole.placed, clouds), base, of[large])
+        refused = large[less[large] >= -SURE]
+        less[(told.share > LARGE) & np.isin(of, of[refused])] = np.inf
+        best = _least(of, less)
+    best = best[less[best] < -SURE]
+    loss[of[best]] = less[best]
+    every[of[best]] = len(found) + best
+    return taken(model, united(model, [found, some]), every), loss
+
+
+def nested_sets(of: np.ndarray, small: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of changes (n,) of candidates, the likeliest first: the sets that are tried, as the candidate of each (m,) and which changes it has
+    (m, n). These are the likeliest one, two, three and so on of all, and of the ``small`` ones (n,)."""
+    found = []
+    for at in (np.arange(len(of)), np.flatnonzero(small & np.isin(of, of[~small]))):
+        mine = of[at]
+        rank = np.arange(len(at)) - np.searchsorted(mine, mine)
+        joined = np.zeros((len(at), len(of)), dtype=bool)
+        joined[:, at] = (mine[:, None] == mine) & (rank <= rank[:, None])
+        found.append((mine, joined))
+    return np.concatenate([mine for mine, _ in found]), np.concatenate([joined for _, joined in found])
+
+
+def _least(of: np.ndarray, less: np.ndarray) -> np.ndarray:
+    """Places of the least value of each owner."""
+    order = np.lexsort((less, of))
+    return order[np.unique(of[order], return_index=True)[1]]
 
 
 def _likeliest(

@@ -16,7 +16,8 @@ from .reading import Cloud
 AXES = ("x", "-x", "y", "-y", "z", "-z")
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 _COMPARED = 8192  # points of a target
-_NEIGHBOURS = 12  # that tell a normal
+_NEIGHBOURS = 12, 24, 48  # that tell a normal: as few as lie in a plane
+_THICK = 0.15  # of the reach of neighbours: how far they may lie off a plane
 _ASKED = 2000  # points of a cloud that are asked for its noise
 _ALIKE = 0.8  # what normals agree by at least that tell it
 _FROM_MEDIAN = 1.05  # of a difference of two normal deviates to the deviation of one: 1 / (0.674 * sqrt(2))
@@ -110,10 +111,16 @@ def _apart(points: np.ndarray) -> float:
 
 
 def _estimated(points: np.ndarray) -> np.ndarray:
-    """Normals, but for their sign: across the plane of the nearest points."""
-    near = points[cKDTree(points).query(points, k=_NEIGHBOURS)[1]]
-    near = near - near.mean(axis=1, keepdims=True)
-    found: np.ndarray = np.linalg.eigh(np.einsum("kni,knj->kij", near, near))[1][:, :, 0]
+    """Normals, but for their sign: across the plane of the nearest points, of more where noise leaves no plane of few."""
+    tree, found = cKDTree(points), points
+    for count in _NEIGHBOURS:
+        far, near = tree.query(points, k=min(count, len(points)))
+        beside = points[near]
+        beside = beside - beside.mean(axis=1, keepdims=True)
+        square, axes = np.linalg.eigh(np.einsum("kni,knj->kij", beside, beside) / near.shape[1])
+        found = axes[:, :, 0]
+        if np.median(square[:, 0]) <= (_THICK * np.median(far[:, -1])) ** 2:
+            break
     return found
 
 
@@ -159,7 +166,7 @@ def targets(several: Sequence[Posed], words: Sequence[np.ndarray] = (), meant: S
 def _roughness(one: Posed) -> float:
     """How far points lie off the planes of those beside them that face the same way, in the middle of a cloud's, in metres: its noise."""
     some = slice(0, _ASKED)
-    near = cKDTree(one.points).query(one.points[some], k=min(_NEIGHBOURS, len(one.points)))[1]
+    near = cKDTree(one.points).query(one.points[some], k=min(_NEIGHBOURS[0], len(one.points)))[1]
     off = ((one.points[near] - one.points[some, None]) * one.normals[some, None]).sum(axis=2)
     alike = (one.normals[near] * one.normals[some, None]).sum(axis=2) > _ALIKE
     return float(_FROM_MEDIAN * np.median(np.abs(off[:, 1:][alike[:, 1:]]))) if alike[:, 1:].any() else 0.0

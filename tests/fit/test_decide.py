@@ -7,7 +7,7 @@ import pytest
 
 import artipg_dsl as apg
 from artipg_dsl.fit.compare import Candidates
-from artipg_dsl.fit.decide import alternatives, decide
+from artipg_dsl.fit.decide import alternatives, decide, nested_sets
 from artipg_dsl.fit.develop import apart
 from artipg_dsl.fit.evidence import Clouds, Copies, weigh, weigh_again, weigh_change
 from artipg_dsl.fit.focus import differing, lifted
@@ -121,6 +121,13 @@ def test_counts_far_off_are_tried(model: Model, samples: apg.Samples) -> None:
     for own in range(N):
         tried = value[(draw == knobs(model)) & (copy == own)]
         assert {*tried.tolist(), counts[own]} >= {1.0, 2.0, 3.0}
+
+
+def test_changes_are_tried_together_the_likeliest_first() -> None:
+    """Of three changes of one candidate, the first of them large, and one of another."""
+    of, joined = nested_sets(np.array([0, 0, 0, 2]), np.array([False, True, True, True]))
+    told = [(own, tuple(np.flatnonzero(row).tolist())) for own, row in zip(of.tolist(), joined, strict=True)]
+    assert told == [(0, (0,)), (0, (0, 1)), (0, (0, 1, 2)), (2, (3,)), (0, (1,)), (0, (1, 2))]
 
 
 def without(boards: apg.Samples, model: Model, name: str) -> tuple[np.ndarray, Batch, Batch]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import cKDTree
 
 from artipg_dsl.errors import UsageError, UserError
 from artipg_dsl.fit.outer import Screens, outer, spacing
@@ -43,6 +44,20 @@ def test_normals_face_outwards(known: bool) -> None:
     posed = pose(cloud, Frame(front="x"), ".obj", 0.7)
     outward = (posed.points * posed.normals).sum(axis=1) > 0
     assert outward.mean() > (0.999 if known else 0.97)  # at edges they are uncertain
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.001, 0.005])
+def test_noise_tilts_normals_little_and_is_measured(noise: float) -> None:
+    """Noise of as much as neighbours lie apart; far from edges, where a normal is that of a face."""
+    points, normals = box([0.3, 0.4, 0.5], 12_000)
+    at = points + np.random.default_rng(0).normal(size=points.shape) * noise
+    posed = pose(Cloud(at, None, np.full(len(at), -1), ()), Frame(front="x", unit="m"), ".npz", 0.7)
+    true = normals[cKDTree(at).query(posed.points)[1]]
+    within = np.sort(np.abs(posed.points) / [0.15, 0.2, 0.25], axis=1)[:, 1] < 0.8
+    turned = np.degrees(np.arccos(np.clip((posed.normals * true).sum(axis=1)[within], -1.0, 1.0)))
+    assert np.median(turned) < 8.0
+    target = targets([posed])
+    assert abs(target.noise[0] * target.diagonal[0] - noise) < 0.25 * noise + 1e-6
 
 
 def test_axes_come_to_stand_where_programs_have_them() -> None:
