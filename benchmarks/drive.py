@@ -1,4 +1,4 @@
-"""Exported files under somebody else's controllers: ``python benchmarks/drive.py [-n OBJECTS] [CATEGORY ...]``.
+"""Exported files under somebody else's controllers: ``python benchmarks/drive.py [-n OBJECTS] [--most JOINTS] [CATEGORY ...]``.
 
 The drivers (``tests/simulators/strangers``) know the files alone. Each joint that is limited and follows no other is driven to
 both ends of its range; an object passes where all of them come within 2 % of their range and what follows has followed
@@ -26,6 +26,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("categories", nargs="*", default=categories())
     parser.add_argument("-n", type=int, default=2, help="objects of each category")
+    parser.add_argument("--most", type=int, help="joints of an object, evenly chosen; all unless given")
     parser.add_argument("--seed", type=int, default=11)
     parser.add_argument("--way", action="append", choices=list(WAYS), help="this driver alone (repeatable)")
     parser.add_argument(
@@ -45,7 +46,7 @@ def main() -> None:
             cells = []
             for way in ways:
                 begun = time.perf_counter()
-                passed = sum([_passed(way, category, one) for one in objects])
+                passed = sum([_passed(way, category, one, arguments.most) for one in objects])
                 seconds[way.name] += time.perf_counter() - begun
                 cells.append(f"{passed} of {len(objects)}")
             rows.append(f"| {category} | {' | '.join(cells)} |")
@@ -59,9 +60,9 @@ def _export(category: str, folder: Path, count: int, seed: int) -> None:
     subprocess.run([*sample, *options], check=True, stdout=subprocess.DEVNULL)
 
 
-def _passed(way: Way, category: str, folder: Path) -> bool:
+def _passed(way: Way, category: str, folder: Path, most: int | None) -> bool:
     try:
-        moves = way.drive(folder)
+        moves = way.drive(folder, most)
     except Exception as error:  # a simulator's own kind, whichever it is
         print(f"{category} {folder.name} {way.name}: {type(error).__name__}: {error}", flush=True)
         return False

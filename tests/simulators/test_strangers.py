@@ -22,7 +22,7 @@ from artipg_dsl.export.urdf import urdf_files
 
 from .matrix import SHIPPED, objects
 from .strangers import __file__ as strangers
-from .strangers.moves import Move
+from .strangers.moves import Move, some
 from .strangers.ways import WAYS, Way
 
 # drawers, what leans, a key of a third of a millimetre, two that follow one another, loops, a screw
@@ -58,13 +58,13 @@ def robot(category: str) -> Robot:
     return next((one for one in moving if len(one.closures) == 1), moving[0])
 
 
-def driven(robot: Robot, way: Way, folder: Path) -> list[Move]:
+def driven(robot: Robot, way: Way, folder: Path, most: int | None = None) -> list[Move]:
     if not way.there:
         pytest.skip(f"{way.package} is not installed: pip install 'artipg_dsl[sim]'")
     for name, data in (mjcf_files if way.file.endswith(".xml") else urdf_files)(robot).items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(data)
-    return way.drive(folder)
+    return way.drive(folder, most)
 
 
 def cases() -> Iterator[tuple[str, str]]:
@@ -103,3 +103,12 @@ def test_a_driver_reports_what_does_not_come_to_its_end(tmp_path: Path) -> None:
     stuck = replace(whole.joints[0], friction=10.0, effort=5.0, axis=np.array([0.0, 0.0, 1.0]))
     moves = driven(replace(whole, joints=(stuck, *whole.joints[1:])), WAYS["mujoco"], tmp_path)
     assert any(move.joint == stuck.name and not move.reached for move in moves)
+
+
+@pytest.mark.parametrize("way", ["mujoco", "pybullet", "sapien"])
+def test_a_driver_takes_some_of_the_joints_in_their_order(way: str, tmp_path: Path) -> None:
+    whole = robot("storage_furniture")
+    free = [joint.name for joint in whole.joints if joint.limited and joint.mimic is None]
+    moves = driven(whole, WAYS[way], tmp_path, most=1)
+    assert [move.joint for move in moves] == 2 * some(free, 1) and len(free) > 1
+    assert some(list("abcdefgh"), 2) == ["c", "g"] and some(list("ab"), 3) == ["a", "b"] == some(list("ab"), None)

@@ -11,7 +11,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from .moves import SECONDS, SLID, STEADY, TURNED, Move
+from .moves import SECONDS, SLID, STEADY, TURNED, Move, some
 
 HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 TIE, POINT = int(mujoco.mjtEq.mjEQ_JOINT), int(mujoco.mjtEq.mjEQ_CONNECT)
@@ -19,15 +19,16 @@ STRENGTH, NEAR = 100.0, 0.01
 STIFFNESS, DAMPING = 1000.0, 100.0
 
 
-def drive(path: Path, constant: bool = False) -> list[Move]:
-    """Every joint that is limited and follows no other, to both ends of its range."""
+def drive(path: Path, most: int | None = None, constant: bool = False) -> list[Move]:
+    """Every joint that is limited and follows no other, or ``most`` of them, to both ends of its range."""
     model = mujoco.MjSpec.from_file(str(path)).compile()
     led = {int(model.eq_obj1id[e]) for e in range(model.neq) if model.eq_type[e] == TIE}
-    moves: list[Move] = []
-    for joint in range(model.njnt):
-        if joint not in led and model.jnt_limited[joint] and model.jnt_type[joint] in (HINGE, SLIDE):
-            moves += _there_and_back(path, model.joint(joint).name, constant)
-    return moves
+    free = [
+        model.joint(joint).name
+        for joint in range(model.njnt)
+        if joint not in led and model.jnt_limited[joint] and model.jnt_type[joint] in (HINGE, SLIDE)
+    ]
+    return [move for name in some(free, most) for move in _there_and_back(path, name, constant)]
 
 
 def _there_and_back(path: Path, name: str, constant: bool) -> list[Move]:

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pybullet
 
-from .moves import SECONDS, Follower, Move, followers, start
+from .moves import SECONDS, Follower, Move, followers, some, start
 
 RATE = 240
 LATERAL = {pybullet.JOINT_REVOLUTE, pybullet.JOINT_PRISMATIC}
 
 
-def drive(path: Path, geared: bool = False) -> list[Move]:
-    """Every joint that is limited and follows no other, to both ends of its range."""
+def drive(path: Path, most: int | None = None, geared: bool = False) -> list[Move]:
+    """Every joint that is limited and follows no other, or ``most`` of them, to both ends of its range."""
     client = pybullet.connect(pybullet.DIRECT)
     try:
         pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
@@ -30,7 +30,7 @@ def drive(path: Path, geared: bool = False) -> list[Move]:
         if geared:
             for follower in follow.values():
                 _gear(client, body, joints[follower.joint][0], joints[follower.leader][0], follower.multiplier)
-        return _drive(client, body, joints, follow)
+        return _drive(client, body, joints, follow, most)
     finally:
         pybullet.disconnect(client)
 
@@ -44,7 +44,11 @@ def _gear(client: int, body: int, follower: int, leader: int, multiplier: float)
 
 
 def _drive(
-    client: int, body: int, joints: dict[str, tuple[int, float, float, float]], follow: dict[str, Follower]
+    client: int,
+    body: int,
+    joints: dict[str, tuple[int, float, float, float]],
+    follow: dict[str, Follower],
+    most: int | None,
 ) -> list[Move]:
     def value(name: str) -> float:
         return float(pybullet.getJointState(body, joints[name][0], physicsClientId=client)[0])
@@ -57,9 +61,8 @@ def _drive(
 
     moves = []
     limited = {name: row for name, row in joints.items() if row[1] < row[2]}
-    for name, (_, low, high, _) in limited.items():
-        if name in follow:
-            continue
+    for name in some([name for name in limited if name not in follow], most):
+        _, low, high, _ = limited[name]
         for number, first, last, _ in limited.values():
             pybullet.resetJointState(body, number, start(first, last), physicsClientId=client)
         for goal in (low, high):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .moves import SECONDS, Move, followers, start
+from .moves import SECONDS, Move, followers, some, start
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")  # it looks for a renderer when it is imported
@@ -19,8 +19,8 @@ STIFFNESS, DAMPING, FORCE = 1000.0, 100.0, 100.0
 RATE = 240
 
 
-def drive(path: Path) -> list[Move]:
-    """Every joint that is limited and follows no other, to both ends of its range."""
+def drive(path: Path, most: int | None = None) -> list[Move]:
+    """Every joint that is limited and follows no other, or ``most`` of them, to both ends of its range."""
     scene = sapien.Scene([physx.PhysxCpuSystem()])
     scene.set_timestep(1 / RATE)
     loader = scene.create_urdf_loader()
@@ -31,10 +31,10 @@ def drive(path: Path) -> list[Move]:
     rest = [start(*pair) for pair in ends]
     follow = followers(path)
     moves = []
-    for k, joint in enumerate(thing.active_joints):
-        low, high = ends[k]
-        if joint.name in follow or not np.isfinite([low, high]).all():
-            continue
+    free = [name for name, pair in zip(names, ends, strict=True) if name not in follow and np.isfinite(pair).all()]
+    for name in some(free, most):
+        k = names.index(name)
+        joint, (low, high) = thing.active_joints[k], ends[k]
         thing.set_qpos(rest)
         thing.set_qvel(np.zeros(len(rest)))
         joint.set_drive_properties(STIFFNESS, DAMPING, force_limit=FORCE, mode="force")

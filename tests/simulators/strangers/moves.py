@@ -69,6 +69,13 @@ def followers(path: Path) -> dict[str, Follower]:
     return found
 
 
+def some(names: list[str], most: int | None) -> list[str]:
+    """At most so many of the joints, evenly chosen in their order: all keys of a keyboard take an hour."""
+    if most is None or len(names) <= most:
+        return names
+    return [names[(2 * k + 1) * len(names) // (2 * most)] for k in range(most)]
+
+
 def start(low: float, high: float) -> float:
     """Where a limited joint is put before anything moves: at 0, or as near to it as its range allows."""
     return min(max(0.0, low), high)

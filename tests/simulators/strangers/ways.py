@@ -26,10 +26,10 @@ class Way:
         """Whether its simulator is installed."""
         return find_spec(self.package) is not None
 
-    def drive(self, folder: Path) -> list[Move]:
-        """Every limited joint of the object in a folder, to both ends of its range."""
+    def drive(self, folder: Path, most: int | None = None) -> list[Move]:
+        """Every limited joint of the object in a folder, or ``most`` of them, to both ends of its range."""
         driver: Callable[..., list[Move]] = import_module(f".in_{self.package}", __package__).drive
-        return driver(folder / self.file, **self.options)
+        return driver(folder / self.file, most, **self.options)
 
 
 WAYS = {
