@@ -54,6 +54,16 @@ def test_wrong_settings(fixed: dict) -> None:
         apg.sample(CHEST, set=fixed)
 
 
+def test_settings_that_exclude_each_other() -> None:
+    with pytest.raises(SettingError, match=r"no object has `pad\.columns` with pad=DialPad"):
+        apg.sample("Microwave", n=1, set={"pad": "DialPad", "pad.columns": 3})
+    with pytest.raises(SettingError, match="`handle.thickness` with handle=none"):
+        apg.sample("Microwave", n=1, set={"handle.thickness": "1cm", "handle": "none"})
+    keys = apg.sample("Microwave", n=1, set={"pad": "KeyPad", "pad.columns": 3})
+    assert keys["pad.columns"].tolist() == [3]
+
+
+
 def test_wrong_numbers() -> None:
     for arguments in ({"n": 0}, {"n": -1}, {"numbers": []}, {"numbers": [-1]}, {"n": 2, "numbers": [1]}):
         with pytest.raises(UsageError):

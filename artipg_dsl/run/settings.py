@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
 from ..errors import SettingError
+from ..graph import expr as E
+from ..graph.substitution import substitute
 from ..units import UNITS
 
 if TYPE_CHECKING:
@@ -61,7 +63,27 @@ def resolve_settings(program: Program, settings: Mapping[str, Value]) -> tuple[d
             raise refused
         for k in draws.keys() - given.keys():  # an alternative that cannot have the value: never chosen with it
             given[k] = math.nan
+    for name in plain:
+        _require_room(program, given, plain, name)
     return given, plain
+
+
+def _require_room(program: Program, given: Mapping[int, float], settings: Settings, name: str) -> None:
+    """Refuse a setting that no object can have, since others exclude what it belongs to."""
+    fixed = {E.col(program.draws[k].column): E.const(value) for k, value in given.items() if not math.isnan(value)}
+    blamed: list[str] = []
+    for k, draw in enumerate(program.draws):
+        if draw.column.name != name or math.isnan(given[k]):
+            continue
+        counts = [scope.count for scope in draw.column.scope.ancestors() if scope.count is not None]
+        closed = next((c for c in counts if substitute(c, fixed).constant == 0.0), None)
+        if closed is None:
+            return
+        blamed += [column.name for column in E.leaves(closed) if column.name in settings]
+    others = ", ".join(f"{other}={settings[other]}" for other in sorted(set(blamed)))
+    raise SettingError(
+        f"no object has `{name}` with {others}" if others else f"no object has `{name}`", "leave out one of the settings"
+    )
 
 
 def read_setting(draw: Draw, value: Value, *, anywhere: bool = False) -> tuple[float, Value]:
