@@ -63,7 +63,6 @@ def test_settings_that_exclude_each_other() -> None:
     assert keys["pad.columns"].tolist() == [3]
 
 
-
 def test_wrong_numbers() -> None:
     for arguments in ({"n": 0}, {"n": -1}, {"numbers": []}, {"numbers": [-1]}, {"n": 2, "numbers": [1]}):
         with pytest.raises(UsageError):

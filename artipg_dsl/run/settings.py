@@ -82,7 +82,8 @@ def _require_room(program: Program, given: Mapping[int, float], settings: Settin
         blamed += [column.name for column in E.leaves(closed) if column.name in settings]
     others = ", ".join(f"{other}={settings[other]}" for other in sorted(set(blamed)))
     raise SettingError(
-        f"no object has `{name}` with {others}" if others else f"no object has `{name}`", "leave out one of the settings"
+        f"no object has `{name}` with {others}" if others else f"no object has `{name}`",
+        "leave out one of the settings",
     )
 
 
