@@ -130,14 +130,19 @@ category Box {
   part top : Cuboid(size = [1cm, 1cm, 1cm]) weight 0 | Cylinder(radius = 1cm, height = 1cm) | none
   connect top.bottom on body.top
   when top is Cylinder { count m in 1 .. 2  require n == m else "as many" }
+  when top is Cuboid { count k in 1 .. 2 }
 }
 """)
     known = tmp_path / "known.json"
-    impossible, absent = {"n": 1, "m": 2, "top": "Cylinder"}, {"m": 1, "top": "none"}
-    known.write_text(json.dumps({"categories": {"Box": {"variants": {"odd": impossible, "bare": absent}}}}))
+    impossible, absent = {"n": 1, "m": 2, "top": "Cylinder"}, {"k": 1}
+    known.write_text(json.dumps({"categories": {"Box": {"variants": {"odd": impossible, "never": absent}}}}))
     out = apgc("report", file, "-n", 9, "--reference", known)[1]
     assert "--set does not reach odd (n=1 m=2 top=Cylinder): it leaves no valid object" in out
-    assert "--set does not reach bare (m=1 top=none): it has no effect" in out and "0 of 2 seen" in out
+    assert "--set does not reach never (k=1): it has no effect" in out and "0 of 2 seen" in out
+    known.write_text(json.dumps({"categories": {"Box": {"variants": {"bare": {"m": 1, "top": "none"}}}}}))
+    code, out, err = apgc("report", file, "-n", 9, "--reference", known)
+    assert (code, out) == (1, "")
+    assert "the variant `bare` of Box cannot be set: no object has `m` with top=none" in err
 
 
 def test_ratios_stand_beside_real_ones(apgc: Apgc, tmp_path: Path) -> None:
