@@ -1,8 +1,9 @@
 """Which bound points are accidents of assignment rather than details of the surface they are bound to.
 
 A real surface without a counterpart in the structure is assigned to whatever is near: the bezel of a screen to the thin inner side of a
-frame, a recess to the knob in front of it. Four things tell such points from reliefs:
+frame, a recess to the knob in front of it. Five things tell such points from reliefs:
 
+* a detail does not lie beneath others: of the two faces of a real board both may be nearest to the same face of ours;
 * a detail is at most twice as long as the primitive is deep behind its place, to where a ray against the normal leaves its box;
 * it goes where those around it go;
 * as much real surface as structure: where a patch has several times the points that it has room for, another surface has collapsed onto it;
@@ -24,6 +25,8 @@ _SHALLOW = 0.01  # diagonals: so long offsets may be anywhere
 _STEEP = 0.6
 _LEAST = 0.004  # diagonals, or the depth if that is more
 _ROUNDS = 2
+_BELOW = 0.5  # of the depth
+_ABOVE = 0.2  # of the neighbours
 _CROWD = 2.5  # times as many points on a patch as on any other surface
 _KNOWN = 0.55  # of what can be seen of a primitive: what has to be bound
 _TURN = 0.03  # what two normals of opposite direction add to the distance of neighbours, half of it, in diagonals
@@ -36,7 +39,8 @@ def find_details(details: Details, solids: Solids, seen: tuple[np.ndarray, np.nd
     ``density``: how many bound points there are to each of these where everything is bound."""
     depth = _depth(details, solids)
     length = np.sqrt(dot(details.offset, details.offset)) / details.diagonal[details.owner]
-    kept = np.flatnonzero(length <= np.maximum(_DEEP * depth, _SHALLOW))
+    beneath = _beneath(details, solids, depth)
+    kept = np.flatnonzero((length <= np.maximum(_DEEP * depth, _SHALLOW)) & ~beneath)
     for _ in range(_ROUNDS):
         stray, reach = strayed(details.take(kept), solids)
         kept = kept[stray <= np.minimum(np.maximum(depth[kept], _LEAST), _STEEP * reach)]
@@ -44,10 +48,25 @@ def find_details(details: Details, solids: Solids, seen: tuple[np.ndarray, np.nd
     cells = len(details.elements) * patches
     room = density * np.bincount(seen[0] * patches + seen[1], minlength=cells)
     cell = details.element * patches + details.patch
-    held = np.bincount(cell[kept], minlength=cells)
+    held = np.bincount(cell[kept], minlength=cells) + np.bincount(cell[beneath], minlength=cells)
     held = np.where(held <= _CROWD * room, held, 0)
     have, most = (_by_element(counts, patches) for counts in (np.minimum(held, room), room))
     return kept[(held[cell] > 0)[kept] & (have >= _KNOWN * most)[details.element[kept]]]
+
+
+def _beneath(details: Details, solids: Solids, depth: np.ndarray) -> np.ndarray:
+    """(E,) bool: which lie more than half of the primitive's ``depth`` (E,) below their place, and so far below others of their patch
+    that stand around them."""
+    if not len(details):
+        return np.zeros(0, dtype=bool)
+    scale = details.diagonal[details.owner]
+    frames = solids.frames(details.elements, details.element, details.patch, details.u, details.v)
+    patch = details.element * (1 + int(details.patch.max())) + details.patch
+    places = np.concatenate([frames.place / scale[:, None], _ELSEWHERE * patch[:, None]], axis=1)
+    near = cKDTree(places).query(places, k=min(_AROUND, len(details)))[1].reshape(len(details), -1)
+    height = details.offset[:, 0] / scale
+    above = (patch[near] == patch[:, None]) & (height[near] > (height + _BELOW * depth)[:, None])
+    return (height < -_BELOW * depth) & (above.mean(axis=1) >= _ABOVE)
 
 
 def strayed(details: Details, solids: Solids) -> tuple[np.ndarray, np.ndarray]:

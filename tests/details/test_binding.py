@@ -16,7 +16,7 @@ from artipg_dsl.details.binding import Real, bind
 from artipg_dsl.details.elements import Elements, Solids, elements_of
 from artipg_dsl.details.measure import distances, spoiled
 from artipg_dsl.details.record import Details, join, of_arrays, to_arrays
-from artipg_dsl.details.refuse import find_details
+from artipg_dsl.details.refuse import _depth, find_details
 from artipg_dsl.details.suits import own_suits
 from artipg_dsl.details.wear import Wardrobe, Worn, wear
 from artipg_dsl.errors import UserError
@@ -198,3 +198,25 @@ def test_accidents_are_no_details(samples: Samples) -> None:
     kept = few[find_details(details.take(few), solids, seen, 1.0)]
     assert (element[kept] != large).all() and len(kept) == (element != large).sum()
     assert len(find_details(details.take(few[:0]), solids, seen, 1.0)) == 0
+
+
+def test_the_far_face_of_a_board_is_no_detail_of_the_near_one(samples: Samples) -> None:
+    """Of a patch every third point went to the face behind: it goes. Where a whole half did, the board is recessed there: that stays."""
+    batch = samples.job.batch([0])
+    solids, fresh = Solids.of(batch.sites()), drawn(samples, 3000, 3).take(ZERO)
+    elements, element = elements_of(batch), fresh.site[0].astype(np.int64)
+    large = int(np.argmax(np.bincount(element)))
+    patch = fresh.patch[0].astype(np.int64)
+    details = Details(
+        elements, element, patch, fresh.u[0], fresh.v[0], np.zeros((3000, 3)), np.tile([1.0, 0.0, 0.0], (3000, 1)),
+        np.full(3000, -1), np.zeros(3000, dtype=np.int64), ("board",), (), np.array([0.7]),
+    )  # fmt: skip
+    face = np.flatnonzero((element == large) & (patch == np.argmax(np.bincount(patch[element == large]))))
+    behind, seen = face[::3], (element, patch)
+    through = -0.7 * _depth(details, solids)  # metres, to the face behind
+    details.offset[behind, 0] = through[behind]
+    kept = find_details(details, solids, seen, 1.0)
+    assert np.isin(behind, kept).mean() < 0.02 and np.isin(np.setdiff1d(face, behind), kept).mean() > 0.9
+    details.offset[face, 0] = np.where(details.u[face] < 0.5, 0.7 * through[face], 0.0)
+    kept = find_details(details, solids, seen, 1.0)
+    assert np.isin(face[details.u[face] < 0.4], kept).all()
