@@ -76,7 +76,7 @@ FLAGGED = category("""
 
 def test_a_branch_is_named_by_its_condition() -> None:
     assert ledger(MOUNTED, "peg")[0] == "peg with k = 2"
-    assert ledger(FLAGGED, "peg")[0] == "peg with own"
+    assert ledger(FLAGGED, "peg")[0] == "peg with not (k = 1 and j = 1)"
 
 
 def test_coupled_unknowns_name_one_another_and_searched_ones_their_start() -> None:
