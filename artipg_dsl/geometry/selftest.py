@@ -22,7 +22,7 @@ from .patches import Params, inside_split, rows_of, surfaces
 from .trial import draw_trial
 
 _ON_SURFACE = 1e-9  # how far the inside function may be from 0 on a surface, relative to the diagonal
-_JUMP = 0.01  # of the distance to the solid
+_JUMP = 0.005  # of the distance to the solid
 _OFF_SURFACE = 1e-6  # how far off a surface its sides are asked
 _LOOSE = 2e-3  # how much of its greatest side a box may exceed the mesh by
 _MOMENTS = 5e-3  # relative difference of volume, centre and inertia by quadrature and by a fine mesh
@@ -169,8 +169,7 @@ def _slope(seen: _Inspection, most: float = 1e-6) -> _Report:
     """The inside function is a length: it changes by no more than the distance, and outside by JUMP of itself more.
 
     A sweep of a section that is not round is measured from the nearest place of its path. Where two places are as near, far out in
-    the hollow of a bend, the section may lie turned another way at each, and the function jumps: of 53,000 places about a half ring of
-    5 cm with a lopsided section, at one, 24 mm away, by 0.2 mm. Nothing asks for distances as far away as that to a hundredth.
+    the hollow of a bend, the section may lie turned another way at each.
     """
     row, points, value = seen.in_boxes
     first, second = seen.numbers("direction", len(row))
