@@ -128,14 +128,7 @@ def _possible_by_groups(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
     whole.stop = np.maximum.reduceat(turns.stop[order], begin)
     boxes = body.boxes_of_groups(tree.turn, np.unique(whole.piece), turns.other[order], begin)
     whole.other, whole.row = len(body) + np.arange(len(begin)), np.arange(len(begin))
-    met = np.zeros(len(begin), dtype=bool)
-    for _ in range(_TILTED):
-        if not len(whole.row):
-            break
-        hit, apart = whole.examined(boxes)
-        met[whole.row[hit]] = True
-        whole = whole.at(np.flatnonzero(~apart & ~met[whole.row])).halved()
-    met[whole.row] = True
+    met = _not_apart(whole, boxes, len(begin))
     possible = np.ones(len(turns.row), dtype=bool)
     possible[order] = met[np.repeat(np.arange(len(begin)), np.diff(begin, append=len(order)))]
     return np.flatnonzero(possible)
@@ -150,11 +143,18 @@ def _possible(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
     if len(rest.row):
         rest.row = np.flatnonzero(~possible)
         boxes = body.boxes(tree.turn, np.union1d(rest.piece, rest.other))
-        for _ in range(_TILTED):
-            if not len(rest.row):
-                break
-            hit, apart = rest.examined(boxes)
-            possible[rest.row[hit]] = True
-            rest = rest.at(np.flatnonzero(~apart & ~possible[rest.row])).halved()
-        possible[rest.row] = True
+        possible |= _not_apart(rest, boxes, len(possible))
     return np.flatnonzero(possible)
+
+
+def _not_apart(turns: Turns, boxes: Pieces, count: int) -> np.ndarray:
+    """(count,) bool: the rows of turns that boxes, however often intervals are halved, do not prove to stay apart."""
+    met = np.zeros(count, dtype=bool)
+    for _ in range(_TILTED):
+        if not len(turns.row):
+            break
+        hit, apart = turns.examined(boxes)
+        met[turns.row[hit]] = True
+        turns = turns.at(np.flatnonzero(~apart & ~met[turns.row])).halved()
+    met[turns.row] = True
+    return met
