@@ -89,7 +89,7 @@ class TextError(Exception):
 
 class _Writer:
     def __init__(self, program: P.Program):
-        self.program, self.places = program, True
+        self.program = program
         self.scopes = {s: k for k, s in enumerate(program.scopes)}
         self.columns: dict[Column, int] = {}
         self.exprs: dict[Expr, int] = {}
@@ -102,11 +102,9 @@ class _Writer:
 
     def item(self, word: str, item: Any, comment: str = "") -> None:
         """A line of a record; its expressions have lines before, which are the same without places."""
-        line = f"{word} {self.encode(item)}"
-        self.places = False
-        self.bare[len(self.lines)] = f"{word} {self.encode(item)}"
-        self.places = True
-        self.emit(line + comment)
+        parts = f"{word} {self.marked(item)}".split(_PLACE)
+        self.bare[len(self.lines)] = "".join(parts[::2])
+        self.emit("".join(parts) + comment)
 
     def column(self, column: Column) -> str:
         if column not in self.columns:
@@ -154,13 +152,21 @@ class _Writer:
         return []
 
     def encode(self, value: Any) -> str:
-        if isinstance(value, Expr):
-            return self.expr(value)
+        return self.marked(value).replace(_PLACE, "")
+
+    def marked(self, value: Any) -> str:
+        """A value as text; places and documentation stand between marks."""
+        kind: Any = type(value)
+        if kind is Expr:
+            number = self.exprs.get(value)
+            return self.expr(value) if number is None else f"%{number}"
+        if kind is tuple or kind is list:
+            return f"[{' '.join(map(self.marked, value))}]"
         if isinstance(value, Column):
             return self.column(value)
         if isinstance(value, Scope):
             return f"@{self.scopes[value]}"
-        if value is None or isinstance(value, P.Where) and not self.places:
+        if value is None:
             return "none"
         if isinstance(value, bool):
             return "true" if value else "false"
@@ -168,26 +174,28 @@ class _Writer:
             return repr(value)
         if isinstance(value, str):
             return json.dumps(value, ensure_ascii=False)
-        if isinstance(value, tuple | list):
-            return "[" + " ".join(map(self.encode, value)) + "]"
         assert is_dataclass(value)
-        kind: Any = type(value)
-        words = [kind.__name__]
-        for name, default in _defaults(kind):
+        words = [f"({kind.__name__}"]
+        for name, default, mark in _defaults(kind):
             item = getattr(value, name)
-            if name in ("doc", "where") and not self.places:
+            if item is default or type(item) is type(default) and item == default:
                 continue
-            if default is not MISSING and type(item) is type(default) and item == default:
-                continue
-            words += [name, self.encode(item)]
-        return "(" + " ".join(words) + ")"
+            words.append(f"{mark} {name} {self.marked(item)}{mark}")
+        return "".join([*words, ")"])
+
+
+_PLACE = "\0"  # which no text has that is written
 
 
 @cache
-def _defaults(record: type[Any]) -> tuple[tuple[str, Any], ...]:
-    """The names of the fields of a record, and what each is by default."""
+def _defaults(record: type[Any]) -> tuple[tuple[str, Any, str], ...]:
+    """The names of the fields of a record, what each is by default, and the marks around what nothing is computed from."""
     return tuple(
-        (field.name, field.default if field.default_factory is MISSING else field.default_factory())
+        (
+            field.name,
+            field.default if field.default_factory is MISSING else field.default_factory(),
+            _PLACE if field.name in ("doc", "where") else "",
+        )
         for field in fields(record)
     )
 
