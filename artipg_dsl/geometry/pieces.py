@@ -15,8 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from ..graph.expr import Expr
 from ..graph.formula import compile_formula
-from ..graph.primitive import Piece, Primitive
+from ..graph.primitive import Primitive
 from ..records import dataclass
 from . import facts, mesh
 from .errors import PrimitiveError
@@ -165,7 +166,8 @@ def clouds(primitive: Primitive, params: Params) -> list[Cloud]:
             (made,) = mesh.build(primitive, mesh.take(params, rows), _hull_steps(primitive, variant))
             found.append(Cloud(primitive, -1, variant, rows, np.zeros(len(rows), dtype=np.int64), made.vertices))
         return found
-    return [_declared(primitive, number, params) for number in range(len(primitive.pieces))]
+    declared = [cloud for numbers in _alike(primitive) for cloud in _declared(primitive, numbers, params)]
+    return sorted(declared, key=lambda cloud: cloud.number)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -212,22 +214,32 @@ def amounts(primitive: Primitive, params: Params) -> np.ndarray:
     """(k,) how many convex pieces ``build`` makes of each instance."""
     if not primitive.pieces:
         return np.ones(rows_of(params), dtype=np.int64)
-    return np.sum([_counts(primitive, piece, params) for piece in primitive.pieces], axis=0)
+    counted = [len(numbers) * _counts(primitive, numbers[0], params) for numbers in _alike(primitive)]
+    return np.sum(counted, axis=0)
 
 
-def _declared(primitive: Primitive, number: int, params: Params) -> Cloud:
-    """A declared piece, all indices of it together."""
-    piece = primitive.pieces[number]
-    counts = _counts(primitive, piece, params)
+@lru_cache(maxsize=512)
+def _alike(primitive: Primitive) -> tuple[tuple[int, ...], ...]:
+    """The numbers of the declared pieces; those that are there as many times as one another, by the same formulas, together."""
+    found: dict[tuple[Expr | None, Expr | None], list[int]] = {}
+    for number, piece in enumerate(primitive.pieces):
+        found.setdefault((piece.count, piece.guard), []).append(number)
+    return tuple(map(tuple, found.values()))
+
+
+def _declared(primitive: Primitive, numbers: tuple[int, ...], params: Params) -> list[Cloud]:
+    """Declared pieces that are alike; all indices of one together."""
+    counts = _counts(primitive, numbers[0], params)
     rows = [np.flatnonzero(counts > index) for index in range(int(counts.max(initial=0)))]
     index = np.repeat(np.arange(len(rows)), [len(own) for own in rows])
     chosen = np.concatenate([np.zeros(0, dtype=np.int64), *rows])
-    points = _points(primitive, piece, index, mesh.take(params, chosen))
-    return Cloud(primitive, number, (), chosen, index, points)
+    points = _points(primitive, numbers, index, mesh.take(params, chosen))
+    return [Cloud(primitive, n, (), chosen, index, own) for n, own in zip(numbers, points, strict=True)]
 
 
-def _counts(primitive: Primitive, piece: Piece, params: Params) -> np.ndarray:
-    """(k,) how many of a piece each instance has; the guard makes it 0."""
+def _counts(primitive: Primitive, number: int, params: Params) -> np.ndarray:
+    """(k,) how many of a declared piece each instance has; the guard makes it 0."""
+    piece = primitive.pieces[number]
     count = np.ones(rows_of(params))
     if piece.count is not None:
         count = np.floor(evaluate_rows(primitive, (piece.count,), params)[0] + 0.5)
@@ -239,20 +251,24 @@ def _counts(primitive: Primitive, piece: Piece, params: Params) -> np.ndarray:
 
 
 @lru_cache(maxsize=2048)
-def _corners(primitive: Primitive, piece: Piece) -> Callable[..., tuple[Any, ...]]:
-    """The declared points of a piece as a function of the parameters' columns and of its index."""
-    coordinates = tuple(e for point in piece.points for e in point)
+def _corners(primitive: Primitive, numbers: tuple[int, ...]) -> Callable[..., tuple[Any, ...]]:
+    """The declared points of some pieces as a function of the parameters' columns and of their index."""
+    coordinates = tuple(e for number in numbers for point in primitive.pieces[number].points for e in point)
     return compile_formula(coordinates, (*primitive.parameters, "i"))
 
 
-def _points(primitive: Primitive, piece: Piece, index: np.ndarray, params: Params) -> np.ndarray:
-    """(k, points, 3): the declared points of the pieces of each instance's ``index`` (k,)."""
+def _points(primitive: Primitive, numbers: tuple[int, ...], index: np.ndarray, params: Params) -> list[np.ndarray]:
+    """(k, points, 3) of each of some pieces: its declared points at each instance's ``index`` (k,)."""
     count = rows_of(params)
-    values = _corners(primitive, piece)(*(params[n] for n in primitive.parameters), index.astype(np.float64))
-    out = np.empty((count, 3 * len(piece.points)))
-    for column, value in enumerate(values):
-        out[:, column] = value
-    return out.reshape(count, len(piece.points), 3)
+    values = iter(_corners(primitive, numbers)(*(params[n] for n in primitive.parameters), index.astype(np.float64)))
+    found = []
+    for number in numbers:
+        points = len(primitive.pieces[number].points)
+        out = np.empty((count, 3 * points))
+        for column, value in zip(range(3 * points), values, strict=False):
+            out[:, column] = value
+        found.append(out.reshape(count, points, 3))
+    return found
 
 
 @lru_cache(maxsize=8192)
@@ -262,11 +278,11 @@ def _known(primitive: Primitive, number: int, index: int) -> tuple[_Hull, ...]:
 
     def find() -> tuple[_Hull, ...]:
         params = draw_trial(primitive)
-        counts = _counts(primitive, piece, params)
+        counts = _counts(primitive, number, params)
         if 0 < counts.max() <= index:
             return _known(primitive, number, int(counts.max()) - 1)
         rows = np.flatnonzero(counts > index)
-        points = _points(primitive, piece, np.full(len(rows), index), mesh.take(params, rows))
+        (points,) = _points(primitive, (number,), np.full(len(rows), index), mesh.take(params, rows))
         return _distinct(primitive, piece.name, points)
 
     return _kept(primitive, f"hulls {number} {index}", find, len(piece.points))
@@ -309,7 +325,7 @@ def _kept(
         name,
         find,
         lambda hulls: [[hull.used.tolist(), hull.faces.ravel().tolist()] for hull in hulls],
-        lambda data: tuple(_read(used, faces, points) for used, faces in data),
+        lambda data: tuple(_read(tuple(used), tuple(faces), points) for used, faces in data),
         most,
     )
 
@@ -322,8 +338,10 @@ def _own(primitive: Primitive, name: str, points: np.ndarray) -> _Hull:
     return found
 
 
-def _read(used: list[int], faces: list[int], points: int) -> _Hull:
-    """The hull of data that anyone may have written; ValueError where it is no closed surface over so many points."""
+@lru_cache(maxsize=4096)
+def _read(used: tuple[int, ...], faces: tuple[int, ...], points: int) -> _Hull:
+    """The hull of data that anyone may have written, which many pieces share; ValueError where it is no closed surface over so many
+    points."""
     chosen, corners = np.array(used, dtype=np.int64), np.array(faces, dtype=np.int64).reshape(-1, 3)
     count = len(chosen)
     if count < 4 or not ((chosen >= 0) & (chosen < points)).all() or (np.diff(chosen) <= 0).any():

@@ -59,6 +59,44 @@ def test_counts_and_guards_follow_the_parameters():
     assert np.allclose(second.vertices.mean(axis=1)[:, 0], 0.01)
 
 
+def test_pieces_there_as_often_are_computed_by_one_formula(monkeypatch):
+    """Those of one count and guard, wherever they stand; the points are those of each alone, bit for bit."""
+    x, y, z = shapes.size()
+    box = [(a * (x / 2), b * (y / 2), c * (z / 2)) for a in (-1.0, 1.0) for b in (-1.0, 1.0) for c in (-1.0, 1.0)]
+    many, long = shapes.call("floor", x * 10.0) + 1.0, shapes.call("lt", const(0.5), x)
+    alone = [
+        Piece(f"p{k}", tuple((const(0.1 * k) * p[0] + var("i") * 0.01, p[1], p[2]) for p in box), *there)
+        for k, there in enumerate(
+            [(many, None), (None, long), (many, None), (many, long), (None, None), (None, long)], 1
+        )
+    ]
+    params = {"size.x": np.array([0.05, 0.25, 0.95]), "size.y": np.full(3, 0.1), "size.z": np.full(3, 0.2)}
+    made = []
+    compiled = pieces.compile_formula
+    monkeypatch.setattr(
+        pieces, "compile_formula", lambda exprs, names: made.append(len(exprs)) or compiled(exprs, names)
+    )
+    clouds = pieces.clouds(shapes.cuboid(pieces=tuple(alone)), params)
+    assert sorted(made) == [24, 24, 48, 48]
+    for number, (piece, cloud) in enumerate(zip(alone, clouds, strict=True)):
+        (own,) = pieces.clouds(shapes.cuboid(pieces=(piece,)), params)
+        assert (cloud.number, cloud.name(0)[:2]) == (number, piece.name)
+        for name in ("rows", "index", "points"):
+            assert getattr(cloud, name).tobytes() == getattr(own, name).tobytes()
+    total = sum(pieces.amounts(shapes.cuboid(pieces=(piece,)), params) for piece in alone)
+    assert pieces.amounts(shapes.cuboid(pieces=tuple(alone)), params).tolist() == total.tolist()
+
+
+def test_a_hull_that_many_pieces_share_is_verified_once():
+    faces = (0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3)
+    pieces._read.cache_clear()
+    assert pieces._read((0, 1, 2, 3), faces, 4) is pieces._read((0, 1, 2, 3), faces, 4)
+    assert pieces._read.cache_info().misses == 1
+    for _ in range(2):
+        with pytest.raises(ValueError):
+            pieces._read((0, 1, 2, 3), faces[3:], 4)
+
+
 def test_faces_found_once_are_checked_for_every_instance():
     x, y, z = shapes.size()
     lift = var("size.y") - const(0.5)  # the ridge along u rises for some values and sinks for others
