@@ -18,7 +18,7 @@ from artipg_dsl.graph.program import Program
 from artipg_dsl.graph.text import digest, to_text
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
-from artipg_dsl.syntax import trees
+from artipg_dsl.syntax import ast, trees
 
 PROGRAM = """apg 1
 use primitives { Cylinder }
@@ -105,6 +105,30 @@ def test_what_an_entry_follows_from_is_looked_at(kept, stool, monkeypatch, chang
     else:
         monkeypatch.setattr(cache, "stamp", lambda: "another")
     assert found(stool)[1]
+
+
+def test_an_edit_reads_again_what_changed_alone(kept, stool, monkeypatch):
+    """Of one number, then of an imported template: the findings are those found without anything kept."""
+    found(stool)
+    parsed, read = [], []
+    tree, recalled = trees._parsed, trees.from_data
+    monkeypatch.setattr(trees, "_parsed", lambda source, report: parsed.append(source.name) or tree(source, report))
+    monkeypatch.setattr(
+        trees, "from_data", lambda rows, source, kind: read.append(kind) or recalled(rows, source, kind)
+    )
+    feet = stool.parent / "feet.apg"
+    for path, text in ((stool, PROGRAM.replace("50cm", "55cm")), (feet, FEET.replace("3cm", "4cm"))):
+        path.write_text(text)
+        for held in (parsed, read, trees._trees):
+            held.clear()
+        kept_findings = found(stool)
+        assert [Path(name).name for name in parsed] == [path.name] and kept_findings[1]
+        # Cylinder of the library; the feet or the stool
+        assert read.count(ast.PrimitiveDecl) == 1 and len(read) == read.count(ast.Module) + 2
+        monkeypatch.setenv("APGC_CACHE", "off")
+        trees._trees.clear()
+        assert found(stool) == kept_findings
+        monkeypatch.setenv("APGC_CACHE", str(kept))
 
 
 def test_files_that_are_spoilt_cut_short_or_false_count_for_nothing(kept, stool):

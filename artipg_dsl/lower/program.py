@@ -285,7 +285,8 @@ def _spoken(env: Env) -> None:
     program = env.context.program
     program.vocabularies["semantic"] = (UNLABELLED,)  # points have a class, whether the text has words for it or not
     for symbol in (symbol for module in env.module.used() for symbol in module.names.values()):
-        if isinstance(symbol.decl, ast.VocabularyDecl):
+        if symbol.kind == "vocabulary":
+            assert isinstance(symbol.decl, ast.VocabularyDecl)
             words = program.vocabularies.get(symbol.name, (UNLABELLED,))
             extra = tuple(w for w in symbol.decl.words if w not in words)
             program.vocabularies[symbol.name] = words + extra

@@ -52,7 +52,8 @@ def check(workspace: Workspace, module: ModuleScope, report: Report) -> TypedPro
     symbols = _to_check(workspace, module)
     for scope in workspace.modules.values():
         for symbol in scope.own():
-            if isinstance(symbol.decl, ast.VocabularyDecl):
+            if symbol.kind == "vocabulary":
+                assert isinstance(symbol.decl, ast.VocabularyDecl)
                 ck.vocabularies.setdefault(symbol.name, set()).update(symbol.decl.words)
     for symbol in symbols:
         _declaration(ck, symbol)

@@ -12,11 +12,11 @@ from ..resources import library_dir
 from ..source import Source, Span
 from ..syntax import ast
 from ..syntax.load import load
-from ..syntax.trees import tree_of
+from ..syntax.trees import KeptTree, tree_of
 from .offers import declared_in
 from .symbols import KINDS, ModuleScope, Symbol
 
-Loader = Callable[[Source, Report], "ast.Module | None"]
+Loader = Callable[[Source, Report], ast.Module | KeptTree | None]
 Reader = Callable[[Path, Report, str], "Source | None"]
 
 
@@ -77,25 +77,25 @@ class Workspace:
         return scope
 
     def _declare(self, scope: ModuleScope) -> None:
-        for decl in scope.tree.declarations:
-            why = reserved_name(decl.name)
+        for number, head in enumerate(scope.held.heads):
+            why = reserved_name(head.name)
             if why is not None:
                 self.report.error(
                     "reserved-name",
-                    decl.name_span,
-                    f"`{decl.name}` cannot be declared: it is {why}",
+                    head.name_span,
+                    f"`{head.name}` cannot be declared: it is {why}",
                     hint="choose another name",
                 )
-            elif decl.name in scope.names:
-                first = scope.names[decl.name].decl.name_span
+            elif head.name in scope.names:
+                first = scope.names[head.name].decl.name_span
                 self.report.error(
                     "duplicate-name",
-                    decl.name_span,
-                    f"`{decl.name}` is declared twice in this file",
+                    head.name_span,
+                    f"`{head.name}` is declared twice in this file",
                     notes=((first, "first declared here"),),
                 )
             else:
-                scope.names[decl.name] = Symbol(decl.name, KINDS[type(decl)], decl, scope)
+                scope.names[head.name] = Symbol(head.name, KINDS[head.kind], scope, number)
 
     def _use(self, scope: ModuleScope, use: ast.UseDecl, key: str, folder: Path) -> None:
         found = self._locate(use.module, folder, Path(scope.source.name).parent)

@@ -9,6 +9,7 @@ from typing import Any, cast
 from ..records import dataclass
 from ..source import Source
 from ..syntax import ast
+from ..syntax.trees import KeptTree
 from ..syntax.walk import in_branches
 
 KINDS: dict[type[ast.Decl], str] = {
@@ -28,8 +29,12 @@ class Symbol:
 
     name: str
     kind: str  # role, template, primitive, category, material, vocabulary, function
-    decl: ast.Decl
     module: ModuleScope = field(repr=False)
+    number: int = field(repr=False)  # among the declarations of the module
+
+    @property
+    def decl(self) -> ast.Decl:
+        return self.module.held.declaration(self.number)
 
     @property
     def body(self) -> tuple[ast.Stmt, ...]:
@@ -39,13 +44,17 @@ class Symbol:
 
 @dataclass(slots=True, eq=False)
 class ModuleScope:
-    """One file: its tree, and the names that stand in it (its own declarations and what ``use`` brings in)."""
+    """One file: its tree as it is ``held``, and the names that stand in it (its own declarations and what ``use`` brings in)."""
 
     name: str
     source: Source
-    tree: ast.Module
+    held: ast.Module | KeptTree
     names: dict[str, Symbol] = field(default_factory=dict)
     lost: set[str] = field(default_factory=set)  # names whose import failed, which is reported at the `use`
+
+    @property
+    def tree(self) -> ast.Module:
+        return self.held.whole
 
     def find(self, name: str) -> Symbol | None:
         return self.names.get(name)

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from dataclasses import fields
 from types import NoneType, UnionType
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from ..source import Source, Span
 from . import ast
 
 PLAIN, NODE, SPAN = range(3)  # what a field holds
 Field = tuple[str, int, bool, tuple[type, ...], bool, Any]  # see ``_shape``
+Tree = TypeVar("Tree", bound=ast.Node)
 
 KINDS: tuple[type[ast.Node], ...] = tuple(
     held for held in vars(ast).values() if isinstance(held, type) and issubclass(held, ast.Node)
@@ -26,8 +27,8 @@ class _Spoilt(ValueError):
     """Data that is no tree of the text."""
 
 
-def to_data(tree: ast.Module) -> list[list[Any]]:
-    """The rows of a tree."""
+def to_data(tree: ast.Node) -> list[list[Any]]:
+    """The rows of a tree, or of a piece of one."""
     rows: list[list[Any]] = []
     numbers: dict[int, int] = {}  # a node may stand in two places, as the ends of a range of one value do
     kinds = {kind: number for number, kind in enumerate(KINDS)}
@@ -48,7 +49,7 @@ def to_data(tree: ast.Module) -> list[list[Any]]:
     return rows
 
 
-def from_data(rows: Any, source: Source) -> ast.Module:
+def from_data(rows: Any, source: Source, kind: type[Tree]) -> Tree:
     """The tree that ``to_data`` made rows of, its places in ``source``. Raises Spoilt, TypeError, ValueError or IndexError."""
     most = len(source.text)
     nodes: list[ast.Node] = []
@@ -64,14 +65,14 @@ def from_data(rows: Any, source: Source) -> ast.Module:
         return nodes[number]  # those before it alone
 
     for number, start, end, *held in rows:
-        kind = KINDS[number]
+        made = KINDS[number]
         found: dict[str, Any] = {"span": span(start, end)}
-        for (name, what, several, allowed, optional, inner), value in zip(_shape(kind), held, strict=True):
+        for (name, what, several, allowed, optional, inner), value in zip(_shape(made), held, strict=True):
             if value is None:
                 if not optional:
                     raise _Spoilt
             elif what == NODE:
-                if kind is ast.Clause:  # what it holds depends on where it stands
+                if made is ast.Clause:  # what it holds depends on where it stands
                     value = tuple(map(node, value)) if isinstance(value, list) else node(value)
                 elif several:
                     value = tuple(map(node, value))
@@ -92,8 +93,8 @@ def from_data(rows: Any, source: Source) -> ast.Module:
             elif type(value) not in allowed:
                 raise _Spoilt
             found[name] = value
-        nodes.append(kind(**found))
-    if not nodes or not isinstance(nodes[-1], ast.Module):
+        nodes.append(made(**found))
+    if not nodes or not isinstance(nodes[-1], kind):
         raise _Spoilt
     return nodes[-1]
 

@@ -97,7 +97,7 @@ def entries() -> tuple[Entry, ...]:
 def _tree(path: Path) -> ast.Module:
     tree = tree_of(Source(path.name, path.read_text(encoding="utf-8")), Report())
     assert tree is not None, path.name
-    return tree
+    return tree.whole
 
 
 def _entries() -> Iterator[Entry]:

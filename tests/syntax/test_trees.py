@@ -33,7 +33,7 @@ def places(tree):
 def test_a_tree_comes_back_as_it_was(path):
     source = read(path)
     tree = parse(source, Report())
-    again = from_data(json.loads(json.dumps(to_data(tree))), source)
+    again = from_data(json.loads(json.dumps(to_data(tree))), source, ast.Module)
     assert again == tree and repr(again) == repr(tree) and places(again) == places(tree)
     assert {type(node) for node in walk(again)} == {type(node) for node in walk(tree)}
 
@@ -49,7 +49,7 @@ def test_what_is_no_tree_is_refused():
         row = pick.choice(spoilt)
         row[pick.randrange(len(row))] = pick.choice([-1, 0, 3, 10**9, "x", None, 1.5, True, [], [0], [[0, 1]], {}])
         try:
-            tree = from_data(spoilt, source)
+            tree = from_data(spoilt, source, ast.Module)
         except (ValueError, TypeError, IndexError):
             refused += 1
             continue
@@ -70,7 +70,8 @@ def test_a_file_is_parsed_once_for_all_processes(tmp_path, monkeypatch):
     def anew():
         monkeypatch.setattr(trees, "_trees", {})
         parsed.clear()
-        return [trees.tree_of(source, Report()) for source in sources], len(parsed)
+        found = [trees.tree_of(source, Report()).whole for source in sources]
+        return found, len(parsed)
 
     first, number = anew()
     assert number == 2 and anew() == (first, 0)
@@ -79,3 +80,43 @@ def test_a_file_is_parsed_once_for_all_processes(tmp_path, monkeypatch):
     for path in tmp_path.glob("tree-*"):
         cache.write(path.name, b"[[0, 0, 0]]")
     assert anew()[1] == 2 and anew()[1] == 0
+
+
+def test_of_a_kept_tree_what_is_asked_for_is_made(tmp_path, monkeypatch):
+    monkeypatch.setenv("APGC_CACHE", str(tmp_path))
+    made = []
+    from_rows = trees.from_data
+    monkeypatch.setattr(trees, "from_data", lambda rows, *more: made.append(len(rows)) or from_rows(rows, *more))
+    source = read(library_dir() / "handles.apg")
+    parsed = trees._parsed(source, Report())
+    kept = trees._recalled(source)
+    assert len(made) == 1 and kept.heads == parsed.heads and kept.uses == parsed.uses and kept.span == parsed.span
+    number = len(kept.heads) // 2
+    assert kept.declaration(number) == parsed.declarations[number] and len(made) == 2
+    assert kept.declaration(number) is kept.declaration(number) and len(made) == 2
+    assert kept.whole == parsed and kept.whole.declarations[number] is kept.declaration(number)
+    assert len(made) == 1 + len(kept.heads)
+
+
+def test_a_spoilt_declaration_is_parsed(tmp_path, monkeypatch):
+    """One that is no tree, that of another name or class, and a head that is none."""
+    monkeypatch.setenv("APGC_CACHE", str(tmp_path))
+    source = read(library_dir() / "handles.apg")
+    parsed = trees._parsed(source, Report())
+    entry = trees._entry(source)
+    head, *rows = cache.read(entry).split(b"\n")
+    first, other = (
+        next(n for n, h in enumerate(parsed.heads) if h.kind is kind) for kind in (ast.RoleDecl, ast.TemplateDecl)
+    )
+    for spoilt in (b"[[0,0,0]]", b"[]", b"no", rows[first + 1], rows[other]):
+        cache.write(entry, b"\n".join([head, *rows[:first], spoilt, *rows[first + 1 :]]))
+        kept = trees._recalled(source)
+        assert isinstance(kept, trees.KeptTree) and kept.declaration(first) == parsed.declarations[first]
+        assert cache.read(entry) == b"\n".join([head, *rows]) and kept.whole == parsed
+    module, heads = json.loads(head)
+    for wrong in ([10**6, *heads[0][1:]], [heads[0][0], "Other", *heads[0][2:]], [*heads[0][:2], -4, -1], []):
+        cache.write(entry, b"\n".join([json.dumps([module, [wrong, *heads[1:]]]).encode(), *rows]))
+        assert trees._recalled(source) is None and cache.read(entry) is None
+    for lines in ([head, *rows[1:]], [b"[]", *rows]):
+        cache.write(entry, b"\n".join(lines))
+        assert trees._recalled(source) is None

@@ -86,8 +86,29 @@ class UseDecl(Node):
     name_spans: tuple[Span, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Head:
+    """What a declaration is called, and its class."""
+
+    kind: type[Decl]
+    name: str
+    name_span: Span
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Module(Node):
     version: int
     uses: tuple[UseDecl, ...]
     declarations: tuple[Decl, ...]
+
+    @property
+    def heads(self) -> tuple[Head, ...]:
+        return tuple(Head(type(decl), decl.name, decl.name_span) for decl in self.declarations)
+
+    def declaration(self, number: int) -> Decl:
+        return self.declarations[number]
+
+    @property
+    def whole(self) -> Module:
+        """Itself: of a tree that is read piece by piece, all of it (see ``trees``)."""
+        return self
