@@ -56,15 +56,22 @@ def stamp() -> str:
     computes with."""
     package = Path(__file__).resolve().parent
     found = [sys.version, sys.platform]
-    for path in (*sorted(package.rglob("*.py")), grammar_file()):
-        seen = path.stat()
-        found.append(f"{path} {seen.st_size} {seen.st_mtime_ns}")
+    for folder, folders, names in os.walk(package):
+        folders.sort()
+        for path in [os.path.join(folder, name) for name in sorted(names) if name.endswith(".py")]:
+            found.append(_seen(path))
+    found.append(_seen(str(grammar_file())))
     for name in ("numpy", "scipy"):  # found without importing them
         spec = find_spec(name)
         version = Path(spec.origin).with_name("version.py") if spec is not None and spec.origin else None
         if version is not None and version.is_file():
             found.append(f"{name} {digest([version.read_text(encoding='utf-8')])}")
     return digest(found)
+
+
+def _seen(path: str) -> str:
+    told = os.stat(path)
+    return f"{path} {told.st_size} {told.st_mtime_ns}"
 
 
 def digest(texts: Iterable[str]) -> str:

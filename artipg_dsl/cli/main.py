@@ -118,6 +118,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from ..errors import InternalError, UsageError, UserError
 
     gc.set_threshold(*_MADE)
+    os.environ.setdefault(
+        "OPENBLAS_NUM_THREADS", "1"
+    )  # nothing calls BLAS: to start its threads takes as long as to load NumPy
     try:
         options = build_parser().parse(arguments)
     except SystemExit as stop:  # help was asked for, or the parser has said what is wrong

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
-from zipfile import is_zipfile
 
 from ..errors import UserError
 from .remote import MARK, Place, Remote
@@ -64,6 +63,8 @@ def is_there(path: Place) -> bool:
     broken off leaves: none that is written whole is like that."""
     if isinstance(path, Remote) or not path.is_file():
         return path.exists()
+    from zipfile import is_zipfile  # start-up
+
     return is_zipfile(path) if path.suffix == ".npz" else path.stat().st_size > 0
 
 

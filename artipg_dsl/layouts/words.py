@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -113,6 +112,8 @@ def _find(word: str, known: Sequence[str], category: str, form: str | None = Non
 @lru_cache
 def vocabulary(name: str) -> Vocabulary:
     """A shipped vocabulary, by the name of its file."""
+    from importlib import resources  # start-up
+
     found = json.loads(
         resources.files("artipg_dsl.layouts").joinpath("words", f"{name}.json").read_text(encoding="utf-8")
     )

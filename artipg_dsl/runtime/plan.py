@@ -64,10 +64,9 @@ class Plan:
             from . import draws, kernels, newton  # start-up: a plan is made and shown without them
 
             namespace: dict[str, Any] = {**vars(kernels), **vars(draws), "solve_roots": newton.solve_roots}
-            lines, tapes = taped(self.lines, self.values)
-            text = whole(lines, self.tables, self.values)
             with uncollected():
-                code = compile(text, "<plan>", "exec")
+                lines, tapes = taped(self.lines, self.values)
+                code = compile(whole(lines, self.tables, self.values), "<plan>", "exec")
             namespace |= tapes
             exec(code, namespace)  # noqa: S102 - no text of a program but literals
             self._function = namespace["evaluate"]
