@@ -52,7 +52,13 @@ def write_objects(
     """
     from .robot import Robots  # start-up: most samples have no files per object, and it loads fifteen modules
 
-    robots = Robots(batch, resolution=resolution, physics=not all(entry.seen for entry in formats), details=details)
+    robots = Robots(
+        batch,
+        resolution=resolution,
+        physics=any(entry.weighs and not entry.seen for entry in formats),
+        colliders=not all(entry.seen for entry in formats),
+        details=details,
+    )
     wanted = set(batch.numbers.tolist() if only is None else only.tolist())
     for i, number in enumerate(batch.numbers.tolist()):
         if number in wanted:

@@ -17,6 +17,7 @@ import numpy as np
 from ..annotate.cloud import Surface, sample_surface
 from ..annotate.sampling import Sampling
 from ..records import dataclass
+from ..validity.mass import heavier
 from .decimals import numbers, told, told_twice
 from .mesh_obj import Shape, move_points, mtl_text, obj_text
 from .partnet_tree import CategoryWords, build_tree, said_of, to_entry, words_of
@@ -206,7 +207,7 @@ def _members(
     order = folder_order(robot)
     ids = {k: n for n, k in enumerate(order)}
     program, first = robots.batch.program, int(robots.link_start[i])
-    heavy = sum(robots.weights[first : first + len(robot.links)].tolist()) > LIFTED
+    heavy = bool(_heavy(robots)[i])
     members = []
     node = 1  # 0 is the object's own
     for k in order:
@@ -414,6 +415,17 @@ def _samples(robots: Robots, i: int, members: list[FolderLink], frame: DatasetFr
         "point_sample/sample-points-all-pts-nor-rgba-10000.txt": everything,
         "point_sample/sample-points-all-label-10000.txt": label,
     }
+
+
+_weighed: WeakKeyDictionary[Robots, np.ndarray] = WeakKeyDictionary()
+
+
+def _heavy(robots: Robots) -> np.ndarray:
+    """Which objects (B,) nobody lifts with a hand."""
+    found = _weighed.get(robots)
+    if found is None:
+        found = _weighed[robots] = heavier(robots.batch, LIFTED)
+    return found
 
 
 _drawn: WeakKeyDictionary[Robots, Surface] = WeakKeyDictionary()

@@ -63,7 +63,8 @@ class Format:
     tells: str = ""
     clears: tuple[str, ...] = ()
     needs: tuple[str, str, str] | None = None
-    seen: bool = False  # it has what is seen alone, nothing that collides
+    seen: bool = False  # it has what is seen alone, nothing that collides or weighs
+    weighs: bool = True  # what collides has masses, and joints what follows from them
     container: Container | None = None
     pack: bool = False  # the arrays hold much that repeats
     frame: str = ""  # the shipped frame by which objects lie as in the data set that it follows
@@ -174,6 +175,7 @@ FORMATS: dict[str, Format] = {
             member="partnet_mobility:partnet_files",
             file="mobility.urdf",
             tells="mobility_cvx.urdf",
+            weighs=False,
             frame="partnet",
         ),
         Format(

@@ -156,12 +156,19 @@ class Robot:
 class Robots:
     """The robots of a batch; the numbers of all of them are computed together.
 
-    ``physics`` False: what is seen and how it moves alone, without colliders, and masses and what follows from them 0.
+    ``physics`` False: what is seen and how it moves alone, without colliders, and masses and what follows from them 0;
+    with ``colliders`` they are there all the same.
     ``details``: what is seen wears them; what collides is the structure.
     """
 
     def __init__(
-        self, batch: Batch, *, resolution: Resolution = STANDARD, physics: bool = True, details: Dressing | None = None
+        self,
+        batch: Batch,
+        *,
+        resolution: Resolution = STANDARD,
+        physics: bool = True,
+        colliders: bool = False,
+        details: Dressing | None = None,
     ):
         self.batch = batch
         self.tables = batch.sites()
@@ -173,7 +180,7 @@ class Robots:
         )
         self.note = "" if details is None else NOTE
         self.physics = physics
-        self.pieces = solids.build_pieces(self.tables) if physics else []
+        self.pieces = solids.build_pieces(self.tables) if physics or colliders else []
         self.catalogue = list_materials(batch)
         self.material_rows = {t.number: material_rows(batch, t) for t in self.tables}
         self.visuals = solids.group_by_object(self.meshes, len(batch))
@@ -208,11 +215,6 @@ class Robots:
         inertia = mass.inertia + spare[:, None, None] * np.eye(3)
         center = np.where(mass.mass[:, None] > 0, mass.center - self.origins, 0.0)
         return Mass(np.maximum(mass.mass, SMALLEST_MASS), center, inertia)
-
-    @cached_property
-    def weights(self) -> np.ndarray:
-        """Masses (L,) of all links, as in ``mass``, also without physics."""
-        return self.mass.mass if self.physics else np.maximum(masses(self.batch).mass, SMALLEST_MASS)
 
     @cached_property
     def curves(self) -> dict[int, tuple[np.ndarray, np.ndarray]]:

@@ -52,6 +52,19 @@ def weighing(batch: Batch) -> Weighing:
     return batch.known["weighing"]
 
 
+def heavier(batch: Batch, limit: float) -> np.ndarray:
+    """Which objects (B,) weigh more than ``limit`` kg. Overlaps are measured where their bounds do not tell."""
+    owner, known = batch.links().owner, weighing(batch)
+    rough = known.rough
+    most = np.bincount(owner, rough.mass, len(batch))
+    taken = rough.taken(rough.most, np.ones(len(rough.link)))
+    found = most > limit
+    asked = found & ~(most - np.bincount(owner[rough.link], taken, len(batch)) > limit)
+    if asked.any():
+        found[asked] = np.bincount(owner, known.masses(asked).mass, len(batch))[asked] > limit
+    return found
+
+
 def _weighing_of(batch: Batch) -> tuple[list[SiteTable], list[np.ndarray], np.ndarray, int, np.ndarray]:
     """What ``link_mass`` is told of a batch."""
     links, tables = batch.links(), batch.sites()

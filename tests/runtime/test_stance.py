@@ -16,7 +16,7 @@ from artipg_dsl.session import Session
 from artipg_dsl.validity.bodies import gather
 from artipg_dsl.validity.faults import find_faults
 from artipg_dsl.validity.hull import depth, hulls
-from artipg_dsl.validity.mass import masses, weighing
+from artipg_dsl.validity.mass import Weighing, heavier, masses, weighing
 from artipg_dsl.validity.stance import TILT, Stance, find_falling
 from artipg_dsl.validity.tree import Tree
 
@@ -192,6 +192,24 @@ def test_bounds_of_masses_decide_as_masses_do(name: str) -> None:
     assert found.tolist() == np.flatnonzero(exact).tolist() and 0 < exact.sum() < 24
     assert not (falls & ~exact).any() and not (stands & exact).any()
     assert (falls | stands).mean() > 0.7
+
+
+@pytest.mark.parametrize("name", ["Fan", "Suitcase"])
+def test_whether_objects_are_heavy_is_mostly_told_by_bounds(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    sampler, asked = Session.of(name).sampler, []
+    measure = Weighing.masses
+
+    def seen(self: Weighing, which: np.ndarray | None = None) -> object:
+        assert which is not None
+        asked.extend(np.flatnonzero(which).tolist())
+        return measure(self, which)
+
+    batch = sampler.batch(np.arange(48), 3)
+    exact = np.bincount(batch.links().owner, masses(batch).mass)
+    monkeypatch.setattr(Weighing, "masses", seen)
+    for limit in (0.0, *np.quantile(exact, [0.25, 0.5, 0.75]), 1000.0):
+        assert heavier(batch, limit).tolist() == (exact > limit).tolist()
+    assert 0 < len(asked) < 48
 
 
 def test_points_within_the_outline_change_no_hull() -> None:
