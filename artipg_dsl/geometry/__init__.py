@@ -9,7 +9,8 @@ Begin with ``patches`` and ``mesh``.
     trial, topology, weld, flat, resolution      computed once per primitive: which edges meet, how many steps
     patches, surface, density, quadrature        positions, normals, areas, places drawn by area, integrals
     mesh, merge, pieces, box, bound              watertight meshes, convex pieces, stated boxes
-    sites, block, hidden, points, pointset       points on the visible surface of whole objects
+    sites, block, points, pointset               points on the visible surface of whole objects
+    candidates, hidden                           where points may come to lie, and which of them are covered
     outside, rays, blue, cells                   what can be seen from outside; points that keep their distance
     wrap                                         the convex hulls of many sets of points
     collide, overlap, enclosure                  convex bodies that meet, what they share, what contains what

@@ -13,8 +13,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..native import backend, points
 from ..records import dataclass
-from .block import Block, Coordinates, to_local
+from .block import Block, to_local
 from .box import bounds
 from .cells import Cells
 from .enclosure import bound_inside
@@ -28,6 +29,7 @@ _LOOSE = 1e-9  # rectangles are wider, cells smaller by this fraction
 _SIGNS = np.uint32(0x80008000)
 _CHUNK = 4096  # pairs of cells and rows at a time: their arrays stay in the cache
 _PAIRS = 100_000  # pairs of rows, or of a point and a row, looked at together
+_Places = Sequence[np.ndarray] | np.ndarray  # three arrays (m,)
 
 
 def scales(rows: Block) -> np.ndarray:
@@ -235,7 +237,7 @@ class Occlusion:
         origin, a, b, c = (q[:, chosen] for q in self.pairs.quad)
         return self._depths(self.pairs.other[chosen], origin + u * a + v * b + (u * v) * c)
 
-    def _depths(self, other: np.ndarray, local: Sequence[np.ndarray]) -> np.ndarray:
+    def _depths(self, other: np.ndarray, local: _Places) -> np.ndarray:
         """(m,) depths of points in rows of any shelves, in the frames of those rows."""
         out = np.empty(len(other))
         shelf = self.shelf[other]
@@ -247,7 +249,7 @@ class Occlusion:
                 out[mine] = self._depth(number, other[mine], [x[mine] for x in local])
         return out
 
-    def _depth(self, shelf: int, other: np.ndarray, local: Sequence[np.ndarray]) -> np.ndarray:
+    def _depth(self, shelf: int, other: np.ndarray, local: _Places) -> np.ndarray:
         """(m,) the inside function of rows ``other`` of one shelf at points in their own frames."""
         row = other - self.rows.shelves[shelf].start
         value = self.inside[shelf].points([r[row] for r in self.values[shelf]], *local)[0]
@@ -286,21 +288,9 @@ class Occlusion:
     ) -> None:
         """Enter into ``out`` the points that pairs ``asked`` (ascending) hide; each has a run of points."""
         pairs, shelves = self.pairs, len(self.rows.shelves)
-        point = runs(start, count)
-        spot = spots[point]
-        beyond = (spot - np.repeat(pairs.least[asked], count)) | (np.repeat(pairs.most[asked], count) - spot)
-        kept = (beyond & _SIGNS) == 0
-        found = np.flatnonzero(kept)
-        if not len(found):
+        pair, point, local = self._within_reach(asked, start, count, u, v, spots)
+        if not len(pair):
             return
-        pair, point, across, along = np.repeat(asked, count)[found], point[found], u[point[found]], v[point[found]]
-        origin, a, b, c = pairs.quad
-        local = [origin[k][pair] + across * a[k][pair] + along * b[k][pair] for k in range(3)]
-        planar = np.flatnonzero(pairs.planar[pair])
-        if len(planar):
-            both, where = across[planar] * along[planar], pair[planar]
-            for k in range(3):
-                local[k][planar] += both * c[k][where]
         other = pairs.other[pair]
         edges = pairs.edges[group * shelves : (group + 1) * shelves + 1]
         depth = self._by_shelf(edges, pair, other, local)
@@ -312,9 +302,30 @@ class Occlusion:
             behind = [local[k][close] + pairs.step[k][pair] for k in range(3)]
             out[point[self._by_shelf(edges, pair, other, behind) < 0.0]] = True
 
-    def _by_shelf(
-        self, edges: np.ndarray, pair: np.ndarray, other: np.ndarray, local: Sequence[np.ndarray]
-    ) -> np.ndarray:
+    def _within_reach(
+        self, asked: np.ndarray, start: np.ndarray, count: np.ndarray, u: np.ndarray, v: np.ndarray, spots: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, _Places]:
+        """Pairs and points (k,), those of runs that the row of the pair can reach, and where in its frame (3, k)."""
+        pairs, machine = self.pairs, backend.machine()
+        if machine is not None:
+            ends = pairs.least, pairs.most
+            return points.near_flat(machine, asked, start, count, (u, v, spots), pairs.quad, ends, pairs.planar)
+        point = runs(start, count)
+        spot = spots[point]
+        beyond = (spot - np.repeat(pairs.least[asked], count)) | (np.repeat(pairs.most[asked], count) - spot)
+        found = np.flatnonzero((beyond & _SIGNS) == 0)
+        pair, point = np.repeat(asked, count)[found], point[found]
+        across, along = u[point], v[point]
+        origin, a, b, c = pairs.quad
+        local = [origin[k][pair] + across * a[k][pair] + along * b[k][pair] for k in range(3)]
+        planar = np.flatnonzero(pairs.planar[pair])
+        if len(planar):
+            both, where = across[planar] * along[planar], pair[planar]
+            for k in range(3):
+                local[k][planar] += both * c[k][where]
+        return pair, point, local
+
+    def _by_shelf(self, edges: np.ndarray, pair: np.ndarray, other: np.ndarray, local: _Places) -> np.ndarray:
         """Depths of points in the rows of pairs, which are sorted by shelf."""
         depth = np.empty(len(pair))
         cuts = np.searchsorted(pair, edges)
@@ -324,23 +335,18 @@ class Occlusion:
                 depth[part] = self._depth(shelf, other[part], [x[part] for x in local])
         return depth
 
-    def loose_hidden(self, cell: np.ndarray, position: Coordinates, normal: Coordinates) -> np.ndarray:
-        """(m,) bool: which points on any cells are hidden; positions and normals in the frames of their objects."""
+    def loose_hidden(self, cell: np.ndarray, position: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        """(m,) bool: which points on any cells are hidden; positions and normals (3, m) in the frames of their objects."""
         out = np.zeros(len(cell), dtype=bool)
         row = self.cells.row[cell]
         first, count = self.row_start[row], self.row_start[row + 1] - self.row_start[row]
         ends = np.cumsum(count)
         cuts = np.searchsorted(ends, np.arange(_PAIRS, int(ends[-1]) if len(ends) else 0, _PAIRS))
         off = self.off[self.cells.owner[cell]]
-        outer = [p + off * n for p, n in zip(position, normal, strict=True)]
+        outer = np.stack([p + off * n for p, n in zip(position, normal, strict=True)])
         for part in np.split(np.arange(len(cell)), cuts):
-            point = np.repeat(part, count[part])
-            other = self.row_other[runs(first[part], count[part])]
-            for axis in range(3):
-                value = outer[axis][point]
-                kept = np.flatnonzero((value >= self.ends[0][axis][other]) & (value <= self.ends[1][axis][other]))
-                point, other = point[kept], other[kept]
-            depth = self._depths(other, to_local(self.cells.poses, other, [x[point] for x in outer]))
+            point, other, local = self._within_boxes(part, first[part], count[part], outer)
+            depth = self._depths(other, local)
             out[point[depth < 0.0]] = True
             lower = self.rows.rank[other] < self.rows.rank[row[point]]
             close = (depth >= 0.0) & (depth <= _ABOUT * off[point]) & lower
@@ -349,6 +355,24 @@ class Occlusion:
             depth = self._depths(other, to_local(self.cells.poses, other, inner))
             out[point[depth < 0.0]] = True
         return out
+
+    def _within_boxes(
+        self, asked: np.ndarray, first: np.ndarray, count: np.ndarray, place: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, _Places]:
+        """Points of ``asked`` (n,) and rows (k,), each point with a run of them, in whose boxes they lie, and where in their frames
+        (3, k); ``place`` (3, m) of all points."""
+        machine, poses = backend.machine(), self.cells.poses
+        if machine is not None:
+            other, point, local = points.near_loose(
+                machine, asked, first, count, self.row_other, place, poses, self.ends
+            )
+            return point, other, local
+        point, other = np.repeat(asked, count), self.row_other[runs(first, count)]
+        for axis in range(3):
+            value = place[axis][point]
+            kept = np.flatnonzero((value >= self.ends[0][axis][other]) & (value <= self.ends[1][axis][other]))
+            point, other = point[kept], other[kept]
+        return point, other, to_local(poses, other, place[:, point])
 
 
 def _row_pairs(rows: Block, off: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -10,28 +10,24 @@ Whatever the pools, points are hidden by all rows of their object.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from .. import random
 from ..records import dataclass
-from .block import Block, Coordinates, block_of, to_object
+from .block import Block, block_of
+from .candidates import Candidates, Drawn, LoosePoints, Thinning, draw, slant
 from .cells import Cells
-from .density import AreaPlacement, solve_linear
-from .flat import BENT, PLANAR
+from .flat import PLANAR
 from .hidden import Occlusion, runs, scales
 from .outside import Outlook
 from .pointset import PointSet, Pools
 from .sites import SiteTable
-from .surface import PatchEvaluator
 
 _ROWS, _OBJECTS = 16_000, 256  # at most in a block, about
 _LOOKED_AT = 32  # objects in a block whose triangles are needed
 _RARELY = 0.5  # points that flat cells have at least, about, if they are prepared for being asked quickly
 _POINTS = 2_000_000  # in a block, about
 _CANDIDATES = 40_000  # at a time: their arrays stay in the caches
-_CHUNK = 16_000  # points on one bent patch at a time, likewise
 _SPARE = 1.06  # candidates per point wanted, were all to be seen that are thought to be
 _LEAST_GUESS = 1 / 4  # share of visible candidates that the first round reckons with at least
 _ROUNDS = 40
@@ -149,29 +145,6 @@ def _blocks(sites: list[SiteTable], n_objects: int, most: int = _OBJECTS) -> lis
     return [(first, min(first + step, n_objects)) for first in range(0, n_objects, step)]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Drawn:
-    """One round: ``stream`` (pools,) of random numbers, ``wanted`` (pools,) candidates, ``count`` (C,) of them on each
-    cell, ``before`` (C,) lanes first."""
-
-    stream: np.ndarray
-    wanted: np.ndarray
-    count: np.ndarray
-    before: np.ndarray
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Candidates:
-    """Candidates of a group in the order of their cells: ``loose`` are those which are ``mine`` among the
-    ``_LoosePoints``."""
-
-    cell: np.ndarray
-    u: np.ndarray
-    v: np.ndarray
-    loose: np.ndarray
-    mine: slice
-
-
 class _Sampler:
     """The candidates of one block of objects: of the pools from ``first`` on, ``address`` (pools,) each and ``n`` (pools,)
     points wanted."""
@@ -238,8 +211,8 @@ class _Sampler:
         upto = np.clip(np.ceil(most * self.share - offset[cells.pool]), 0, most).astype(np.int64)
         before = np.concatenate([[0], upto[:-1]])
         before[self.head] = 0
-        drawn = _Drawn(random.streams(self.key, self.address, attempt), wanted, upto - before, before)
-        loose = _LoosePoints(self, drawn)
+        drawn = Drawn(random.streams(self.key, self.address, attempt), wanted, upto - before, before)
+        loose = LoosePoints(cells, self.occlusion, drawn)
         survivors = np.zeros_like(wanted)
         for number, (low, high) in enumerate(self.groups):
             if wanted[low:high].any():
@@ -254,131 +227,31 @@ class _Sampler:
         high: int,
         filled: np.ndarray,
         thin: np.ndarray,
-        drawn: _Drawn,
-        loose: _LoosePoints,
+        drawn: Drawn,
+        loose: LoosePoints,
     ) -> np.ndarray:
         """The candidates of the pools ``low .. high - 1``; how many of each can be seen."""
-        cells, stride, pools = self.cells, out.u.shape[1], slice(low, high)
-        n = self.n[pools]
+        cells, pools = self.cells, slice(low, high)
         begin, end = int(cells.start[low]), int(cells.start[high])
         count = drawn.count[begin:end]
         start = np.cumsum(count) - count
         wanted = drawn.wanted[pools]
-        u, v = random.coarse(np.repeat(drawn.stream[pools], wanted), runs(np.zeros_like(wanted), wanted))
+        u, v = draw(drawn.stream[pools], np.zeros_like(wanted), wanted)
         slanting = np.flatnonzero((cells.shape[begin:end] == PLANAR) & (count > 0))
         cell = np.repeat(begin + slanting, count[slanting])
-        _slant(cells, cell, runs(start[slanting], count[slanting]), u, v)
-        mine = slice(*np.searchsorted(loose.cell, (begin, end)).tolist())
-        at = start[loose.cell[mine] - begin] + loose.nth[mine]
+        slant(cells, cell, runs(start[slanting], count[slanting]), u, v)
         hidden = self.occlusion.flat_hidden(number, begin, start, count, u, v)
-        u[at], v[at], hidden[at] = loose.u[mine], loose.v[mine], loose.hidden[mine]
-        every = _Candidates(np.repeat(np.arange(begin, end), count), u, v, at, mine)
+        every = Candidates(cells, begin, count, u, v, hidden, loose.part(begin, end, start))
         kept = np.flatnonzero(~hidden)
         if self.outlook is not None:
-            kept = kept[self.outlook.sees(every.cell[kept], *self._places(every, kept, loose))]
-        borders = np.searchsorted(kept, np.concatenate([[0], np.cumsum(wanted)]))
-        survivors = np.diff(borders)
-        room = np.minimum(n - filled[pools], survivors)
-        if (room < survivors).any():  # thin evenly
-            rank = np.arange(len(kept)) - np.repeat(borders[:-1], survivors)
-            total, take = np.repeat(survivors, survivors), np.repeat(room, survivors)
-            shift = np.minimum((thin[pools] * survivors).astype(np.int64), np.maximum(survivors - 1, 0))
-            place = rank * take + np.repeat(shift, survivors)
-            kept = kept[place % total + take >= total]
-        cell = every.cell[kept]
-        position, normal = self._places(every, kept, loose)
-        row = cells.row[cell]
-        target: slice | np.ndarray
-        if (room == stride).all():
-            target = slice((self.first + low) * stride, (self.first + high) * stride)
-        else:
-            target = runs((self.first + np.arange(low, high)) * stride + filled[pools], room)
-        out.site.reshape(-1)[target] = self.rows.site[row]
-        out.row.reshape(-1)[target] = self.rows.row[row]
-        out.patch.reshape(-1)[target] = cells.patch[cell]
-        out.u.reshape(-1)[target], out.v.reshape(-1)[target] = u[kept], v[kept]
-        for axis in range(3):
-            out.position.reshape(-1, 3)[target, axis] = position[axis]
-            out.normal.reshape(-1, 3)[target, axis] = normal[axis]
+            unseen = ~self.outlook.sees(every.cell[kept], *every.places(kept))
+            hidden[kept[unseen]], kept = True, kept[~unseen]
+        survivors = np.diff(np.searchsorted(kept, np.concatenate([[0], np.cumsum(wanted)])))
+        room = np.minimum(self.n[pools] - filled[pools], survivors)
+        shift = np.minimum((thin[pools] * survivors).astype(np.int64), np.maximum(survivors - 1, 0))
+        target = (self.first + np.arange(low, high)) * out.u.shape[1] + filled[pools]
+        every.keep(out, Thinning(wanted, survivors, room, shift, target), kept)
         return survivors
-
-    def _places(self, every: _Candidates, kept: np.ndarray, loose: _LoosePoints) -> tuple[list[Any], list[Any]]:
-        """Positions and normals of the candidates ``kept`` (ascending), three arrays each."""
-        cells = self.cells
-        if not len(every.loose):
-            cell = every.cell[kept]
-            return list(cells.flat_position(cell, every.u[kept], every.v[kept])), [x[cell] for x in cells.normal]
-        which = np.full(len(every.cell), -1)  # of the loose points, if it is one
-        which[every.loose] = np.arange(every.mine.start, every.mine.stop)
-        which = which[kept]
-        flat, other = np.flatnonzero(which < 0), np.flatnonzero(which >= 0)
-        which, some = which[other], kept[flat]
-        cell = every.cell[some]
-        placed = cells.flat_position(cell, every.u[some], every.v[some])
-        position, normal = [np.empty(len(kept)) for _ in range(3)], [np.empty(len(kept)) for _ in range(3)]
-        for axis in range(3):
-            position[axis][flat], normal[axis][flat] = placed[axis], cells.normal[axis][cell]
-            position[axis][other], normal[axis][other] = loose.position[axis][which], loose.normal[axis][which]
-        return position, normal
-
-
-def _slant(cells: Cells, cell: np.ndarray, at: np.ndarray, u: np.ndarray, v: np.ndarray) -> None:
-    """Make the fractions ``u[at]``, ``v[at]`` uniform by area on flat cells whose element grows along u or v."""
-    base, along_u, along_v = (e[cell] for e in cells.element)
-    middle = base + along_v / 2
-    u[at] = solve_linear(u[at], middle, middle + along_u)
-    left = base + along_u * u[at]
-    v[at] = solve_linear(v[at], left, left + along_v)
-
-
-class _LoosePoints:
-    """The candidates of one round, of all pools of a block, on the cells that are not prepared: the bent ones, and flat
-    ones so small that hardly a point falls on them. Sorted by cell and lane.
-
-    ``nth`` counts them within their cell; ``u``, ``v``, ``hidden`` (m,), ``position`` and ``normal`` three (m,) each.
-    """
-
-    def __init__(self, sampler: _Sampler, drawn: _Drawn):
-        cells = sampler.cells
-        small = np.flatnonzero((cells.shape != BENT) & ~sampler.occlusion.prepared & (drawn.count > 0))
-        every = np.concatenate([*(bent.cell for bent in cells.bent), small])
-        count = drawn.count[every]
-        cell = np.repeat(every, count)
-        nth = runs(np.zeros_like(count), count)
-        u, v = random.coarse(drawn.stream[cells.pool[cell]], drawn.before[cell] + nth)
-        position, normal = np.empty((3, len(cell))), np.empty((3, len(cell)))
-        begin = 0
-        done = np.cumsum(np.concatenate([[0], count]))
-        for bent in cells.bent:
-            stop = begin + len(bent.cell)
-            part = slice(int(done[begin]), int(done[stop]))
-            begin = stop
-            if part.start == part.stop:
-                continue
-            row, local, params = cells.rows_asked(bent, cell[part])
-            placement = AreaPlacement(bent.shelf.primitive, bent.patch, params)
-            surface = PatchEvaluator(bent.shelf.primitive, bent.patch, params)
-            for low in range(0, part.stop - part.start, _CHUNK):
-                some, mine = (
-                    slice(part.start + low, min(part.start + low + _CHUNK, part.stop)),
-                    slice(low, low + _CHUNK),
-                )
-                u[some], v[some] = placement.place(local[mine], u[some], v[some])
-                at, outward = surface.at(local[mine], u[some], v[some])
-                at, outward = to_object(cells.poses, row[mine], at, outward)
-                for axis in range(3):
-                    position[axis, some], normal[axis, some] = at[axis], outward[axis]
-        part = slice(int(done[begin]), len(cell))
-        slanting = np.flatnonzero(cells.shape[cell[part]] == PLANAR)
-        _slant(cells, cell[part][slanting], slanting, u[part], v[part])
-        at = cells.flat_position(cell[part], u[part], v[part])
-        for axis in range(3):
-            position[axis, part], normal[axis, part] = at[axis], cells.normal[axis][cell[part]]
-        order = np.argsort(cell, kind="stable")
-        self.cell, self.nth, self.u, self.v = cell[order], nth[order], u[order], v[order]
-        self.position: Coordinates = (position[0, order], position[1, order], position[2, order])
-        self.normal: Coordinates = (normal[0, order], normal[1, order], normal[2, order])
-        self.hidden = sampler.occlusion.loose_hidden(self.cell, self.position, self.normal)
 
 
 def evaluate(sites: list[SiteTable], binding: PointSet) -> tuple[np.ndarray, np.ndarray]:

@@ -13,9 +13,10 @@ operation on numbers is an inner loop of NumPy itself. Knows neither expressions
     gaps.c          how far hulls reach from their pieces, as ``geometry.merge`` has it
     wrap.c          the faces of convex hulls, as ``geometry.wrap`` has them
     digits.c        rows of numbers as text, with the bytes of Python's ``%``
+    points.c        candidates for points, as ``geometry.candidates`` and ``geometry.hidden`` have them
     loops           the inner loops of NumPy's functions, and how an array lies in memory
     compiler        the machine compiled, kept and loaded
     tape, plan      straight-line programs of operations; registers and phases for the shapes that are given
-    narrow, states, turning, cells, moments, gaps, wrap, digits   what is told to the files in C of these names
+    narrow, states, turning, cells, moments, gaps, wrap, digits, points   what is told to the files in C of these names
     backend         which backend is used
 """

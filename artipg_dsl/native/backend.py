@@ -33,7 +33,17 @@ class Machine:
     def __init__(self, library: ctypes.CDLL):
         self.library = library
         try:
-            for name in ("closest", "separate", "meet_in_states", "examine", "sweep", "row_sums", "add_moments"):
+            for name in (
+                "closest",
+                "separate",
+                "meet_in_states",
+                "examine",
+                "sweep",
+                "row_sums",
+                "add_moments",
+                "coarse",
+                "keep_points",
+            ):
                 getattr(library, name).restype = None
             for name in (
                 "near_in_states",
@@ -44,6 +54,8 @@ class Machine:
                 "print_told",
                 "deepest",
                 "wrap",
+                "near_flat",
+                "near_loose",
             ):
                 getattr(library, name).restype = ctypes.c_int64
             self._run, look = library.run, library.look

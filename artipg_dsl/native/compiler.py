@@ -30,6 +30,7 @@ _SOURCES = [
         "digits.c",
         "gaps.c",
         "wrap.c",
+        "points.c",
     )
 ]
 _HEADERS = [Path(__file__).with_name("bodies.h")]

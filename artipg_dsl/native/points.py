@@ -1,0 +1,118 @@
+"""Points on surfaces, drawn by compiled code: what ``geometry.points`` and ``geometry.hidden`` compute, with the same bits."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .calls import call
+
+if TYPE_CHECKING:
+    from .backend import Machine
+
+Three = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+class _Pairs(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_void_p) for name in ("quad", "least", "most", "planar")]
+
+
+class _Rows(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_void_p) for name in ("rotation", "translation", "mirror", "low", "high")]
+
+
+class _Surfaces(ctypes.Structure):
+    _fields_ = [
+        (name, ctypes.c_void_p)
+        for name in ("origin", "a", "b", "c", "normal", "shape", "row", "patch", "site", "table_row")
+    ]
+
+
+class _Bent(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_void_p) for name in ("at", "place", "normal")]
+
+
+class _Places(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_void_p) for name in ("site", "row", "patch", "u", "v", "position", "normal")]
+
+
+def coarse(machine: Machine, stream: np.ndarray, lane: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two numbers for each lane: of streams (n,) uint64 ``count`` (n,) from ``lane`` (n,) on."""
+    u, v = np.empty((2, int(count.sum())))
+    given = [np.ascontiguousarray(lane, dtype=np.int64), np.ascontiguousarray(count, dtype=np.int64)]
+    call(machine.library.coarse, len(stream), np.ascontiguousarray(stream, dtype=np.uint64), *given, u, v)
+    return u, v
+
+
+def near_flat(
+    machine: Machine,
+    asked: np.ndarray,
+    start: np.ndarray,
+    count: np.ndarray,
+    candidates: Three,
+    quad: np.ndarray,
+    ends: tuple[np.ndarray, np.ndarray],
+    planar: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of pairs (n,), each with a run of candidates, told by fractions and these packed (m,): which pair and which candidate (k,) are
+    within the packed ``ends`` (P,) of the pair, and where its ``quad`` (4, 3, P) has them (3, k)."""
+    room = int(count.sum())
+    pair, point = np.empty((2, room), dtype=np.int64)
+    local = np.empty((3, room))
+    told = _Pairs(quad.ctypes.data, *(end.ctypes.data for end in ends), planar.ctypes.data)
+    runs = (np.ascontiguousarray(array, dtype=np.int64) for array in (asked, start, count))
+    found = call(machine.library.near_flat, len(asked), *runs, *candidates, len(planar), told, room, pair, point, local)
+    return pair[:found], point[:found], local[:, :found]
+
+
+def near_loose(
+    machine: Machine,
+    asked: np.ndarray,
+    start: np.ndarray,
+    count: np.ndarray,
+    others: np.ndarray,
+    place: np.ndarray,
+    poses: Three,
+    boxes: tuple[np.ndarray, np.ndarray],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of points (n,), those of ``place`` (3, m) that are ``asked``, each with a run of ``others``: rows and points (k,) that lie in the
+    boxes (3, R) of the rows, and where in their frames (3, k)."""
+    room = int(count.sum())
+    other, point = np.empty((2, room), dtype=np.int64)
+    local = np.empty((3, room))
+    told = _Rows(*(array.ctypes.data for array in (*poses, *boxes)))
+    runs = [np.ascontiguousarray(array, dtype=np.int64) for array in (asked, start, count, others)]
+    sizes = (place.shape[1], place, len(poses[2]), told, room)
+    found = call(machine.library.near_loose, len(asked), *runs, *sizes, other, point, local)
+    return other[:found], point[:found], local[:, :found]
+
+
+def keep(
+    machine: Machine,
+    pools: Sequence[np.ndarray],
+    candidates: Three,
+    begin: int,
+    count: np.ndarray,
+    surfaces: Sequence[np.ndarray],
+    flat: int,
+    loose: Three,
+    out: Sequence[np.ndarray],
+) -> None:
+    """Write those candidates that are seen, thinned evenly where there are more than there is room for.
+
+    ``pools`` (n,): how many candidates each has, how many of them are seen, how many there is room for, the shift of the thinning, and
+    where the first one goes. ``candidates`` (m,): whether they are hidden, and their fractions, in the order of their cells, of which
+    each from the cell ``begin`` on has ``count``. ``surfaces``: quads and normals (3, C) of cells, their shapes, of which one, ``flat``,
+    has a last vector, their rows and patches (C,), and sites and table rows of the rows. ``loose``: which candidates (k,) are not on
+    the quads of their cells, and their places and normals (3, k). ``out``: site, row, patch, u, v, position and normal of points.
+    """
+    numbers = [np.ascontiguousarray(array, dtype=np.int64) for array in (*pools, count)]
+    bent = [np.ascontiguousarray(array) for array in loose]
+    cells = _Surfaces(*(array.ctypes.data for array in surfaces))
+    others, into = (kind(*(array.ctypes.data for array in arrays)) for kind, arrays in ((_Bent, bent), (_Places, out)))
+    each, size = numbers.pop(), surfaces[0].shape[1]
+    given = (*candidates, begin, each, size, flat, cells, len(bent[0]), others, into)
+    call(machine.library.keep_points, len(numbers[0]), *numbers, *given)

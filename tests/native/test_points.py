@@ -1,0 +1,48 @@
+"""Points on surfaces: compiled code draws, hides and keeps the candidates that NumPy does, to the last bit."""
+
+import numpy as np
+import pytest
+
+from artipg_dsl import random
+from artipg_dsl.geometry import points
+from artipg_dsl.geometry.cells import Cells
+from artipg_dsl.geometry.flat import BENT, PLANAR
+from artipg_dsl.geometry.pointset import PointSet
+from artipg_dsl.native import points as native
+from artipg_dsl.session import Session
+
+from .machine import bits, needs_compiler
+
+pytestmark = needs_compiler
+KEY = random.key(5, "points")
+
+
+@pytest.mark.parametrize("outside", [False, True])
+@pytest.mark.parametrize("name, per", [("Microwave", "instance"), ("Kettle", "owner"), ("Lamp", "link")])
+def test_points_of_pools(using, monkeypatch, name, per, outside):
+    """Pools with more points than fit a round, with few, and with none that can be seen."""
+    batch, calls = Session.of(name).sampler.batch(np.arange(3), 2), []
+    for word in ("coarse", "near_flat", "near_loose", "keep"):
+        original = getattr(native, word)
+        monkeypatch.setattr(native, word, lambda *a, of=original, called=word: calls.append(called) or of(*a))
+    sites = batch.sites()
+    labels = [np.zeros(len(site), dtype=np.int64) if per == "owner" else getattr(site, per) for site in sites]
+    address = batch.numbers.astype(np.uint64)
+    found = []
+    for backend in ("numpy", "c"):
+        using(backend)
+        assert (backend == "c") or not calls
+        found.append(points.sample_pools(sites, labels, 3, 700, KEY, address, outside=outside))
+    for field in PointSet.__slots__:
+        assert bits(getattr(found[0][0], field)) == bits(getattr(found[1][0], field)), field
+    assert bits(found[0][2]) == bits(found[1][2]) and found[0][0].u.shape[1] == 700
+    assert set(calls) == {"coarse", "near_flat", "near_loose", "keep"}
+
+
+def test_cells_of_all_shapes_are_looked_at():
+    """The objects above have parallelograms, other quads and bent patches."""
+    kinds: set[int] = set()
+    for name in ("Microwave", "Kettle", "Lamp"):
+        sites = Session.of(name).sampler.batch(np.arange(3), 2).sites()
+        kinds |= set(Cells(points.block_of(sites, 0, 3)).shape.tolist())
+    assert kinds >= {BENT, PLANAR, 0}
