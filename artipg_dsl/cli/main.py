@@ -8,7 +8,7 @@ import importlib
 import os
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from difflib import get_close_matches
 from typing import Any, NoReturn
@@ -100,15 +100,15 @@ def _find_empty(words: Sequence[str]) -> str | None:
     return None
 
 
-def build_parser() -> Parser:
-    """The parser of the command line."""
+def build_parser(words: Collection[str] = COMMANDS.keys()) -> Parser:
+    """The parser of the command line; of commands that are none of some ``words`` it knows the names alone."""
     top = Parser("apgc", description=_DESCRIPTION, epilog=_EPILOG, allow_abbrev=False)
     top.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
     top.commands = commands.choices
     for name, (does, add) in COMMANDS.items():
         command = commands.add_parser(name, help=does, description=does[0].upper() + does[1:] + ".", allow_abbrev=False)
-        if add is not None:
+        if add is not None and name in words:
             add(command)
     return top
 
@@ -122,7 +122,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "OPENBLAS_NUM_THREADS", "1"
     )  # nothing calls BLAS: to start its threads takes as long as to load NumPy
     try:
-        options = build_parser().parse(arguments)
+        words = sys.argv[1:] if arguments is None else arguments
+        options = build_parser(words).parse(words)
     except SystemExit as stop:  # help was asked for, or the parser has said what is wrong
         return int(stop.code or 0)
     try:
