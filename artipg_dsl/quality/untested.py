@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import mesh, pieces
+from ..geometry import mesh
 from ..geometry.box import bounds
-from ..geometry.sites import SiteTable
+from ..geometry.sites import SiteTable, scatter
 from ..records import dataclass
 from ..runtime.batch import Batch
 
@@ -46,11 +46,10 @@ def _look_at(tables: list[SiteTable]) -> Untested | None:
     primitive = tables[0].primitive
     every = [np.stack([table.params[name] for name in primitive.parameters], axis=1) for table in tables]
     values, first = np.unique(np.concatenate(every), axis=0, return_index=True)
-    place = np.repeat(np.arange(len(tables)), [len(own) for own in every])[first]
     low, high = np.array(primitive.test).T
     share = np.maximum(low - values, values - high) / np.maximum(high - low, 1e-12)  # how far out of its range
     out = share.max(axis=1) > 1e-9
-    values, share, place = values[out], share[out], place[out]
+    values, share, first = values[out], share[out], first[out]
     if not len(values):
         return None
     asked = {name: values[:, k] for k, name in enumerate(primitive.parameters)}
@@ -59,8 +58,16 @@ def _look_at(tables: list[SiteTable]) -> Untested | None:
     for group in mesh.build(primitive, asked, _STEPS):
         surface[group.rows] = _beyond(group.vertices, least[group.rows], most[group.rows])
         size[group.rows] = np.ptp(group.vertices, axis=1).max(axis=1)
-    for cloud in pieces.clouds(primitive, asked):  # without faces, which take long
-        np.maximum.at(piece, cloud.rows, _beyond(cloud.points, least[cloud.rows], most[cloud.rows]))
+    start = np.cumsum([0, *(len(own) for own in every)])
+    looked = np.full(start[-1], -1)  # for each row of the tables, one after the other, its row of ``values``
+    looked[first] = np.arange(len(values))
+    scatter(tables)  # all that the check of the batch needs, too; without faces, which take long
+    for table, begin in zip(tables, start.tolist(), strict=False):
+        for cloud in table.clouds:
+            rows = looked[cloud.rows + begin]
+            at = np.flatnonzero(rows >= 0)
+            rows = rows[at]
+            np.maximum.at(piece, rows, _beyond(cloud.points[at], least[rows], most[rows]))
     reach = np.maximum(np.where(surface > _BEYOND * size, surface, 0), np.where(piece > _PIECE * size, piece, 0))
     row = int(np.argmax(reach))
     if reach[row] <= 0:
@@ -68,7 +75,7 @@ def _look_at(tables: list[SiteTable]) -> Untested | None:
     own = int(np.argmax(share[row]))
     name, value = primitive.parameters[own], float(values[row, own])
     of_piece = bool(surface[row] < reach[row])
-    part = tables[place[row]].path
+    part = tables[int(np.searchsorted(start, first[row], side="right")) - 1].path
     return Untested(part, of_piece, primitive.name, name, value, primitive.test[own], float(reach[row]))
 
 
