@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import atexit
 import gc
 import importlib
 import os
@@ -24,6 +25,8 @@ _EPILOG = (
     "apgc COMMAND --help lists the options of a command. "
     "Exit codes: 0 success, 1 errors in a program or in data, 2 wrong usage, 130 interrupted (143 by SIGTERM)."
 )
+
+atexit.register(gc.freeze)  # what is left ends with the process: to look through it took a fifth of a check
 
 
 class _Version(argparse.Action):

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+import sys
 from pathlib import Path
+from textwrap import dedent
 
 import pytest
 
@@ -198,3 +200,15 @@ def test_a_folder_that_is_called_like_a_category(apgc: Apgc, tmp_path: Path, mon
     assert make_relative("Chair", tmp_path / "out") == "Chair"  # what a manifest calls it
     code, out, _ = apgc("check", "Stool")
     assert code == 1 and "Stool is a folder" in out
+
+
+def test_what_is_left_at_the_end_is_not_looked_through() -> None:
+    code = """
+        import atexit, gc
+        atexit.register(lambda: print(gc.get_freeze_count() > 10_000))  # the first to be registered is the last to be called
+        from artipg_dsl.cli.main import main
+        main(["explain", "too-deep"])
+        print(gc.get_freeze_count())
+    """
+    done = subprocess.run([sys.executable, "-c", dedent(code)], env=environment(), capture_output=True, text=True)
+    assert done.stdout.splitlines()[-2:] == ["0", "True"], done.stderr
