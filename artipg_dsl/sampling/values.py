@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import UserError
+from ..graph import expr as E
 from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
@@ -17,6 +18,10 @@ from .known import evaluate_again, make_batch, rows_of_draw
 from .repair import Handler, RepairOutcome, find_causes, join_solved, repair
 from .sample import Sampler
 from .statistics import Exhausted, Statistics
+
+if TYPE_CHECKING:
+    from ..graph.program import Draw
+    from ..graph.scopes import Column
 
 _TRIALS = 25  # attempts where a repair finds nothing
 _DRAWN = 5  # of these, so many draw what is not given alone; then what failed gives way, at last everything
@@ -117,7 +122,9 @@ class Values:
                 for k in range(len(sampler.program.draws))
                 if (found := self.keep_given(batch, k, released)) is not None
             }
-        self.refuse(batch)
+        moved = self.refuse(batch)
+        if released is None:
+            self.refuse_absent(batch, moved)
         return batch
 
     def keep_given(self, batch: Batch, number: int, released: Sequence[set[int]] | None) -> Kept | None:
@@ -150,8 +157,9 @@ class Values:
                 said[first:last] = there
         return value, said
 
-    def refuse(self, batch: Batch) -> None:
-        """Lists must have a value for each row, where the counts that make the rows stand as they were given."""
+    def refuse(self, batch: Batch) -> np.ndarray:
+        """Lists must have a value for each row, where the choices and counts that make the rows stand as they were given: where they do
+        not (B,)."""
         moved = np.zeros(len(batch), dtype=bool)
         for number, draw in enumerate(batch.program.draws):
             if draw.kind != "real":
@@ -168,6 +176,37 @@ class Values:
                         f"object {name} gives {len(given)} values of `{draw.column.name}`, but has {count[place]}",
                         "give one value for all, or one for each",
                     )
+        return moved
+
+    def refuse_absent(self, batch: Batch, moved: np.ndarray) -> None:
+        """A value must belong to something that the object has, unless what decides about that was ``moved`` (B,)."""
+        draws = batch.program.draws
+        there: dict[str, np.ndarray] = {}
+        for number, draw in enumerate(draws):
+            own = np.bincount(rows_of_draw(batch, number, np.arange(len(batch))).owner, minlength=len(batch)) > 0
+            there[draw.column.name] = there.get(draw.column.name, np.zeros(len(batch), dtype=bool)) | own
+        for place, number in enumerate(batch.numbers.tolist()):
+            for k, values in self.records[number].items() if not moved[place] else ():
+                name = draws[k].column.name
+                if there[name][place] or np.isnan(values).all():
+                    continue
+                drawn = batch.drawn(place)
+                names = (column.name for d in draws if d.column.name == name for column in _deciding(d))
+                deciding = [other for other in sorted(set(names)) if other in drawn]
+                others = ", ".join(f"{other}={drawn[other]}" for other in deciding)
+                left = [f"`{other}`" for other in deciding if other not in self.plain[number]]
+                raise UserError(
+                    f"object {number} gives `{name}`, which no object has with {others or 'its other values'}",
+                    f"give {' and '.join(left)}, too: without a value it is drawn"
+                    if left
+                    else "leave it out, or change what it goes with",
+                )
+
+
+def _deciding(draw: Draw) -> list[Column]:
+    """What decides whether the rows of a draw are there."""
+    counts = (scope.count for scope in draw.column.scope.ancestors())
+    return [leaf for count in counts if count is not None for leaf in E.leaves(count)]
 
 
 def _listed(batch: Batch, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -305,3 +305,27 @@ def test_values_of_a_wrong_kind_are_errors(apgc: Apgc, tmp_path: Path, text: str
     (tmp_path / "v.json").write_text(text)
     code, _, err = apgc("sample", program, "--params", tmp_path / "v.json", "-o", tmp_path / "o", *SMALL)
     assert code in (1, 2) and message in err and not (tmp_path / "o").exists()
+
+
+@pytest.mark.parametrize(
+    ("values", "message", "hint"),
+    [
+        ('{"lid": "none", "edge": "1cm"}', "object 1 gives `edge`, which no object has with lid=none", "leave it out"),
+        ('{"edge": "1cm"}', "object 1 gives `edge`, which no object has with lid=none", "give `lid`, too"),
+        ('{"lid": "none", "edge": null}', "", ""),
+        ('{"lid": "Cuboid", "edge": "1cm"}', "", ""),
+    ],
+)
+def test_values_of_what_an_object_does_not_have_are_errors(
+    apgc: Apgc, tmp_path: Path, values: str, message: str, hint: str
+) -> None:
+    program = tmp_path / "p.apg"
+    program.write_text(
+        "apg 1\nuse primitives { Cuboid }\ncategory P {\n  root part body : Cuboid(size = [5cm, 5cm, 5cm])\n"
+        "  part lid : none weight 1000 | Cuboid(size = [5cm, 5cm, 1cm]) weight 1\n  connect lid.bottom on body.top\n"
+        "  when lid {\n    param edge : length in 1cm .. 2cm\n"
+        "    part rim : Cuboid(size = [edge, edge, 1cm])\n    connect rim.bottom on lid.top\n  }\n}\n"
+    )
+    (tmp_path / "v.json").write_text(f'[{{"lid": "Cuboid", "edge": "2cm"}}, {values}]')
+    code, _, err = apgc("sample", program, "--params", tmp_path / "v.json", "-o", tmp_path / "o", *SMALL)
+    assert message in err and hint in err and (code == 0) == (tmp_path / "o").exists() == (not message)
