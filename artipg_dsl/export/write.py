@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from ..errors import UserError
+from .ends import has_end
 from .remote import MARK, Place, Remote
 
 
@@ -59,13 +60,11 @@ def ensure_folder(path: Place) -> Place:
 
 
 def is_there(path: Place) -> bool:
-    """Whether a file or folder is there. An empty file is not, nor an archive of arrays without its end, which a copy that was
-    broken off leaves: none that is written whole is like that."""
+    """Whether a file or folder is there. A file without its end is not, which a copy that was broken off leaves: none that is written
+    whole is like that."""
     if isinstance(path, Remote) or not path.is_file():
         return path.exists()
-    from zipfile import is_zipfile  # start-up
-
-    return is_zipfile(path) if path.suffix == ".npz" else path.stat().st_size > 0
+    return has_end(path)
 
 
 def refuse_existing(path: Place, force: bool) -> None:

@@ -55,6 +55,27 @@ def test_a_shard_that_is_cut_off_is_written_again(apgc: Apgc, tmp_path: Path, le
     assert tree(tmp_path / "o") == whole
 
 
+@pytest.mark.parametrize(
+    ("form", "name", "package"),
+    [
+        ("points.hdf5", "points-00000.h5", "h5py"),
+        ("points.zarr", "points-00000.zarr.zip", "zarr"),
+        ("points.parquet", "points-00000.parquet", "pyarrow"),
+        ("annotation", "annotation-00000.jsonl", "json"),
+    ],
+)
+@pytest.mark.parametrize("left", [4, 60, -3])
+def test_so_is_one_of_another_kind(apgc: Apgc, tmp_path: Path, form: str, name: str, package: str, left: int) -> None:
+    pytest.importorskip(package)
+    again = ("sample", CHEST, "-n", 2, "-o", tmp_path / "o", "--format", form)
+    assert apgc(*again)[0] == 0
+    whole = tree(tmp_path / "o")
+    shard = tmp_path / "o" / name
+    shard.write_bytes(shard.read_bytes()[:left])
+    assert apgc(*again)[0] == 0
+    assert tree(tmp_path / "o") == whole
+
+
 def test_bytes_do_not_depend_on_the_process(tmp_path: Path) -> None:
     for name, seed in (("a", "1"), ("b", "2")):
         made = spawn("sample", CHEST, "-n", 2, "-o", tmp_path / name, *WISHES, hash_seed=seed)
