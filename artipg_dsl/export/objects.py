@@ -14,7 +14,7 @@ from ..geometry.resolution import STANDARD as STANDARD_RESOLUTION
 from ..geometry.resolution import Resolution
 from .registry import Format
 from .remote import Place, Remote
-from .write import is_there, refuse_existing, replacing_folder, write_remote
+from .write import ExportError, is_there, refuse_existing, replacing_folder, write_remote
 
 if TYPE_CHECKING:
     from ..details.dressing import Dressing
@@ -63,7 +63,13 @@ def write_objects(
     for i, number in enumerate(batch.numbers.tolist()):
         if number in wanted:
             folder = object_folder(out, number)
-            _write_object(robots, i, folder, find_lacking(folder, formats) if add else formats, force=force)
+            lacking = find_lacking(folder, formats) if add else formats
+            try:
+                if lacking:
+                    _write_object(robots, i, folder, lacking, force=force)
+            except ExportError:
+                if not add or find_lacking(folder, lacking):
+                    raise  # else the same command elsewhere has written it meanwhile, with the same bytes
         if progress:
             progress(i + 1, len(batch))
 

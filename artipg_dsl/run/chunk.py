@@ -75,10 +75,11 @@ class Chunk:
             self._write_objects(batch, np.intersect1d(batch.numbers, absent), _offset(progress, done, len(numbers)))
             room.end(size)
             done += size
-        for entry in missing:
-            write_bytes(shard_path(self.out, entry, self.shard), entry.joined(parts.pop(entry.name)))
+        for entry in missing:  # force: the same command elsewhere may have written the same bytes meanwhile
+            write_bytes(shard_path(self.out, entry, self.shard), entry.joined(parts.pop(entry.name)), force=True)
         if uncounted:
-            write_bytes(self.out / self.counts, json.dumps(job.statistics.plain(), separators=(",", ":")).encode())
+            counted = json.dumps(job.statistics.plain(), separators=(",", ":")).encode()
+            write_bytes(self.out / self.counts, counted, force=True)
         if len(numbers):
             facts.flush()
 

@@ -15,11 +15,13 @@ from pathlib import Path
 import pytest
 
 from artipg_dsl.errors import NoObject, SettingError, UserError
+from artipg_dsl.export import objects
 from artipg_dsl.export.write import ExportError
 from artipg_dsl.run import sharing, workers
+from artipg_dsl.run.job import Job
 from artipg_dsl.run.workers import map_each
 
-from .helpers import CHEST, Apgc, command, environment, tree
+from .helpers import CHEST, Apgc, command, environment, spawn, tree
 
 STUCK = """apg 1
 use primitives { Cuboid }
@@ -45,6 +47,25 @@ def test_the_same_files_as_by_one(apgc: Apgc, tmp_path: Path) -> None:
         assert apgc("mutate", folder, "--only", "0..40", "--format", "glb", "-o", f"{folder}-mutants", *more)[0] == 0
         assert apgc("export", f"{folder}-mutants", "--format", "obj", *more)[0] == 0
     assert tree(tmp_path / "one-mutants") == tree(tmp_path / "two-mutants")
+
+
+@pytest.mark.parametrize("at", ["draw", "object"])
+def test_the_same_command_twice_at_once(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, at: str) -> None:
+    """What another process has written meanwhile has the same bytes: neither fails, nor leaves anything behind."""
+    again = ["sample", CHEST, "-n", 5, "--points", 8, "--format", "points,annotation,obj", "-o"]
+    assert apgc(*again, tmp_path / "one")[0] == 0
+    place, name = (Job, "batch") if at == "draw" else (objects, "_write_object")
+    original, begun = getattr(place, name), []
+
+    def meanwhile(*arguments, **named):
+        if not begun:
+            begun.append(spawn(*again, tmp_path / "two"))
+        return original(*arguments, **named)
+
+    monkeypatch.setattr(place, name, meanwhile)
+    code, _, err = apgc(*again, tmp_path / "two")
+    assert begun[0].returncode == 0 and code == 0, err
+    assert tree(tmp_path / "one") == tree(tmp_path / "two")
 
 
 def test_the_same_files_where_others_go_on(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
