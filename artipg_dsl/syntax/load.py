@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from ..diagnostics import Report
 from ..source import Source, Span
+
+
+_TURNING = re.compile("[\u202a-\u202e\u2066-\u2069]")
+"""The embeddings, overrides and isolates of the Unicode Bidirectional Algorithm (UAX 9, 2)."""
 
 
 def load(path: Path, report: Report, name: str | None = None) -> Source | None:
@@ -25,13 +30,26 @@ def load(path: Path, report: Report, name: str | None = None) -> Source | None:
         report.error("missing-file", None, f"{shown} cannot be read: {error.strerror}")
         return None
     try:
-        return Source(shown, _as_lines(data.decode("utf-8-sig")))
+        return _shown_as_read(Source(shown, _as_lines(data.decode("utf-8-sig"))), report)
     except UnicodeDecodeError as error:
         text = _as_lines(data[: error.start].decode("utf-8", "replace")) + "\N{REPLACEMENT CHARACTER}"
         source = Source(shown, text)
         span = Span(source, len(text) - 1, len(text))
         report.error("not-utf8", span, "this file is not UTF-8 text", hint="save the file with UTF-8 encoding")
         return None
+
+
+def _shown_as_read(source: Source, report: Report) -> Source:
+    """Report what makes a text look different from what is read."""
+    found = _TURNING.search(source.text)
+    if found:
+        report.error(
+            "reversed-text",
+            Span(source, found.start(), found.end()),
+            f"the invisible character U+{ord(found.group()):04X} changes the order in which text is shown",
+            hint="delete it: scripts that run from right to left need none",
+        )
+    return source
 
 
 def _as_lines(text: str) -> str:

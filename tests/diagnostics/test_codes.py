@@ -16,7 +16,7 @@ from artipg_dsl.syntax.load import load
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "diagnostics.md"
 
-OF_FILES = {"missing-file", "not-utf8", "import-cycle"}
+OF_FILES = {"missing-file", "not-utf8", "reversed-text", "import-cycle"}
 """Codes that take files to come about; each has a test below."""
 
 WITHOUT_EXAMPLE = OF_FILES | {"unrelated-rows"}
@@ -80,6 +80,19 @@ def test_missing_file(tmp_path: Path) -> None:
     load(tmp_path, report)
     (folder,) = report.diagnostics
     assert folder.code == "missing-file" and folder.message.endswith("is a folder")
+
+
+@pytest.mark.parametrize("character", ["\u202e", "\u2066"])
+def test_reversed_text(tmp_path: Path, character: str) -> None:
+    path = tmp_path / "turned.apg"
+    path.write_text(f"apg 1\n# {character}liam\n", encoding="utf-8")
+    report = Report()
+    load(path, report)
+    (found,) = report.diagnostics
+    assert found.code == "reversed-text" and found.span is not None and found.span.words == character
+    path.write_text("apg 1\n# \u05e9\u05dc\u05d5\u05dd\n", encoding="utf-8")  # Hebrew runs that way by itself
+    report = Report()
+    assert load(path, report) is not None and not report.diagnostics
 
 
 def test_not_utf8(tmp_path: Path) -> None:

@@ -22,6 +22,15 @@ READING = (
         """,
     ),
     Code(
+        "reversed-text",
+        "the text is shown in another order than it is read",
+        """
+        The file contains an invisible character that embeds, overrides or isolates the direction of text. With it, what
+        an editor shows may differ from what the compiler reads: a value may look like a part of a comment. Delete the
+        character. Comments in scripts that run from right to left are shown correctly without it.
+        """,
+    ),
+    Code(
         "syntax",
         "the text does not follow the grammar",
         """
