@@ -8,7 +8,6 @@ from pathlib import Path
 from ..diagnostics import Report
 from ..source import Source, Span
 
-
 _TURNING = re.compile("[\u202a-\u202e\u2066-\u2069]")
 """The embeddings, overrides and isolates of the Unicode Bidirectional Algorithm (UAX 9, 2)."""
 
