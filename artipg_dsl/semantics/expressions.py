@@ -27,6 +27,7 @@ from .types import (
     UNKNOWN,
     ZERO,
     ChoiceType,
+    ElementType,
     PartType,
     ScalarType,
     StyleType,
@@ -264,7 +265,8 @@ def arithmetic(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> Ty
     else:
         found = _product(expr.op, left, right)
     if found is None:
-        return ck.error("wrong-type", expr.span, f"`{expr.op}` does not apply to {left} and {right}")
+        hint = next((operand.ranked for operand in (left, right) if isinstance(operand, ElementType)), None)
+        return ck.error("wrong-type", expr.span, f"`{expr.op}` does not apply to {left} and {right}", hint=hint)
     return found
 
 

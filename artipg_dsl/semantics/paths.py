@@ -338,9 +338,8 @@ def _element_member(ck: Checker, ctx: Context, obj: ElementType, word: str, span
     if own is not None:
         return own
     names = [*inner.table, *BOX_MEMBERS, "gap"]
-    return ck.error(
-        "unknown-member", span, f"an element of `{entry.name}` has no `{word}`", hint=did_you_mean(word, names)
-    )
+    meant = did_you_mean(word, names) or (obj.ranked if word in ("index", "rank", "number") else None)
+    return ck.error("unknown-member", span, f"an element of `{entry.name}` has no `{word}`", hint=meant)
 
 
 def _inner(ck: Checker, ctx: Context, obj: ElementType, target: Entry, span: Span) -> Type:

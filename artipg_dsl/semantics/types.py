@@ -200,6 +200,11 @@ class ElementType(Type):
     def __str__(self) -> str:
         return "an element of a repeat"
 
+    @property
+    def ranked(self) -> str:
+        """How to compute with its rank."""
+        return f"to compute with its rank, name that: `repeat {self.entry.name}[k] in ...`, and write `k`"
+
 
 @dataclass(frozen=True, slots=True)
 class SlotType(Type):

@@ -46,3 +46,12 @@ def test_a_function_may_be_called_like_an_axis(tmp_path: Path) -> None:
 def test_nothing_in_a_repeat_is_called_like_it(tmp_path: Path, inside: str) -> None:
     found = errors(tmp_path, f"repeat cap[i] in 0 ..< 2 {{ {inside} }}")
     assert found == [("duplicate-name", "`cap` is already the name of the repeat around it")]
+
+
+@pytest.mark.parametrize("said", ["row * 1cm", "row.index * 1cm", "row.rank * 1cm"])
+def test_an_element_is_no_number_and_its_rank_has_a_name(tmp_path: Path, said: str) -> None:
+    body = "repeat row in 0 ..< 2 spread body along x {\n    part leg : Cuboid(size = [1mm, 1mm, 1cm + SAID])\n  }"
+    text = f"{HEAD}category T {{\n  root part body : Cuboid(size = [1m, 1m, 1m])\n  {body.replace('SAID', said)}\n}}\n"
+    report, _ = check_text(tmp_path, text)
+    hint = "to compute with its rank, name that: `repeat row[k] in ...`, and write `k`"
+    assert hint in [d.hint for d in report.diagnostics if d.code in ("wrong-type", "unknown-member")]
