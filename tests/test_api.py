@@ -219,6 +219,8 @@ def test_points_and_views_in_several_states(chests: apg.Samples, tmp_path: Path)
         (lambda: apg.load(3), "takes the text of a program"),
         (lambda: apg.sample(None), "a category is a name or a file, not None"),
         (lambda: apg.sample(["Mug"]), "a category is a name or a file, not ['Mug']"),
+        (lambda: apg.open_samples(None), "a folder is named by a text or a Path, not None"),
+        (lambda: apg.sample("Mug", 1).to(b"x"), "a folder is named by a text or a Path, not b'x'"),
         (lambda: apg.sample(""), "a category is a name or a file, not ''"),
         (lambda: apg.sample(CHEST, n=10**12), "n is 1000000000000 (give a number up to 100,000,000"),
         (lambda: apg.sample(CHEST, numbers=np.zeros((2, 2), int)), "not an array of shape (2, 2)"),

@@ -172,7 +172,7 @@ def _evaluate(
         place = int(np.asarray(reader.owner(reader.program.sites[target.site].scope))[row])
         number = getattr(reader, "numbers", np.arange(place + 1))[place]
         raise UserError(
-            f"{label.where}: {label_in_words(label)} of object {number}",
+            f"{'' if label.where is None else f'{label.where}: '}{label_in_words(label)} of object {number}",
             "say with `where` at which points it holds, or keep the formula in its range with `min` and `max`",
         )
     return at, told if told.dtype == bool or not is_degree(label) else np.clip(told, 0.0, 1.0)
