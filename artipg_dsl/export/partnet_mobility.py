@@ -27,7 +27,7 @@ from .write import ExportError
 if TYPE_CHECKING:
     from jinja2 import Template
 
-    from .primitives import Collider, SeenMaterial
+    from .primitives import Collider, SeenMaterial, Visual
     from .robot import Robot, RobotJoint, Robots
 
 _POINTS = 10000
@@ -276,8 +276,11 @@ def _meshes(
     count = 0
     for member in members:
         link, visuals = robot.links[member.number], []
-        for instance, leaf in member.leaves.items():
-            own = [v for v in link.visuals if int(v.item.group.table.instance[v.item.row]) == instance]
+        shown: dict[int, list[Visual]] = {instance: [] for instance in member.leaves}
+        for visual in link.visuals:
+            shown[int(visual.item.group.table.instance[visual.item.row])].append(visual)
+        for instance, own in shown.items():
+            leaf = member.leaves[instance]
             for look in dict.fromkeys(v.look for v in own):
                 count += 1
                 stem = f"original-{count}"
@@ -301,7 +304,7 @@ def _meshes(
     return drawn
 
 
-def _normals(visual: Any) -> tuple[np.ndarray, np.ndarray]:
+def _normals(visual: Visual) -> tuple[np.ndarray, np.ndarray]:
     """Normals in the data set's axes, and which each corner of each face has."""
     shading = visual.item.group.shading
     return _to_dataset_axes(shading.normals[visual.item.k]), shading.faces
@@ -309,7 +312,13 @@ def _normals(visual: Any) -> tuple[np.ndarray, np.ndarray]:
 
 def _textured(stem: str, shapes: list[Shape], look: SeenMaterial) -> dict[str, bytes]:
     text = f"mtllib {stem}.mtl\n" + obj_text(shapes, [look.name] * len(shapes))
-    return {f"textured_objs/{stem}.obj": text.encode(), f"textured_objs/{stem}.mtl": mtl_text([look]).encode()}
+    return {f"textured_objs/{stem}.obj": text.encode(), f"textured_objs/{stem}.mtl": _material(look)}
+
+
+@lru_cache(maxsize=256)
+def _material(look: SeenMaterial) -> bytes:
+    """The library of one material, which many files of an object repeat."""
+    return mtl_text([look]).encode()
 
 
 def _hull(collider: Collider) -> Shape:
