@@ -62,7 +62,7 @@ def main() -> None:
     print("|---|" + "---:|" * (len(heads) + 2))
     for category in options.categories:
         sampler, found, gripped = Session.of(category).sampler, [], []
-        for i in range(3 * options.objects):  # some have nothing that moves
+        for i in range(8 * options.objects):  # some have nothing that moves
             if i >= options.objects and sum(not a.word for a in found) >= options.n:
                 break
             batch = sampler.batch(np.arange(i, i + 1), options.seed)
