@@ -121,9 +121,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from ..errors import InternalError, UsageError, UserError
 
     gc.set_threshold(*_MADE)
-    os.environ.setdefault(
-        "OPENBLAS_NUM_THREADS", "1"
-    )  # nothing calls BLAS: to start its threads takes as long as to load NumPy
+    # nothing calls BLAS: to start its threads takes as long as to load NumPy
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         words = sys.argv[1:] if arguments is None else arguments
         options = build_parser(words).parse(words)
