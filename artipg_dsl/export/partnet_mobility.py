@@ -207,7 +207,7 @@ def _members(
     order = folder_order(robot)
     ids = {k: n for n, k in enumerate(order)}
     program, first = robots.batch.program, int(robots.link_start[i])
-    heavy = bool(_heavy(robots)[i])
+    heavy = bool(heavier(robots.batch, LIFTED)[i])
     members = []
     node = 1  # 0 is the object's own
     for k in order:
@@ -424,17 +424,6 @@ def _samples(robots: Robots, i: int, members: list[FolderLink], frame: DatasetFr
         "point_sample/sample-points-all-pts-nor-rgba-10000.txt": everything,
         "point_sample/sample-points-all-label-10000.txt": label,
     }
-
-
-_weighed: WeakKeyDictionary[Robots, np.ndarray] = WeakKeyDictionary()
-
-
-def _heavy(robots: Robots) -> np.ndarray:
-    """Which objects (B,) nobody lifts with a hand."""
-    found = _weighed.get(robots)
-    if found is None:
-        found = _weighed[robots] = heavier(robots.batch, LIFTED)
-    return found
 
 
 _drawn: WeakKeyDictionary[Robots, Surface] = WeakKeyDictionary()

@@ -53,7 +53,14 @@ def weighing(batch: Batch) -> Weighing:
 
 
 def heavier(batch: Batch, limit: float) -> np.ndarray:
-    """Which objects (B,) weigh more than ``limit`` kg. Overlaps are measured where their bounds do not tell."""
+    """Which objects (B,) weigh more than ``limit`` kg; worked out once for a batch. Overlaps are measured where their bounds do not tell."""
+    name = f"heavier than {limit!r} kg"
+    if name not in batch.known:
+        batch.known[name] = _heavier(batch, limit)
+    return batch.known[name]
+
+
+def _heavier(batch: Batch, limit: float) -> np.ndarray:
     owner, known = batch.links().owner, weighing(batch)
     rough = known.rough
     most = np.bincount(owner, rough.mass, len(batch))
