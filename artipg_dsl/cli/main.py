@@ -121,7 +121,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from ..errors import InternalError, UsageError, UserError
 
     gc.set_threshold(*_MADE)
-    # nothing calls BLAS: to start its threads takes as long as to load NumPy
+    # no product of matrices gains by threads of BLAS: to start them takes as long as to load NumPy
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         words = sys.argv[1:] if arguments is None else arguments

@@ -20,6 +20,7 @@ from ..records import dataclass
 from ..validity.mass import heavier
 from .decimals import numbers, told, told_twice
 from .mesh_obj import Shape, move_points, mtl_text, obj_text
+from .partnet_frame import DatasetFrame, to_dataset_axes
 from .partnet_tree import CategoryWords, build_tree, said_of, to_entry, words_of
 from .partnet_words import JOINTS, LIFTED, link_label, root_label, spell_category, to_snake_case
 from .write import ExportError
@@ -49,28 +50,6 @@ _BOX_FACES = np.array(
         [1, 7, 3],
     ]
 )
-
-
-@dataclass(frozen=True, slots=True)
-class DatasetFrame:
-    """From the object's frame (metres, x front, y left, z up) to the data set's."""
-
-    center: np.ndarray
-    unit: float  # metres
-
-    @staticmethod
-    def around(low: np.ndarray, high: np.ndarray) -> DatasetFrame:
-        """The frame of an object with a box of these corners: centred, its half diagonal 1."""
-        half = (high - low) / 2
-        return DatasetFrame((low + high) / 2, float(np.sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])))
-
-    def points(self, points: np.ndarray) -> np.ndarray:
-        return _to_dataset_axes((points - self.center) / self.unit)
-
-
-def _to_dataset_axes(vectors: np.ndarray) -> np.ndarray:
-    """Directions (..., 3) in the data set's axes: left, up, front."""
-    return vectors[..., [1, 2, 0]]
 
 
 @dataclass(slots=True)
@@ -307,7 +286,7 @@ def _meshes(
 def _normals(visual: Visual) -> tuple[np.ndarray, np.ndarray]:
     """Normals in the data set's axes, and which each corner of each face has."""
     shading = visual.item.group.shading
-    return _to_dataset_axes(shading.normals[visual.item.k]), shading.faces
+    return to_dataset_axes(shading.normals[visual.item.k]), shading.faces
 
 
 def _textured(stem: str, shapes: list[Shape], look: SeenMaterial) -> dict[str, bytes]:
@@ -335,7 +314,7 @@ def _urdf_link(member: FolderLink, members: list[FolderLink], drawn: dict[int, A
     if joint is not None:
         found["origin"] = numbers(member.pivot - members[member.parent or 0].pivot)
     if joint is not None and member.word != "static":
-        found["axis"] = numbers(_to_dataset_axes(joint.axis))
+        found["axis"] = numbers(to_dataset_axes(joint.axis))
         if member.type != "continuous" and member.limit is not None:
             found["limit"] = [numbers([value]) for value in member.limit]
     return found
@@ -366,7 +345,7 @@ def _mobility(member: FolderLink, members: list[FolderLink]) -> dict[str, Any]:
         ends = np.array((-np.pi, np.pi) if free else member.limit)
         ends = np.degrees(ends) if member.word == "hinge" else ends
         data = {
-            "axis": {"origin": _short(member.pivot), "direction": _short(_to_dataset_axes(joint.axis))},
+            "axis": {"origin": _short(member.pivot), "direction": _short(to_dataset_axes(joint.axis))},
             "limit": {"a": _short(ends)[0], "b": _short(ends)[1], "noLimit": free},
         }
         if member.word == "slider+":
@@ -415,7 +394,7 @@ def _samples(robots: Robots, i: int, members: list[FolderLink], frame: DatasetFr
     colours, material = np.array([look[i].colour for look in robots.looks]), points.material[i] + 1
     seen = [f"{r:.0f} {g:.0f} {b:.0f} 1" for r, g, b in np.round(255 * colours).tolist()]
     positions = frame.points(points.position[i])
-    both = np.concatenate([positions, _to_dataset_axes(points.normal[i])], axis=1)
+    both = np.concatenate([positions, to_dataset_axes(points.normal[i])], axis=1)
     label = told(positions[:, :0], names, leaf[pair])
     everything, places = told_twice(both, 3, seen, material)
     return {

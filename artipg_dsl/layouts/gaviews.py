@@ -17,7 +17,8 @@ import numpy as np
 from ..annotate.states import joint_values, read_states
 from ..errors import UserError
 from ..export.containers import npz_bytes
-from ..export.partnet_mobility import DatasetFrame, folder_frame, folder_order, folder_value, partnet_files
+from ..export.partnet_frame import DatasetFrame
+from ..export.partnet_mobility import folder_frame, folder_order, folder_value, partnet_files
 from ..export.robot import Robots
 from ..records import dataclass
 from ..view.png import png_bytes

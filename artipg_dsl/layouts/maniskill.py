@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import UserError
-from ..export.partnet_mobility import DatasetFrame, folder_frame, folder_order, partnet_files
+from ..export.partnet_frame import DatasetFrame
+from ..export.partnet_mobility import folder_frame, folder_order, partnet_files
 from ..export.partnet_words import JOINTS
 from ..export.robot import RobotJoint, Robots
 from .entry import SPLITS, Entry

@@ -16,7 +16,8 @@ import numpy as np
 from ..annotate.cameras import Cameras
 from ..annotate.states import joint_values, read_states
 from ..errors import UserError
-from ..export.partnet_mobility import DatasetFrame, folder_frame, folder_order, folder_value
+from ..export.partnet_frame import DatasetFrame
+from ..export.partnet_mobility import folder_frame, folder_order, folder_value
 from ..export.robot import RobotJoint, Robots
 from ..records import dataclass
 from .clouds import partnet_axes

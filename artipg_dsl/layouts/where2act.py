@@ -19,7 +19,8 @@ from .. import random
 from ..annotate.cameras import Cameras
 from ..annotate.states import draw_values, own_joints
 from ..errors import UserError
-from ..export.partnet_mobility import DatasetFrame, folder_frame
+from ..export.partnet_frame import DatasetFrame
+from ..export.partnet_mobility import folder_frame
 from ..export.robot import RobotJoint, Robots
 from ..records import dataclass
 from ..view.png import png_bytes
