@@ -11,7 +11,7 @@ import pytest
 
 from artipg_dsl import cache, solids
 from artipg_dsl.cli.main import main
-from artipg_dsl.geometry import density, facts, flat, pieces, topology
+from artipg_dsl.geometry import density, facts, flat, pieces, quadrature, topology
 from artipg_dsl.geometry.patches import surfaces
 from artipg_dsl.geometry.trial import variants
 from artipg_dsl.graph.program import Program
@@ -296,6 +296,20 @@ def test_a_false_fact_about_a_solid_counts_for_nothing(kept, stool, data):
         cache.write(path.name, json.dumps(data).encode())
     facts._facts.cache_clear()
     assert found(stool) == (first[0], True)
+
+
+def test_places_of_quadratures_are_found_once(kept, monkeypatch):
+    primitives = Session.of("Mouse").sampler.program.primitives.values()
+
+    def times():
+        facts._facts.cache_clear()
+        quadrature._rules.cache_clear()
+        return [[len(weight) for _, _, weight in quadrature._rules(primitive)] for primitive in primitives]
+
+    first = times()
+    facts.flush()
+    monkeypatch.setattr(quadrature, "_find_times", lambda _: pytest.fail("found again"))
+    assert times() == first
 
 
 def known(program, monkeypatch):

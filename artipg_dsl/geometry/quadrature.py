@@ -58,7 +58,7 @@ def _rules(primitive: Primitive) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarr
     """The places and weights of each patch, as many as it needs."""
 
     def read(held: Any) -> list[tuple[int, int]]:
-        fit(held, list[tuple[int, int]])
+        fit(held, list[list[int]])  # JSON has no pairs
         if len(held) != len(surfaces(primitive)) or not all(1 <= times <= _MOST for pair in held for times in pair):
             raise ValueError("a pair of small numbers for each patch")
         return [(u, v) for u, v in held]
