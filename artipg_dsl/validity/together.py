@@ -216,28 +216,40 @@ def _cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
 
 def _where_gates_let(tree: Tree, joint: np.ndarray, part: Cells) -> Cells:
     """The cells without states that no gate lets joints (k, C) be in: a joint that waits rests, or its gates are open."""
-    gates = tree.gates
+    gates, owner = tree.gates, tree.joints.owner
     if gates is None:
         return part
-    for number in np.unique(joint[np.append(tree.gated, False)[joint]]).tolist():
-        own = (joint == number) & (part.stop > part.start)
-        asks = np.flatnonzero(gates.joint == number)
-        between = np.isin(joint, gates.gate[asks])
-        rows = np.flatnonzero(own.any(axis=1) & between.any(axis=1))
+    waiting = np.unique(joint[np.append(tree.gated, False)[joint]])
+    turn = np.arange(len(waiting)) - np.searchsorted(owner[waiting], owner[waiting])
+    object_of = owner[joint.max(axis=1, initial=-1)]
+    moved = np.zeros(len(joint), dtype=np.int64)  # which objects have cells that were told apart
+    for number in range(int(turn.max(initial=-1)) + 1):  # the first joint that waits of every object, the second, ...
+        chosen, asked = np.zeros(len(owner) + 1, dtype=bool), np.zeros(len(owner) + 1, dtype=bool)
+        chosen[waiting[turn == number]] = True
+        asks = np.flatnonzero(chosen[gates.joint])
+        asked[gates.gate[asks]] = True
+        own, gate = chosen[joint] & (part.stop > part.start), asked[joint]
+        rows = np.flatnonzero(own.any(axis=1) & gate.any(axis=1))
         if not len(rows):
             continue
-        shut, wide = part.at(rows), part.at(rows)
+        low, high = np.full(len(asked), -np.inf), np.full(len(asked), np.inf)
+        rest = tree.joints.rest[gates.gate[asks]]
+        np.maximum.at(low, gates.gate[asks], gates.low[asks] - rest)
+        np.minimum.at(high, gates.gate[asks], gates.high[asks] - rest)
+        shut, wide, at = part.at(rows), part.at(rows), joint[rows]
         shut.start, shut.stop = (np.where(own[rows], 0.0, end) for end in (shut.start, shut.stop))
-        for k in asks.tolist():
-            gate, rest = joint[rows] == gates.gate[k], tree.joints.rest[gates.gate[k]]
-            wide.start = np.where(gate, np.maximum(wide.start, gates.low[k] - rest), wide.start)
-            wide.stop = np.where(gate, np.minimum(wide.stop, gates.high[k] - rest), wide.stop)
-        wide_rows = np.flatnonzero((wide.start <= wide.stop).all(axis=1))
-        rest_of = np.setdiff1d(np.arange(len(part.row)), rows)
-        parts = (part.at(rest_of), shut, wide.at(wide_rows))
-        joint = np.concatenate([joint[rest_of], joint[rows], joint[rows][wide_rows]])
+        wide.start = np.where(gate[rows], np.maximum(wide.start, low[at]), wide.start)
+        wide.stop = np.where(gate[rows], np.minimum(wide.stop, high[at]), wide.stop)
+        open_ = np.flatnonzero((wide.start <= wide.stop).all(axis=1))
+        others = np.ones(len(joint), dtype=bool)
+        others[rows] = False
+        left = np.flatnonzero(others)
+        parts = (part.at(left), shut, wide.at(open_))
+        from_ = np.concatenate([left, rows, rows[open_]])
+        joint, object_of, moved = joint[from_], object_of[from_], moved[from_]
+        moved[len(left) :] = 1 + object_of[len(left) :]
         part = Cells(*(np.concatenate([getattr(p, name) for p in parts]) for name in Cells.__slots__))
-    return part
+    return part.at(np.argsort(moved, kind="stable"))
 
 
 def _meet(first: Boxes, second: Boxes) -> np.ndarray:
