@@ -44,6 +44,22 @@ class Block:
     high: np.ndarray  # (R, 3)
     diagonal: np.ndarray  # (R,) of the box in the row's own frame, metres
 
+    def only(self, chosen: np.ndarray) -> Block:
+        """Some of the rows, those ``chosen`` (R,) bool."""
+        shelves, start = [], 0
+        for shelf in self.shelves:
+            own = chosen[shelf.start : shelf.stop]
+            stop = start + int(np.count_nonzero(own))
+            if stop > start:
+                params = {name: column[own] for name, column in shelf.params.items()}
+                shelves.append(Shelf(shelf.primitive, params, start, stop))
+            start = stop
+        owner, site, row, rank = (column[chosen] for column in (self.owner, self.site, self.row, self.rank))
+        # compress leaves an array in the order of C, which compiled code reads
+        poses = self.rotation.compress(chosen, axis=1), self.translation.compress(chosen, axis=1), self.mirror[chosen]
+        boxes = self.low[chosen], self.high[chosen], self.diagonal[chosen]
+        return Block(self.objects, tuple(shelves), owner, site, row, rank, *poses, *boxes)
+
 
 def block_of(sites: list[SiteTable], first: int, stop: int) -> Block:
     """The rows of the objects ``first .. stop - 1``."""

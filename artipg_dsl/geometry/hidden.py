@@ -78,9 +78,17 @@ class Occlusion:
 
     ``prepared`` (C,) bool: the flat cells for which ``flat_hidden`` may be asked, those of at least a share of
     ``least`` (of each pool, or of all) of the surface of their pool; for others ``loose_hidden`` has to be.
+    ``meeting``: the rows on which points are asked, and those that may hide them, as of ``meeting_rows``.
     """
 
-    def __init__(self, cells: Cells, off: np.ndarray, group: np.ndarray, least: float | np.ndarray = 0.0):
+    def __init__(
+        self,
+        cells: Cells,
+        off: np.ndarray,
+        group: np.ndarray,
+        least: float | np.ndarray,
+        meeting: tuple[np.ndarray, np.ndarray],
+    ):
         self.cells, self.rows, self.off = cells, cells.rows, off
         self.inside = [inside_split(s.primitive) for s in self.rows.shelves]
         self.values = [split.rows(s.params) for split, s in zip(self.inside, self.rows.shelves, strict=True)]
@@ -96,7 +104,7 @@ class Occlusion:
         reach = (_REACH * self.off)[self.rows.owner]
         low, high = (np.ascontiguousarray(x.T) for x in (self.rows.low, self.rows.high))
         self.ends = low - reach, high + reach  # (3, R) boxes, somewhat wider
-        near, other = _row_pairs(self.rows, self.off)
+        near, other = meeting
         order = np.argsort(near, kind="stable")
         self.row_other = other[order]  # rows whose boxes meet that of row r: from row_start[r] to row_start[r + 1]
         self.row_start = np.concatenate([[0], np.cumsum(np.bincount(near, minlength=len(self.rows.owner)))])
@@ -375,13 +383,18 @@ class Occlusion:
         return point, other, to_local(poses, other, place[:, point])
 
 
-def _row_pairs(rows: Block, off: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of different rows of one object whose boxes meet."""
+def meeting_rows(rows: Block, off: np.ndarray, asked: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of different rows of one object whose boxes meet; the first of each is one of those that are ``asked`` (R,) bool."""
     if not len(rows.rank):
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
     order = np.argsort(rows.rank)
     counts = np.bincount(rows.owner, minlength=rows.objects)
     starts = np.cumsum(counts) - counts
+    machine = backend.machine()
+    if machine is not None:
+        slack = off[rows.owner, None]
+        every = np.ones(len(order), dtype=bool) if asked is None else asked
+        return points.near_rows(machine, starts, counts, order, rows.low - slack, rows.high + slack, every)
     found: list[tuple[np.ndarray, np.ndarray]] = []
     widest = max(1, int(counts.max(initial=1)))
     at_once = max(1, _PAIRS // (widest * widest))
@@ -393,6 +406,8 @@ def _row_pairs(rows: Block, off: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         low = np.where(there[..., None], rows.low[member] - off[part, None, None], np.inf)
         high = np.where(there[..., None], rows.high[member] + off[part, None, None], -np.inf)
         meet = ~np.eye(widest, dtype=bool)[None] & there[:, :, None]
+        if asked is not None:
+            meet &= asked[member][:, :, None]
         for axis in range(3):
             meet = meet & (low[:, :, None, axis] <= high[:, None, :, axis])
             meet &= low[:, None, :, axis] <= high[:, :, None, axis]

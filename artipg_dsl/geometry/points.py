@@ -18,7 +18,7 @@ from .block import Block, block_of
 from .candidates import Candidates, Drawn, LoosePoints, Thinning, draw, slant
 from .cells import Cells
 from .flat import PLANAR
-from .hidden import Occlusion, runs, scales
+from .hidden import Occlusion, meeting_rows, runs, scales
 from .outside import Outlook
 from .pointset import PointSet, Pools
 from .sites import SiteTable
@@ -159,13 +159,21 @@ class _Sampler:
         n: np.ndarray,
         outside: bool,
     ):
-        self.rows, self.key, self.first, self.n = rows, key, first, n
+        self.key, self.first, self.n = key, first, n
         self.address = address
+        off = scales(rows)
+        asked = n[pool] > 0
+        near, other = meeting_rows(rows, off, asked)
+        if not (outside or asked.all()):  # what is seen from without depends on all rows
+            asked[other] = True
+            rows, pool, place = rows.only(asked), pool[asked], np.cumsum(asked) - 1
+            near, other = place[near], place[other]
         self.cells = cells = Cells(rows, pool, len(address))
         cells.measure_bent(None if outside else n > 0)  # what is seen from without depends on all surfaces
         together = max(1, _CANDIDATES // (int(n.max(initial=0)) + 32))
         self.groups = [(k, min(k + together, len(address))) for k in range(0, len(address), together)]
-        self.occlusion = Occlusion(cells, scales(rows), np.arange(len(address)) // together, _RARELY / np.maximum(n, 1))
+        group, least = np.arange(len(address)) // together, _RARELY / np.maximum(n, 1)
+        self.occlusion = Occlusion(cells, off, group, least, (near, other))
         self.outlook = Outlook(cells, self.occlusion.off, self.occlusion.buried) if outside else None
         area = np.where(self.occlusion.buried, 0.0, cells.area)
         counts = np.diff(cells.start)

@@ -54,6 +54,7 @@ class Machine:
                 "print_told",
                 "deepest",
                 "wrap",
+                "near_rows",
                 "near_flat",
                 "near_loose",
             ):

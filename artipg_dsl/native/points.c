@@ -15,6 +15,25 @@ OUT void coarse(int64_t n, const uint64_t *stream, const int64_t *lane, const in
         }
 }
 
+/* Of n objects, which have ``count`` rows in ``order`` from ``start`` on: pairs of different rows of one whose boxes (rows, 3) meet, of which
+   the first is ``asked``. Writes up to ``room`` of them and returns how many there are. */
+OUT int64_t near_rows(int64_t n, const int64_t *start, const int64_t *count, const int64_t *order, const double *low, const double *high,
+                      const unsigned char *asked, int64_t room, int64_t *near, int64_t *other) {
+    int64_t found = 0;
+    for (int64_t k = 0; k < n; k++)
+        for (int64_t i = start[k]; i < start[k] + count[k]; i++) {
+            const double *a = low + 3 * order[i], *b = high + 3 * order[i];
+            if (!asked[order[i]]) continue;
+            for (int64_t j = start[k]; j < start[k] + count[k]; j++) {
+                const double *c = low + 3 * order[j], *d = high + 3 * order[j];
+                if (!(a[0] <= d[0] && c[0] <= b[0] && a[1] <= d[1] && c[1] <= b[1] && a[2] <= d[2] && c[2] <= b[2]) || i == j) continue;
+                if (found < room) near[found] = order[i], other[found] = order[j];
+                found++;
+            }
+        }
+    return found;
+}
+
 /* cells and rows that may hide points on them: quads (4, 3, all) in the frames of the rows, packed ends of the fractions that these
    reach, and whether the last vector of the quad counts */
 typedef struct {

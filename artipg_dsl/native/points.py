@@ -13,6 +13,7 @@ from .calls import call
 if TYPE_CHECKING:
     from .backend import Machine
 
+_ROOM = 8  # rows that meet a row, for which there is room at first
 Three = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
@@ -45,6 +46,28 @@ def coarse(machine: Machine, stream: np.ndarray, lane: np.ndarray, count: np.nda
     given = [np.ascontiguousarray(lane, dtype=np.int64), np.ascontiguousarray(count, dtype=np.int64)]
     call(machine.library.coarse, len(stream), np.ascontiguousarray(stream, dtype=np.uint64), *given, u, v)
     return u, v
+
+
+def near_rows(
+    machine: Machine,
+    start: np.ndarray,
+    count: np.ndarray,
+    order: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    asked: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of different rows whose boxes ``low`` .. ``high`` (R, 3) meet, of which the first is ``asked`` (R,) bool: those of the objects,
+    which have ``count`` (B,) of the rows in their ``order`` (R,) from ``start`` (B,) on."""
+    given = [np.ascontiguousarray(array, dtype=np.int64) for array in (start, count, order)]
+    boxes = [np.ascontiguousarray(end) for end in (low, high)]
+    asked, room = np.ascontiguousarray(asked, dtype=np.bool_), _ROOM * len(order)
+    while True:
+        found = np.empty((2, room), dtype=np.int64)
+        known = call(machine.library.near_rows, len(start), *given, *boxes, asked, room, found[0], found[1])
+        if known <= room:
+            return found[0, :known], found[1, :known]
+        room = known
 
 
 def near_flat(

@@ -8,6 +8,7 @@ from artipg_dsl.geometry import points
 from artipg_dsl.geometry.cells import Cells
 from artipg_dsl.geometry.flat import BENT, PLANAR
 from artipg_dsl.geometry.pointset import PointSet
+from artipg_dsl.geometry.pointset import Pools as PointPools
 from artipg_dsl.native import points as native
 from artipg_dsl.session import Session
 
@@ -22,7 +23,9 @@ KEY = random.key(5, "points")
 def test_points_of_pools(using, monkeypatch, name, per, outside):
     """Pools with more points than fit a round, with few, and with none that can be seen."""
     batch, calls = Session.of(name).sampler.batch(np.arange(3), 2), []
-    for word in ("coarse", "near_flat", "near_loose", "keep"):
+    monkeypatch.setattr(native, "_ROOM", 1)  # there is more than there is room for at first
+    words = ("coarse", "near_rows", "near_flat", "near_loose", "keep")
+    for word in words:
         original = getattr(native, word)
         monkeypatch.setattr(native, word, lambda *a, of=original, called=word: calls.append(called) or of(*a))
     sites = batch.sites()
@@ -36,7 +39,25 @@ def test_points_of_pools(using, monkeypatch, name, per, outside):
     for field in PointSet.__slots__:
         assert bits(getattr(found[0][0], field)) == bits(getattr(found[1][0], field)), field
     assert bits(found[0][2]) == bits(found[1][2]) and found[0][0].u.shape[1] == 700
-    assert set(calls) == {"coarse", "near_flat", "near_loose", "keep"}
+    assert set(calls) == set(words)
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+@pytest.mark.parametrize("name", ["Microwave", "Kettle", "Bottle"])
+def test_pools_that_get_no_points_change_nothing_for_others(using, name, backend):
+    """Rows that lie far from all that get points are left out, and rows that may hide points are not."""
+    using(backend)
+    sites = Session.of(name).sampler.batch(np.arange(4), 2).sites()
+    pools = PointPools.of(sites, [np.asarray(site.rank) + 7 * site.number for site in sites], 4)
+    every = np.full(len(pools.owner), 90)
+    address = np.arange(4, dtype=np.uint64)
+    whole, full, area = points.sample_counts(sites, pools, every, KEY, address)
+    asked = np.arange(len(every)) % 5 == 2
+    some, some_full, some_area = points.sample_counts(sites, pools, np.where(asked, every, 0), KEY, address)
+    assert (some_full[asked] == full[asked]).all() and bits(some_area[asked]) == bits(area[asked])
+    for field in PointSet.__slots__:
+        seen = [getattr(found, field)[asked & full] for found in (whole, some)]
+        assert len(seen[0]) and bits(np.ascontiguousarray(seen[0])) == bits(np.ascontiguousarray(seen[1])), field
 
 
 def test_cells_of_all_shapes_are_looked_at():
