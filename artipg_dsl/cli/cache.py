@@ -16,6 +16,7 @@ _KINDS = {
     "solid": "lowered primitives that took long",
     "program": "compiled programs",
     "facts": "what surfaces and pieces are like",
+    "memory": "how much memory objects take",
     "machine": "the compiled backend",
 }
 

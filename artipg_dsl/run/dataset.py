@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from .. import cache
 from ..details.dressing import Dressing
 from ..errors import UsageError, UserError
 from ..export.content import SHARD, Content
@@ -127,7 +128,8 @@ def _carry_out(
     """Write all pieces, here, by other processes, or on a cluster."""
     each = any(piece.each for piece in pieces)
     total, done = sum(len(piece.numbers) for piece in pieces if piece.each or not each), 0
-    room = Room(share_of(memory, 1))
+    entry = _taken(job, pieces)
+    room = Room(share_of(memory, 1), entry)
 
     def write(piece: Chunk) -> Chunk:
         piece.write(job, room, _offset(progress, done, total))
@@ -136,7 +138,7 @@ def _carry_out(
     def others(rest: Sequence[Chunk], many: int) -> Iterable[Chunk]:
         from .workers import write_shared  # start-up: one process needs no others
 
-        return write_shared(job, many, rest, Room(share_of(memory, many)))
+        return write_shared(job, many, rest, Room(share_of(memory, many), entry))
 
     made: Iterable[Chunk]
     if cluster:
@@ -149,6 +151,15 @@ def _carry_out(
         done += len(piece.numbers) if piece.each or not each else 0
         if progress:
             progress(done, total)
+    room.keep()
+
+
+def _taken(job: Job, pieces: list[Chunk]) -> str:
+    """The entry of the cache that says how much memory an object takes; "" where there are no objects."""
+    if not pieces or cache.folder() is None:
+        return ""
+    names = sorted({entry.name for piece in pieces for entry in piece.formats})
+    return cache.key("memory", job.program.hash, repr(pieces[0].content), *names)
 
 
 def _offset(progress: ReportProgress | None, done: int, total: int) -> ReportProgress | None:

@@ -1,6 +1,7 @@
 """How many objects are made together: as many as fit into the memory that a run may take.
 
 What an object takes is measured while the run goes on: by how much the process has grown, at most, since a block of objects was begun.
+It is kept between runs (see ``cache``): without it a run begins with few objects, which take nearly as long as many.
 The bytes of the files do not depend on it, since an object is the same whatever else is made with it.
 """
 
@@ -11,6 +12,7 @@ import re
 import sys
 from pathlib import Path
 
+from .. import cache
 from ..errors import UsageError
 from ..records import dataclass
 
@@ -20,6 +22,7 @@ _LEAST = 256_000_000  # Python, NumPy and a program take half of this
 _UNITS = {"MB": 10**6, "GB": 10**9, "TB": 10**12}
 _MOST = 1 << 50
 _FIRST = 16  # objects, of which nothing is known yet
+_DOUBT = 2.0  # times what an object took in another run
 _SHARD = 0.256  # of the memory is what a shard may hold: there are its arrays, the file, and what they are made of
 _STATM = Path("/proc/self/statm")
 
@@ -60,25 +63,41 @@ def most_processes(memory: int | None) -> int | None:
 
 @dataclass(slots=True)
 class Room:
-    """The memory that one process may take, and what an object took of it in the last block."""
+    """The memory that one process may take, and what an object took of it in the last block, or, as the ``entry`` of the cache says,
+    in another run."""
 
     memory: int = USUAL
+    entry: str = ""
     each: float = 0.0
+    known: float = 0.0
     begun: int = 0
     most: int = 0
 
     def begin(self, left: int) -> int:
         """How many of the objects that are left are made next."""
         self.begun, self.most = _resident(), _peak()
-        if not self.each:
-            return min(left, _FIRST)
-        return min(left, max(1, int((self.memory - self.begun) / self.each)))
+        if not self.each and self.entry and not self.known:
+            self.known = _read(self.entry)
+        each = self.each or _DOUBT * self.known
+        return min(left, max(1, int((self.memory - self.begun) / each)) if each else _FIRST)
 
     def end(self, made: int) -> None:
         """So many have been made."""
         most = _peak()
         bound = max(1.0, (most - self.begun) / made)  # exact where the process has never been as large
         self.each = bound if most > self.most or not self.each else min(self.each, bound)
+
+    def keep(self) -> None:
+        """Write what an object takes, where that is news."""
+        if self.entry and self.each and not self.each / _DOUBT < self.known < self.each * _DOUBT:
+            self.known = self.each
+            cache.write(self.entry, f"{self.each:.0f}".encode())
+
+
+def _read(entry: str) -> float:
+    """What an object took in another run, bytes; 0 where nobody knows."""
+    found = cache.read(entry) or b""
+    return float(found) if found.isdigit() and len(found) < 16 else 0.0
 
 
 def _resident() -> int:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from artipg_dsl import cache
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.errors import UsageError
 from artipg_dsl.export.content import Content
@@ -84,6 +85,28 @@ def test_blocks_follow_what_objects_have_taken(monkeypatch: pytest.MonkeyPatch) 
     state["now"] = 400
     assert room.begin(1000) == 1  # one at a time, whatever there is
     assert room.begin(0) == 0
+
+
+@pytest.mark.parametrize("said", [None, b"", b"nan", b"-1", b"1e9", b"9" * 40])
+def test_a_run_begins_with_as_many_as_another_has_found_room_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: bytes | None
+) -> None:
+    monkeypatch.setenv("APGC_CACHE", str(tmp_path / "kept"))
+    output, blocks = Output(("points",), Content(Sampling(16)), 40), []
+    plain = Room.begin
+    monkeypatch.setattr(Room, "begin", lambda room, left: blocks.append(plain(room, left)) or blocks[-1])
+    write_dataset(job(40), tmp_path / "first", output)
+    assert blocks == [16, 24]
+    (entry,) = (tmp_path / "kept").glob("memory-*")
+    if said is not None:
+        cache.write(entry.name, said)
+    write_dataset(job(40), tmp_path / "second", output)
+    assert blocks[2:] == ([40] if said is None else [16, 24])
+    assert tree(tmp_path / "first") == tree(tmp_path / "second")
+    room = Room(300, entry.name)
+    cache.write(entry.name, b"10")
+    monkeypatch.setattr(memories, "_resident", lambda: 100)
+    assert plain(room, 1000) == 10  # half of what there would be room for: other objects may be larger
 
 
 @pytest.mark.parametrize("block", [1, 3])
