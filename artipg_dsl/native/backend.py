@@ -43,6 +43,8 @@ class Machine:
                 "add_moments",
                 "coarse",
                 "keep_points",
+                "plant",
+                "nearest_of",
             ):
                 getattr(library, name).restype = None
             for name in (

@@ -31,6 +31,7 @@ _SOURCES = [
         "gaps.c",
         "wrap.c",
         "points.c",
+        "near.c",
     )
 ]
 _HEADERS = [Path(__file__).with_name("bodies.h")]
