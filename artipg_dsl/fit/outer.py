@@ -8,17 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache
-from itertools import repeat
 
 import numpy as np
 
 from ..geometry.outside import spread_directions
-from ..records import dataclass
+from ..native import backend, depths
 
 _SIDES = 42
 _FROM = 3  # sides from which a point is seen at least: through a gap between points it is from one
 _CELL = 2.6  # of a picture, in distances between points
 _BLOCK = 4_000_000  # points at a time, all sides together
+_ONES = np.array([bin(byte).count("1") for byte in range(256)], dtype=np.int64)
 
 
 def spacing(points: np.ndarray) -> np.ndarray:
@@ -29,7 +29,7 @@ def spacing(points: np.ndarray) -> np.ndarray:
 
 def outer(points: np.ndarray, apart: np.ndarray | None = None) -> np.ndarray:
     """(K, n) bool: which points of the clouds (K, n, 3) can be seen from without; ``apart`` (K,) is their spacing."""
-    return _outer(points, spacing(points) if apart is None else apart)
+    return _often(_sides(points, _cells(spacing(points) if apart is None else apart)))
 
 
 class Screens:
@@ -37,77 +37,89 @@ class Screens:
     hide only what lies far below its surface: most of a drawer inside a housing would pass for visible."""
 
     def __init__(self, clouds: np.ndarray, apart: np.ndarray):
-        self._cell = _cells(apart)
-        self._low = clouds.min(axis=1)
-        self._pictures = [picture for picture, _, _ in _pictures(clouds, self._cell)]
+        self.low, self.cell = clouds.min(axis=1), _cells(apart)
+        across = int(_across(clouds, self.cell).max(initial=1))
+        machine = backend.machine()
+        if machine is not None:
+            self.least, self.front = depths.pictures(machine, clouds, self.low, self.cell, _frames(), across)
+            return
+        drawn = list(_pictures(clouds, self.low, self.cell, across))
+        self.least = np.stack([least for least, _, _, _ in drawn], axis=1)
+        self.front = np.stack([front.reshape(len(clouds), across, across) for _, front, _, _ in drawn], axis=1)
 
     def outer(self, points: np.ndarray, target: np.ndarray) -> np.ndarray:
         """(K, n) bool: which points of candidates (K, n, 3) can be seen from without, neither these nor those of the ``target`` (K,) of each
         being in the way."""
-        return _outer(points, spacing(points), (self, target))
+        return _often(_sides(points, _cells(spacing(points)), (self, target)))
 
-    def passed(self, points: np.ndarray, target: np.ndarray) -> Iterator[np.ndarray]:
-        """From each side: which points (K, n) are not hidden by the targets of candidates."""
-        cell, own = self._cell[target][:, None], target[:, None]
-        centred = points - self._low[target][:, None]
-        for (first, second, way), one in zip(_frames(), self._pictures, strict=True):
-            x, y = (
-                np.floor((centred @ axis - low[target]) / cell)
-                for axis, low in zip((first, second), one.least, strict=True)
-            )
-            beside = (x < 0) | (y < 0) | (x >= one.across) | (y >= one.across)
-            place = np.where(beside, 0, (own * one.across + x) * one.across + y).astype(np.int64)
-            yield beside | (centred @ way >= one.front[place] - cell)
+    def passed(self, side: int, points: np.ndarray, target: np.ndarray) -> np.ndarray:
+        """Which points (K, n) the targets of candidates do not hide from a side."""
+        cell, wide = self.cell[target][:, None], self.front.shape[-1]
+        x, y, depth = (_along(points - self.low[target][:, None], axis) for axis in _frames()[side])
+        x, y = (np.floor((c - self.least[target, side, k, None]) / cell) for k, c in enumerate((x, y)))
+        beside = (x < 0) | (y < 0) | (x >= wide) | (y >= wide)
+        x, y = (np.where(beside, 0, c).astype(np.int64) for c in (x, y))
+        return np.asarray(beside | (depth >= self.front[target[:, None], side, x, y] - cell))
 
 
-def _outer(points: np.ndarray, apart: np.ndarray, others: tuple[Screens, np.ndarray] | None = None) -> np.ndarray:
-    count, n = points.shape[:2]
-    found = np.zeros((count, n), dtype=bool)
-    step = max(1, _BLOCK // (n * _SIDES))
-    for start in range(0, count, step):
-        part = slice(start, start + step)
-        sides = np.zeros((len(points[part]), n), dtype=np.int64)
-        passed = repeat(True) if others is None else others[0].passed(points[part], others[1][part])
-        for (_, seen), other in zip(_sides(points[part], _cells(apart[part])), passed, strict=False):
-            sides += seen & other
-        found[part] = sides >= _FROM
-    return found
+def _often(sides: np.ndarray) -> np.ndarray:
+    """Which points are seen from enough sides, these being bits."""
+    return np.asarray(_ONES[sides.view(np.uint8)].reshape(*sides.shape, 8).sum(axis=-1) >= _FROM)
 
 
 def _cells(apart: np.ndarray) -> np.ndarray:
     return np.maximum(_CELL * apart, 1e-12)
 
 
-def _sides(points: np.ndarray, cell: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """From each side: the way there (3,), and which points (K, n) are seen from it."""
-    for (_, _, way), (picture, place, depth) in zip(_frames(), _pictures(points, cell), strict=True):
-        yield way, depth >= picture.front[place] - cell[:, None]
+def _across(points: np.ndarray, cell: np.ndarray) -> np.ndarray:
+    """(K,) how many cells wide pictures of clouds (K, n, 3) are."""
+    return np.ceil(np.sqrt((np.ptp(points, axis=1) ** 2).sum(axis=1)) / cell).astype(np.int64) + 2
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Picture:
-    """Clouds (K, n, 3) from one side: where their pictures begin along its two axes, ``least`` (K, 1) twice; how many cells each is
-    ``across``, and the ``front`` (K * across * across,) in these."""
+def _sides(points: np.ndarray, cell: np.ndarray, others: tuple[Screens, np.ndarray] | None = None) -> np.ndarray:
+    """(K, n) uint64, a bit for each side: from which points of clouds (K, n, 3) are seen; ``others`` tells what else may hide them."""
+    low, across, machine = points.min(axis=1), _across(points, cell), backend.machine()
+    if machine is not None:
+        told = None if others is None else (_shown(others[0]), others[1])
+        return depths.sides(machine, points, low, cell, _frames(), across, told)
+    count, n = points.shape[:2]
+    found = np.zeros((count, n), dtype=np.uint64)
+    step = max(1, _BLOCK // (n * _SIDES))
+    for start in range(0, count, step):
+        part = slice(start, start + step)
+        drawn = _pictures(points[part], low[part], cell[part], int(across[part].max()))
+        for side, (_, front, place, depth) in enumerate(drawn):
+            seen = depth >= front[place] - cell[part, None]
+            if others is not None:
+                seen &= others[0].passed(side, points[part], others[1][part])
+            found[part] |= seen.astype(np.uint64) << np.uint64(side)
+    return found
 
-    least: tuple[np.ndarray, np.ndarray]
-    across: int
-    front: np.ndarray
+
+def _shown(screens: Screens) -> depths.Pictures:
+    return screens.low, screens.cell, screens.least, screens.front
 
 
-def _pictures(points: np.ndarray, cell: np.ndarray) -> Iterator[tuple[_Picture, np.ndarray, np.ndarray]]:
-    """From each side: the picture of clouds; of each point its cell (K, n), and its depth (K, n)."""
-    count, cell = len(points), cell[:, None]
-    centred = points - points.min(axis=1, keepdims=True)
-    across = int(np.ceil((np.sqrt((np.ptp(points, axis=1) ** 2).sum(axis=1)) / cell[:, 0]).max())) + 2
+def _pictures(
+    points: np.ndarray, low: np.ndarray, cell: np.ndarray, across: int
+) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
+    """From each side: where the pictures of clouds begin along their two axes (K, 2), and how near the nearest of each of their cells is
+    (K * across * across,); of each point its cell (K, n), and its depth (K, n)."""
+    count, centred = len(points), points - low[:, None]
     own = np.arange(count)[:, None] * across * across
     for first, second, way in _frames():
-        x, y, depth = (centred @ axis for axis in (first, second, way))
-        least = x.min(axis=1, keepdims=True), y.min(axis=1, keepdims=True)
-        x, y = ((c - low) / cell for c, low in zip((x, y), least, strict=True))
+        x, y, depth = (_along(centred, axis) for axis in (first, second, way))
+        least = np.stack([x.min(axis=1), y.min(axis=1)], axis=1)
+        x, y = ((c - least[:, k, None]) / cell[:, None] for k, c in enumerate((x, y)))
         place = own + x.astype(np.int64) * across + y.astype(np.int64)
         front = np.full(count * across * across, -np.inf)
         np.maximum.at(front, place.ravel(), depth.ravel())  # of one axis: several times faster
-        yield _Picture(least, across, front), place, depth
+        yield least, front, place, depth
+
+
+def _along(points: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    """(K, n) of points (K, n, 3), rounded as compiled code does, which a product of matrices is not."""
+    return np.asarray(points[..., 0] * axis[0] + points[..., 1] * axis[1] + points[..., 2] * axis[2])
 
 
 @cache
@@ -118,9 +130,9 @@ def _frames() -> np.ndarray:
 
 def towards(points: np.ndarray, apart: float) -> np.ndarray:
     """(n, 3) for points of one cloud: about where it is seen from, the sum of the sides from which it can be."""
-    found = np.zeros(points.shape)
-    for way, seen in _sides(points[None], _cells(np.array([apart]))):
-        found += seen[0][:, None] * way
+    found, sides = np.zeros(points.shape), _sides(points[None], _cells(np.array([apart])))[0]
+    for side, (_, _, way) in enumerate(_frames()):
+        found += ((sides >> np.uint64(side)) & np.uint64(1)).astype(np.float64)[:, None] * way
     return found
 
 

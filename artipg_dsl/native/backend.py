@@ -45,6 +45,8 @@ class Machine:
                 "keep_points",
                 "plant",
                 "nearest_of",
+                "depth_pictures",
+                "depth_sides",
             ):
                 getattr(library, name).restype = None
             for name in (

@@ -32,6 +32,7 @@ _SOURCES = [
         "wrap.c",
         "points.c",
         "near.c",
+        "depths.c",
     )
 ]
 _HEADERS = [Path(__file__).with_name("bodies.h")]
