@@ -20,6 +20,7 @@ from ..runtime.plan import Plan, make_plan
 from ..sampling.known import DrawRows, evaluate_again, keep_draw, make_batch, rows_of_draw
 from ..sampling.sample import Sampler
 from ..sampling.search import domain_ends
+from .gather import gather
 from .states import Moved, Opened, resting, shut
 from .states import opened as open_program
 
@@ -110,28 +111,7 @@ class Model:
     def assembled(self, parts: Sequence[tuple[Batch, np.ndarray]], places: Sequence[np.ndarray] | None = None) -> Batch:
         """Candidates of several batches in one, those at the given rows of each, with all the values they have; one after the
         other, or at the given ``places``."""
-        ends = np.cumsum([0, *(len(at) for _, at in parts)])
-        if places is None:
-            places = [np.arange(first, last) for first, last in zip(ends[:-1], ends[1:], strict=True)]
-        objects, lane = np.zeros(ends[-1], dtype=np.int64), np.zeros(ends[-1], dtype=np.int64)
-        for (batch, at), place in zip(parts, places, strict=True):
-            objects[place], lane[place] = batch.state.objects[at], batch.state.lanes()[at]
-        state = State(parts[0][0].seed, objects, np.zeros(len(objects), dtype=np.int64), lane=lane)
-        # draws of one scope have the same rows
-        known: dict[Scope, tuple[list[np.ndarray], np.ndarray, np.ndarray]] = {}
-        for number, draw in enumerate(self.program.draws):
-            scope = draw.column.scope
-            if scope not in known:
-                chosen = [rows_of_draw(batch, number, at) for batch, at in parts]
-                keys = [
-                    mix(batch.rowmap.rows(scope).address[one.row], place[one.owner])
-                    for (batch, _), one, place in zip(parts, chosen, places, strict=True)
-                ]
-                known[scope] = [one.row for one in chosen], *_sorted(np.concatenate(keys))
-            rows, order, key = known[scope]
-            values = [batch.state.values[number][row] for (batch, _), row in zip(parts, rows, strict=True)]
-            state.kept[number] = _kept(key, np.concatenate(values)[order])
-        return make_batch(self.program, self.plan, state)
+        return gather(parts, places)
 
     def merged(self, batch: Batch, others: Batch, of: np.ndarray, order: np.ndarray) -> Batch:
         """Candidates, each with what the ``others``, copies of the one ``of`` (n,) which they are, have otherwise than it: where these differ

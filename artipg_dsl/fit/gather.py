@@ -1,0 +1,108 @@
+"""Objects of several batches put into one with all that is known of them: nothing is evaluated again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..geometry.hidden import runs
+from ..graph.expr import Scope
+from ..runtime.batch import Batch
+from ..runtime.kernels import Rows, State
+from ..sampling.known import keep_draw
+from ..validity.clearance import limit_joints
+
+
+class Gathered(Batch):
+    """Objects that were evaluated in other batches. What their draws are kept by is worked out where something else is to be evaluated."""
+
+    def _asked(self, *, weigh: bool = False) -> State:
+        if not self.state.kept:
+            every = np.arange(len(self))
+            self.state.kept = {number: keep_draw(self, number, every) for number in range(len(self.program.draws))}
+        return super()._asked(weigh=weigh)
+
+
+class _Chosen:
+    """The rows of all scopes that the objects ``chosen`` (B,), told by their place among those of all batches, have there."""
+
+    def __init__(self, batches: list[Batch], chosen: np.ndarray):
+        self._batches, self._chosen = batches, chosen
+        self._before = np.cumsum([0, *map(len, batches)])
+        self._known: dict[Scope, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
+
+    def index(self, scope: Scope) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Which rows (n,), among those of all batches, these are; of each object its first (B,) there, and how many it has (B,)."""
+        if scope not in self._known:
+            owners = [batch.owner(scope) + before for batch, before in zip(self._batches, self._before, strict=False)]
+            owner = _joined(owners)
+            first, last = (np.searchsorted(owner, self._chosen, side=side) for side in ("left", "right"))
+            self._known[scope] = runs(first, last - first), first, last - first
+        return self._known[scope]
+
+    def of(self, scope: Scope, values: list[Any]) -> Any:
+        """What the rows of a scope have of a value of each batch, or one number where all rows share it."""
+        if not any(map(_is_column, values)) and all(value == values[0] for value in values[1:]):
+            return values[0]
+        if not all(map(_is_column, values)):
+            sizes = [batch.rowmap.rows(scope).size for batch in self._batches]
+            values = [np.full(n, value) if np.ndim(value) == 0 else value for value, n in zip(values, sizes, strict=True)]
+        return _joined(values).take(self.index(scope)[0])
+
+    def table(self, scope: Scope) -> Rows:
+        """The rows of a scope as a table of their own."""
+        index, first, many = self.index(scope)
+        every, size = np.arange(len(many)), len(index)
+        tables = [batch.rowmap.rows(scope) for batch in self._batches]
+        address = _joined([table.address for table in tables])[index]
+        if scope.parent is None:
+            return Rows(size, every, np.zeros(size, dtype=np.int64), every, address, every, np.ones(size, dtype=np.int64))
+        above, above_first, above_many = self.index(scope.parent)
+        owner, above_owner = np.repeat(every, many), np.repeat(every, above_many)
+        parents, starts = [], []
+        row = above_row = 0
+        for table in tables:
+            parents.append(table.parent + above_row)
+            starts.append(table.start + row)
+            row, above_row = row + table.size, above_row + len(table.count)
+        parent = _joined(parents)[index] + (np.cumsum(above_many) - above_many - above_first)[owner]
+        start = _joined(starts)[above] + (np.cumsum(many) - many - first)[above_owner]
+        rank, count = _joined([table.rank for table in tables])[index], _joined([table.count for table in tables])[above]
+        return Rows(size, parent, rank, owner, address, start, count)
+
+
+def _is_column(value: Any) -> bool:
+    return isinstance(value, np.ndarray) and value.ndim > 0
+
+
+def _joined(arrays: list[np.ndarray]) -> np.ndarray:
+    return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
+
+
+def gather(parts: Sequence[tuple[Batch, np.ndarray]], places: Sequence[np.ndarray] | None = None) -> Batch:
+    """The objects at the given rows of each of some batches of one plan, one after the other or at the given ``places``."""
+    first = parts[0][0]
+    batches = list(dict.fromkeys(batch for batch, _ in parts))
+    begin = dict(zip(batches, np.cumsum([0, *map(len, batches)]).tolist(), strict=False))
+    chosen = np.concatenate([begin[batch] + at for batch, at in parts])
+    if places is not None:
+        chosen = chosen[np.argsort(np.concatenate(places))]
+    rows = _Chosen(batches, chosen)
+    states = [batch.state for batch in batches]
+    objects = _joined([state.objects for state in states])[chosen]
+    lane = _joined([state.lanes() for state in states])[chosen]
+    state = State(first.seed, objects, np.zeros(len(chosen), dtype=np.int64), lane=lane)
+    state.failed, state.crowd, state.log_weight, state.leaning = (
+        _joined([getattr(one, name) for one in states])[chosen]
+        for name in ("failed", "crowd", "log_weight", "leaning")
+    )
+    plan, scopes = first.plan, {}
+    tables: list[Rows] = [rows.table(scope) for scope in plan.scopes]
+    for number, draw in enumerate(first.program.draws):
+        state.values[number] = rows.of(draw.column.scope, [one.values[number] for one in states])
+    for (_, scope), number in plan.outputs.items():
+        scopes[number] = scope
+    values = [rows.of(scopes[k], [batch._values[k] for batch in batches]) for k in range(len(plan.values))]
+    return Gathered(first.program, plan, state, tables, values, ends=limit_joints)
