@@ -98,11 +98,9 @@ def gather(parts: Sequence[tuple[Batch, np.ndarray]], places: Sequence[np.ndarra
         _joined([getattr(one, name) for one in states])[chosen]
         for name in ("failed", "crowd", "log_weight", "leaning")
     )
-    plan, scopes = first.plan, {}
+    plan = first.plan
     tables: list[Rows] = [rows.table(scope) for scope in plan.scopes]
     for number, draw in enumerate(first.program.draws):
         state.values[number] = rows.of(draw.column.scope, [one.values[number] for one in states])
-    for (_, scope), number in plan.outputs.items():
-        scopes[number] = scope
-    values = [rows.of(scopes[k], [batch._values[k] for batch in batches]) for k in range(len(plan.values))]
+    values = [rows.of(scope, [batch._values[k] for batch in batches]) for k, (_, scope) in enumerate(plan.outputs)]
     return Gathered(first.program, plan, state, tables, values, ends=limit_joints)

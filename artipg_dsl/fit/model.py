@@ -111,7 +111,15 @@ class Model:
     def assembled(self, parts: Sequence[tuple[Batch, np.ndarray]], places: Sequence[np.ndarray] | None = None) -> Batch:
         """Candidates of several batches in one, those at the given rows of each, with all the values they have; one after the
         other, or at the given ``places``."""
-        return gather(parts, places)
+        own = [(batch if batch.plan is self.plan else self._again(batch), at) for batch, at in parts]
+        return gather(own, places)
+
+    def _again(self, batch: Batch) -> Batch:
+        """Objects of another plan as candidates."""
+        old, every = batch.state, np.arange(len(batch))
+        state = State(old.seed, old.objects, np.zeros(len(batch), dtype=np.int64), lane=old.lanes())
+        state.kept = {number: keep_draw(batch, number, every) for number in range(len(self.program.draws))}
+        return make_batch(self.program, self.plan, state)
 
     def merged(self, batch: Batch, others: Batch, of: np.ndarray, order: np.ndarray) -> Batch:
         """Candidates, each with what the ``others``, copies of the one ``of`` (n,) which they are, have otherwise than it: where these differ

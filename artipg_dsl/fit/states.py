@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import field, fields, replace
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -18,10 +17,11 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import State
 from ..runtime.needs import motion_of
 from ..runtime.plan import make_plan
+from .bare import bare_tables
 
 _LOOKED = 64  # objects that tell whether joints rest at 0
 _KINDS = ("revolute", "prismatic")
-_tables: WeakKeyDictionary[Batch, list[SiteTable]] = WeakKeyDictionary()
+_TABLES = "fit.tables"
 
 
 @dataclass(slots=True, eq=False)
@@ -92,20 +92,25 @@ def joint_values(batch: Batch) -> np.ndarray:
 
 def tables(batch: Batch) -> list[SiteTable]:
     """The primitives of candidates, where the values of their joints lead them."""
-    if not isinstance(batch.program, Moved):
-        return batch.sites()
-    found = _tables.get(batch)
+    found: list[SiteTable] | None = batch.known.get(_TABLES)
     if found is None:
-        found = _tables[batch] = moved(batch, joint_values(batch))
+        found = bare_tables(batch, linked=isinstance(batch.program, Moved))
+        if isinstance(batch.program, Moved):
+            found = _led(batch, found, joint_values(batch))
+        batch.known[_TABLES] = found
     return found
 
 
 def moved(batch: Batch, values: np.ndarray) -> list[SiteTable]:
     """The primitives of a batch for joint values (J,)."""
+    return _led(batch, batch.sites(), values)
+
+
+def _led(batch: Batch, sites: list[SiteTable], values: np.ndarray) -> list[SiteTable]:
     rotation, translation = batch.pose(values)
     first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
     found = []
-    for table in batch.sites():
+    for table in sites:
         at = first[table.owner] + table.link
         turned = motion.multiply(rotation[at], table.rotation)
         shifted = motion.apply(rotation[at], table.translation) + translation[at]

@@ -29,7 +29,7 @@ def words_of_rows(batch: Batch, meant: np.ndarray) -> np.ndarray:
         known = np.isin(table.semantic, meant) & (table.number not in parted)
         return np.where(known, table.semantic, 0)
 
-    return np.concatenate([np.zeros(0, dtype=np.int64), *map(words, tables(batch))])
+    return np.concatenate([np.zeros(0, dtype=np.int64), *map(words, batch.sites())])
 
 
 def _parted(program: Program) -> set[int]:
