@@ -15,7 +15,7 @@ from ..sampling.known import keep_draw
 from ..validity.clearance import limit_joints
 
 
-class Gathered(Batch):
+class _Gathered(Batch):
     """Objects that were evaluated in other batches. What their draws are kept by is worked out where something else is to be evaluated."""
 
     def _asked(self, *, weigh: bool = False) -> State:
@@ -48,7 +48,9 @@ class _Chosen:
             return values[0]
         if not all(map(_is_column, values)):
             sizes = [batch.rowmap.rows(scope).size for batch in self._batches]
-            values = [np.full(n, value) if np.ndim(value) == 0 else value for value, n in zip(values, sizes, strict=True)]
+            values = [
+                np.full(n, value) if np.ndim(value) == 0 else value for value, n in zip(values, sizes, strict=True)
+            ]
         return _joined(values).take(self.index(scope)[0])
 
     def table(self, scope: Scope) -> Rows:
@@ -58,7 +60,9 @@ class _Chosen:
         tables = [batch.rowmap.rows(scope) for batch in self._batches]
         address = _joined([table.address for table in tables])[index]
         if scope.parent is None:
-            return Rows(size, every, np.zeros(size, dtype=np.int64), every, address, every, np.ones(size, dtype=np.int64))
+            return Rows(
+                size, every, np.zeros(size, dtype=np.int64), every, address, every, np.ones(size, dtype=np.int64)
+            )
         above, above_first, above_many = self.index(scope.parent)
         owner, above_owner = np.repeat(every, many), np.repeat(every, above_many)
         parents, starts = [], []
@@ -69,7 +73,10 @@ class _Chosen:
             row, above_row = row + table.size, above_row + len(table.count)
         parent = _joined(parents)[index] + (np.cumsum(above_many) - above_many - above_first)[owner]
         start = _joined(starts)[above] + (np.cumsum(many) - many - first)[above_owner]
-        rank, count = _joined([table.rank for table in tables])[index], _joined([table.count for table in tables])[above]
+        rank, count = (
+            _joined([table.rank for table in tables])[index],
+            _joined([table.count for table in tables])[above],
+        )
         return Rows(size, parent, rank, owner, address, start, count)
 
 
@@ -95,12 +102,11 @@ def gather(parts: Sequence[tuple[Batch, np.ndarray]], places: Sequence[np.ndarra
     lane = _joined([state.lanes() for state in states])[chosen]
     state = State(first.seed, objects, np.zeros(len(chosen), dtype=np.int64), lane=lane)
     state.failed, state.crowd, state.log_weight, state.leaning = (
-        _joined([getattr(one, name) for one in states])[chosen]
-        for name in ("failed", "crowd", "log_weight", "leaning")
+        _joined([getattr(one, name) for one in states])[chosen] for name in ("failed", "crowd", "log_weight", "leaning")
     )
     plan = first.plan
     tables: list[Rows] = [rows.table(scope) for scope in plan.scopes]
     for number, draw in enumerate(first.program.draws):
         state.values[number] = rows.of(draw.column.scope, [one.values[number] for one in states])
     values = [rows.of(scope, [batch._values[k] for batch in batches]) for k, (_, scope) in enumerate(plan.outputs)]
-    return Gathered(first.program, plan, state, tables, values, ends=limit_joints)
+    return _Gathered(first.program, plan, state, tables, values, ends=limit_joints)

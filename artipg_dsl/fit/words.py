@@ -13,7 +13,6 @@ from ..graph.expr import TRUE
 from ..graph.program import Program
 from ..runtime.batch import Batch
 from .near import Nearest as Sets
-from .states import tables
 
 _APART = 1e3  # diagonals between sets
 _REACH = 2.0  # diagonals, beyond which nothing lies
