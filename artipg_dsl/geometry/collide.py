@@ -66,6 +66,9 @@ def inset(points: np.ndarray, first: np.ndarray, faces: np.ndarray, margin: floa
     The pieces follow one another, ``first`` (k,) tells where each begins; ``faces`` (F, 3) are numbers of ``points``, and no piece
     is without any.
     """
+    machine = backend.machine()
+    if machine is not None:
+        return narrow.inset(machine, points, first, faces, margin)
     corners = points[faces]
     normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.sqrt(dot(normal, normal))

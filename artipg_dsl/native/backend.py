@@ -36,6 +36,7 @@ class Machine:
             for name in (
                 "closest",
                 "separate",
+                "inset",
                 "meet_in_states",
                 "examine",
                 "sweep",

@@ -151,3 +151,58 @@ int part(const side *first, const side *second, int64_t k, double near, int64_t 
 OUT void separate(int64_t n, const side *first, const side *second, double near, int64_t steps, double *nearest, unsigned char *hit) {
     for (int64_t k = 0; k < n; k++) hit[k] = (unsigned char)part(first, second, k, near, steps, nearest + 3 * k);
 }
+
+/* ------------------------------------------------------------ bodies whose faces are moved inwards */
+
+/* Corners (points, 3) of n bodies, those of each from ``first`` on, with the planes of their faces (triangles, 3) moved inwards by
+   ``margin``. ``cells`` holds 9 numbers for each point, ``normals`` 3 for each face and ``ends`` 4 for each body; ``owner`` (points). */
+OUT void inset(int64_t n, const int64_t *first, int64_t points, const double *place, int64_t triangles, const int64_t *faces, double margin,
+               double *cells, double *normals, double *ends, int64_t *owner, double *out) {
+    int64_t k, f;
+    int i, j;
+    for (k = 0; k < n; k++) {
+        const int64_t stop = k + 1 < n ? first[k + 1] : points;
+        for (i = 0; i < 3; i++) {
+            double low = place[3 * first[k] + i], high = low;
+            for (f = first[k] + 1; f < stop; f++) {
+                const double at = place[3 * f + i];
+                if (at < low) low = at;
+                if (at > high) high = at;
+            }
+            ends[4 * k + i] = (low + high) / 2;
+        }
+        ends[4 * k + 3] = 0.0;
+        for (f = first[k]; f < stop; f++) owner[f] = k;
+    }
+    for (f = 0; f < triangles; f++) { /* which way the faces of each body run */
+        const double *a = place + 3 * faces[3 * f], *b = place + 3 * faces[3 * f + 1], *c = place + 3 * faces[3 * f + 2];
+        double one[3], two[3], *normal = normals + 3 * f, *end = ends + 4 * owner[faces[3 * f]], length;
+        for (i = 0; i < 3; i++) one[i] = b[i] - a[i], two[i] = c[i] - a[i];
+        cross(one, two, normal);
+        length = sqrt(dot(normal, normal));
+        for (i = 0; i < 3; i++) normal[i] = length > 0 ? normal[i] / length : 0.0, one[i] = a[i] - end[i];
+        end[3] += dot(normal, one);
+    }
+    memset(cells, 0, (size_t)points * 9 * sizeof *cells);
+    for (f = 0; f < triangles; f++) {
+        double v[3];
+        for (i = 0; i < 3; i++) v[i] = ends[4 * owner[faces[3 * f]] + 3] < 0.0 ? -normals[3 * f + i] : normals[3 * f + i];
+        for (j = 0; j < 3; j++) {
+            double *cell = cells + 9 * faces[3 * f + j];
+            for (i = 0; i < 3; i++) cell[i] += v[i] * v[i], cell[6 + i] += v[i];
+            cell[3] += v[1] * v[2], cell[4] += v[2] * v[0], cell[5] += v[0] * v[1];
+        }
+    }
+    for (k = 0; k < points; k++) {
+        const double *cell = cells + 9 * k;
+        const double a = cell[0] + 1e-6, b = cell[1] + 1e-6, c = cell[2] + 1e-6, d = cell[3], e = cell[4], f_ = cell[5];
+        const double aa = b * c - d * d, bb = a * c - e * e, cc = a * b - f_ * f_;
+        const double dd = e * f_ - a * d, ee = f_ * d - b * e, ff = d * e - c * f_;
+        const double det = a * aa + f_ * ff + e * ee, x = -cell[6], y = -cell[7], z = -cell[8];
+        double move[3] = {aa * x + ff * y + ee * z, ff * x + bb * y + dd * z, ee * x + dd * y + cc * z}, reach, most;
+        for (i = 0; i < 3; i++) move[i] /= det > 0 ? det : 1.0;
+        reach = sqrt(dot(move, move));
+        most = 20.0 / (reach > 1e-300 ? reach : 1e-300);
+        for (i = 0; i < 3; i++) out[3 * k + i] = place[3 * k + i] + margin * (move[i] * (most < 1.0 ? most : 1.0));
+    }
+}

@@ -54,6 +54,17 @@ def closest(machine: Machine, simplex: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return value, weight
 
 
+def inset(machine: Machine, points: np.ndarray, first: np.ndarray, faces: np.ndarray, margin: float) -> np.ndarray:
+    """Corners (N, 3) of bodies, those of each from ``first`` (k,) on, with the planes of their faces (F, 3) moved inwards by ``margin``."""
+    points = np.ascontiguousarray(points, dtype=np.float64)
+    first, faces = (np.ascontiguousarray(column, dtype=np.int64) for column in (first, faces))
+    room = [np.empty(9 * len(points)), np.empty(3 * len(faces)), np.empty(4 * len(first))]
+    owner, out = np.empty(len(points), dtype=np.int64), np.empty(points.shape)
+    sizes = (len(first), first, len(points), points, len(faces), faces)
+    call(machine.library.inset, *sizes, float(margin), *room, owner, out)
+    return out
+
+
 def told(side: Side) -> tuple[_Side, list[np.ndarray]]:
     """A side by the addresses of its arrays, and these arrays."""
     corners = [np.ascontiguousarray(array, dtype=np.float64) for array in side.corners]

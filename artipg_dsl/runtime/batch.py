@@ -357,7 +357,12 @@ class Batch:
     def pose(self, states: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Rotation (..., L, 3, 3), translation (..., L, 3) that move each link from joint values 0 to ``states`` (..., J), rest by
         default."""
-        return motion.link_motion(self.links(), self.joints(), self.settle(self.rest() if states is None else states))
+        values = self.settle(self.rest() if states is None else states)
+        return self._chains.motion(motion.follow(self.joints(), values))
+
+    @cached_property
+    def _chains(self) -> motion.JointChains:
+        return motion.JointChains(self.links(), self.joints())
 
     def settle(self, states: np.ndarray) -> np.ndarray:
         """Joint values (..., J) as mimics, closed loops and gates have them, the driving joints as in ``states``: one whose gates

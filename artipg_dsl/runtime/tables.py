@@ -67,13 +67,15 @@ class JointTable(Columns):
 
     def that(self, *ways: str) -> np.ndarray:
         """Which joints (J,) move in one of these ways: ``turns``, ``slides``, ``tilts``; without a way, which move at all."""
-        found = [JOINTS[kind].moves for kind in self.kind]
-        return np.array([way in ways if ways else way != "" for way in found], dtype=bool)
+        moves = {kind: JOINTS[kind].moves for kind in set(self.kind)}
+        asked = {kind: way in ways if ways else way != "" for kind, way in moves.items()}
+        return np.array([asked[kind] for kind in self.kind], dtype=bool)
 
     @property
     def advance(self) -> np.ndarray:
         """How far (J,) joints slide per unit of their value: 1 of what slides, metres per radian of a screw, else 0."""
-        advances = np.array([JOINTS[kind].advances for kind in self.kind], dtype=bool)
+        screws = {kind for kind in set(self.kind) if JOINTS[kind].advances}
+        advances = np.array([kind in screws for kind in self.kind], dtype=bool)
         return np.where(advances, np.nan_to_num(self.pitch) / (2.0 * np.pi), self.that("slides") * 1.0)
 
 

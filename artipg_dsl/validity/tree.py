@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..runtime.batch import Batch
-from ..runtime.motion import apply, link_motion, multiply
+from ..runtime.motion import JointChains, apply, follow, multiply
 from .bodies import Pieces
 from .meant import find_allowed
 
@@ -39,6 +39,7 @@ class Tree:
             assert len(chain) <= count, "the links form a ring"
             chain.append(np.where(chain[-1] >= 0, self.above[np.maximum(chain[-1], 0)], -1))
         self.chain = np.stack(chain, axis=1)  # (L, depth): the link itself, its parent, ...
+        self._chains = JointChains(self.links, self.joints)
         self.turn, self.shift = batch.pose()
         holder = np.maximum(self.above[self.child], 0)
         self.axis = apply(self.turn[holder], self.joints.axis)
@@ -84,7 +85,7 @@ class Tree:
         found = self._poses.get(key)
         if found is None:
             values = self.batch.settle(states)
-            turn, shift = link_motion(self.links, self.joints, values)
+            turn, shift = self._chains.motion(follow(self.joints, values))
             loops, none = self.batch.loops, np.zeros(0, dtype=np.int64)
             apart = [none if loops is None else loops.apart(*pose) for pose in zip(turn, shift, strict=True)]
             turn = multiply(turn, self.turn.transpose(0, 2, 1))

@@ -57,6 +57,24 @@ def test_bodies_that_overlap_and_bodies_that_do_not(using, near):
     assert same(one, other) and 0.1 < one[0].mean() < 0.9
 
 
+@pytest.mark.parametrize("margin", [5e-7, 1e-3])
+def test_faces_moved_inwards(using, margin):
+    """Pieces whose faces run outwards and inwards, flat and pointed ones, and corners that no face has."""
+    lots = np.random.Generator(np.random.PCG64(3))
+    cube = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+    faces = np.array(
+        [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4]]
+    )
+    points = cube * 10.0 ** lots.uniform(-4, 0, (500, 1, 3)) + lots.normal(size=(500, 1, 3))
+    points[::7, :, 2] = 0.5
+    points[1::9] = np.round(points[1::9], 1)
+    every = faces + 8 * np.arange(500)[:, None, None]
+    every[::3] = every[::3, :, ::-1]
+    first = 8 * np.arange(500)
+    one, other = both(using, lambda: collide.inset(points.reshape(-1, 3), first, every.reshape(-1, 3), margin))
+    assert bits(one) == bits(other) and (one != points.reshape(-1, 3)).any()
+
+
 def pieces(lots, kinds=(4, 8, 16), count=200):
     corners = [lots.normal(size=(count, many, 3)) for many in kinds]
     kind = lots.integers(0, len(kinds), 500)
