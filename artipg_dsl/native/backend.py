@@ -60,6 +60,7 @@ class Machine:
                 "deepest",
                 "wrap",
                 "near_rows",
+                "near_pieces",
                 "near_flat",
                 "near_loose",
             ):

@@ -73,3 +73,35 @@ OUT void examine(int64_t n, const side *moved, const side *still, const turns *a
         apart[k] = all->gap ? least - most >= all->gap[k] * length : least >= most;
     }
 }
+
+/* what lies on links: boxes of links, the range of pieces of each, and boxes of pieces */
+typedef struct {
+    const double *lows, *highs, *low, *high;
+    const int64_t *begin, *end;
+} scene;
+
+/* Of n boxes the pieces of the links ``first`` .. ``stop`` whose boxes they overlap; not those of links that a joint moves along: links
+   (depth links above each in ``chain``) that hang on ``child``, where that is told. Writes up to ``room`` pairs, returns how many there are. */
+OUT int64_t near_pieces(int64_t n, const int64_t *first, const int64_t *stop, const double *low, const double *high, const int64_t *child,
+                        int64_t depth, const int64_t *chain, const scene *all, int64_t room, int64_t *box, int64_t *piece) {
+    int64_t found = 0;
+    for (int64_t k = 0; k < n; k++) {
+        const double *a = low + 3 * k, *b = high + 3 * k;
+        for (int64_t link = first[k]; link < stop[k]; link++) {
+            const double *c = all->lows + 3 * link, *d = all->highs + 3 * link;
+            int64_t up = 0;
+            if (!(a[0] < d[0] && c[0] < b[0] && a[1] < d[1] && c[1] < b[1] && a[2] < d[2] && c[2] < b[2])) continue;
+            if (child) {
+                while (up < depth && chain[link * depth + up] != child[k]) up++;
+                if (up < depth) continue;
+            }
+            for (int64_t other = all->begin[link]; other < all->end[link]; other++) {
+                const double *e = all->low + 3 * other, *f = all->high + 3 * other;
+                if (!(a[0] < f[0] && e[0] < b[0] && a[1] < f[1] && e[1] < b[1] && a[2] < f[2] && e[2] < b[2])) continue;
+                if (found < room) box[found] = k, piece[found] = other;
+                found++;
+            }
+        }
+    }
+    return found;
+}

@@ -32,6 +32,50 @@ class Intervals:
     high: np.ndarray
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """Boxes (L, 3) of links, boxes (N, 3) of pieces, sorted by link, and ``begin`` and ``end`` (L,) of those of each link."""
+
+    lows: np.ndarray
+    highs: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    begin: np.ndarray
+    end: np.ndarray
+
+
+class _Scene(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_void_p) for name in Scene.__slots__]
+
+
+def near_pieces(
+    machine: Machine,
+    links: tuple[np.ndarray, np.ndarray],
+    boxes: tuple[np.ndarray, np.ndarray],
+    child: np.ndarray | None,
+    chain: np.ndarray,
+    scene: Scene,
+) -> tuple[np.ndarray, np.ndarray]:
+    """(box, piece): of boxes (n, 3) the pieces that they overlap, of ``links`` from the first (n,) to before the last (n,), but those that
+    hang on the link ``child`` (n,), as ``chain`` (L, depth) tells."""
+    first, stop, chain = (np.ascontiguousarray(column, dtype=np.int64) for column in (*links, chain))
+    low, high = (np.ascontiguousarray(end, dtype=np.float64) for end in boxes)
+    moved = None if child is None else np.ascontiguousarray(child, dtype=np.int64)
+    columns = [
+        np.ascontiguousarray(getattr(scene, name), dtype=np.int64 if name in ("begin", "end") else np.float64)
+        for name in Scene.__slots__
+    ]
+    held, room = _Scene(*[column.ctypes.data for column in columns]), _ROOM * len(low)
+    while True:
+        found = np.empty((2, room), dtype=np.int64)
+        given = (first, stop, low, high, moved, chain.shape[1], chain, held, room)
+        known = call(machine.library.near_pieces, len(low), *given, found[0], found[1])
+        if known <= room:
+            return found[0, :known], found[1, :known]
+        room = known
+
+
+_ROOM = 16  # pieces near another, for which there is room at first
 _ANGLES = ("middle", "half", "cos_middle", "sin_middle", "cos_half", "sin_half")
 _NUMBERS = ("axis", "origin", *_ANGLES, "advance", "gap", "low", "high")
 

@@ -14,6 +14,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..geometry.collide import find_near, overlap
+from ..native import turning as native
+from ..native.backend import machine as compiled
 from ..records import dataclass
 from ..runtime.batch import Batch
 from .bodies import EXACT, FULL, Pieces, Placed, enumerate_ranges, gather, link_boxes
@@ -159,8 +161,15 @@ def find_near_pieces(
     first, stop = tree.start[body.owner[piece]], tree.start[body.owner[piece] + 1]
     if joint is None:
         first = body.link[piece] + (1 if body.side is None else 0)
-    i, link = enumerate_ranges(first, stop - first)
     lows, highs, begin, end = link_boxes(body, len(tree.links.owner))
+    machine = compiled()
+    if machine is not None:
+        child = None if joint is None else tree.child[joint]
+        scene = native.Scene(lows, highs, body.low, body.high, begin, end)
+        i, other = native.near_pieces(machine, (first, stop), (low, high), child, tree.chain, scene)
+        keep = body.opposed(piece[i], other)
+        return i[keep], other[keep]
+    i, link = enumerate_ranges(first, stop - first)
     if joint is not None:  # what hangs on the joint's link moves along
         child = tree.child[joint]
         stays = ~(tree.chain[link] == child[i][:, None]).any(axis=1)

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from artipg_dsl.geometry.vectors import dot
+from artipg_dsl.native import turning as native
 from artipg_dsl.session import Session
 from artipg_dsl.validity.bodies import Placed, gather, swept_extent
 from artipg_dsl.validity.tree import Tree
 from artipg_dsl.validity.turns import Turns
+from artipg_dsl.validity.validate import find_near_pieces
 
 from .machine import bits, needs_compiler
 
@@ -31,6 +33,26 @@ def pairs():
     stop = start + 10.0 ** lots.uniform(-3, 0.9, 4000)
     advance = np.where(lots.uniform(size=4000) < 0.5, 0.0, 0.01)
     return body, Turns(piece, other, axis, origin, start, stop, advance, np.arange(4000))
+
+
+@pytest.mark.parametrize("name", ["Faucet", "Kettle", "WashingMachine"])
+def test_pieces_near_others(using, monkeypatch, name):
+    """At rest, and those that a joint moves along left out; there is more than there is room for at first."""
+    monkeypatch.setattr(native, "_ROOM", 0)
+    batch = Session.of(name).sampler.batch(np.arange(2), 3)
+    tree = Tree(batch)
+    body = gather(batch, tree.first, tree.turn, tree.shift)
+    every, found = np.arange(len(body)), []
+    for backend in ("numpy", "c"):
+        using(backend)
+        told = [find_near_pieces(tree, body, every, body.low - 0.01, body.high, None)]
+        told += [
+            find_near_pieces(tree, body, piece, body.low[piece] - 0.05, body.high[piece], joint)
+            for piece, joint in tree.carried(body, np.ones(len(tree.joints.owner), dtype=bool))
+        ]
+        found.append([bits(np.asarray(column, dtype=np.int64)) for pair in told for column in pair])
+        assert len(told) > 1 and all(len(pair[0]) for pair in told)
+    assert found[0] == found[1]
 
 
 @pytest.mark.parametrize("gap", [None, 0.02])
