@@ -3,28 +3,89 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator
-from functools import cache
+from collections.abc import Iterable, Sequence
+from functools import cache, cached_property
 
 import numpy as np
 
 from ..geometry.collide import inset
-from ..geometry.merge import Cluster, Convex, clusters, cut, gather_clusters, halves
+from ..geometry.merge import Cluster, cluster_units, cut, gather_clusters, halves
+from ..geometry.stock import Stock, changes
+from ..geometry.vectors import extent
 from ..geometry.wrap import wrap_all
-from ..native.gaps import Stock
 from ..records import dataclass
+from ..validity.bodies import enumerate_ranges
 from . import solids
 
-BUDGET = 60  # colliders of an object
+_BUDGET = 60  # colliders of an object
 STEPS = (0.002, 0.004, 0.008, 0.016, 0.03)  # of the diagonal of the object's box
 Item = solids.Item[solids.ShapedPieces]
-Shape = tuple[np.ndarray, np.ndarray, np.ndarray, int, int]  # as ``ShapedPieces.shapes`` has it
+
+
+class Gathered:
+    """The convex pieces of a batch by their numbers: in the order of objects, sites, rows and pieces within a row; those of object
+    ``i`` from ``first[i]`` on. ``materials`` by site: what each row is made of."""
+
+    def __init__(self, groups: list[solids.ShapedPieces], n_objects: int, materials: dict[int, np.ndarray]):
+        self._groups = groups
+        self._which, self._k, self._row, self.owner = solids.order_by_object(groups)
+        self.first = np.searchsorted(self.owner, np.arange(n_objects + 1)).tolist()
+        self._materials = materials
+
+    def item(self, number: int) -> Item:
+        """Where a piece is from."""
+        return solids.Item(self._groups[self._which[number]], int(self._k[number]), int(self._row[number]))
+
+    def _of_rows(self, columns: Sequence[np.ndarray]) -> np.ndarray:
+        """What the rows of each group say, for all pieces."""
+        start = np.cumsum([0, *map(len, columns)])
+        return np.concatenate(columns)[start[self._which] + self._k]
+
+    @cached_property
+    def link(self) -> np.ndarray:
+        """(n,) the number of the link of each piece."""
+        return self._of_rows([group.table.link[group.rows] for group in self._groups])
+
+    @cached_property
+    def site(self) -> np.ndarray:
+        """(n,) the number of the site of each piece."""
+        found: np.ndarray = np.array([group.table.number for group in self._groups])[self._which]
+        return found
+
+    @cached_property
+    def likeness(self) -> np.ndarray:
+        """(n,) equal numbers for pieces of one site, link and material."""
+        material = self._of_rows([self._materials[group.table.number][group.rows] for group in self._groups])
+        return (self.site * (self.link.max() + 1) + self.link) * (material.max() + 1) + material
+
+    @cached_property
+    def stock(self) -> Stock:
+        """All of them."""
+        groups = self._groups
+        planes = [group.planes for group in groups]
+        triangles = [np.broadcast_to(group.faces, (len(group.rows), *group.faces.shape)) for group in groups]
+        (points,), point_start = self._in_order([group.vertices for group in groups])
+        (triangle, normal, offset), face_start = self._in_order(
+            triangles, [normals for normals, _ in planes], [offsets for _, offsets in planes]
+        )
+        new = changes(self.site) | changes(self._row)
+        name, index = (self._of_rows([getattr(g, of) for g in groups]) for of in ("name", "index"))
+        return Stock(points, point_start, triangle, normal, offset, face_start, np.cumsum(new), name, index)
+
+    def _in_order(self, *columns: Sequence[np.ndarray]) -> tuple[list[np.ndarray], np.ndarray]:
+        """Columns of groups (k, m, ...), one after the other (m of all pieces, ...), and where those of each piece begin."""
+        each = np.array([values.shape[1] for values in columns[0]])
+        base = np.cumsum([0, *(values.shape[0] * values.shape[1] for values in columns[0])])
+        count = each[self._which]
+        _, at = enumerate_ranges(base[self._which] + self._k * count, count)
+        flat = [np.concatenate([part.reshape(-1, *part.shape[2:]) for part in parts]) for parts in columns]
+        return [values[at] for values in flat], np.concatenate([[0], np.cumsum(count)])
 
 
 @dataclass(slots=True, eq=False)
 class Hull:
-    """One collider: its first piece, and where it has several, these, its corners (P, 3) in the object's frame and faces,
-    which ``wrap`` finds.
+    """One collider: its first piece, the numbers of all its pieces, and where these are several, corners (P, 3) in the object's
+    frame and faces, which ``wrap`` finds.
 
     ``cut``: what would fill a hollow is cut off, and with it some of the pieces. ``inner`` (P, 3): its corners moved inwards, so that
     what touches does not meet; ``shrink`` finds them.
@@ -43,56 +104,49 @@ class Hull:
         return self.item.group.vertices[self.item.k] if self.corners is None else self.corners
 
     @property
-    def link(self) -> int:
-        """The number of its link."""
-        return int(self.item.group.table.link[self.item.row])
-
-    @property
     def faces(self) -> np.ndarray:
         """Outward triangles (F, 3)."""
         return self.item.group.faces if self.triangles is None else self.triangles
 
 
 class Body:
-    """The pieces of one object and the hulls in place of them; ``materials`` by site: what each row is made of."""
+    """The pieces of one object, by their numbers, and the hulls in place of them."""
 
-    def __init__(self, items: list[Item], materials: dict[int, np.ndarray]):
-        shapes = [item.group.shapes[item.k] for item in items]
-        tolerances = _tolerances(shapes)
-        stock = None
-        if len(items) > BUDGET:
-            corners, normals, offsets, _, _ = zip(*shapes, strict=True)
-            stock = Stock(corners, normals, offsets, tolerances[-1])
-        pieces = list(_pieces(items, shapes, stock))
-        self._order = {id(piece): k for k, piece in enumerate(pieces)}
-        if len(pieces) <= BUDGET:
-            self.hulls = [Hull(piece.source, (piece,)) for piece in pieces]
+    def __init__(self, gathered: Gathered, first: int, last: int):
+        self._gathered = gathered
+        pieces = np.arange(first, last)
+        self.merged = len(pieces) > _BUDGET
+        if not self.merged:
+            self.hulls = [self._hull(pieces[k : k + 1]) for k in range(len(pieces))]
             return
-        units: dict[int, list[Convex]] = {}
-        for piece in pieces:
-            units.setdefault(piece.unit, []).append(piece)
+        stock = gathered.stock
+        tolerances = _tolerances(stock.points[stock.point_start[first] : stock.point_start[last]])
 
         @cache
-        def merged(tolerance: float) -> list[Cluster]:
-            found = [clusters(unit, tolerance) for unit in units.values()]
-            if sum(map(len, found)) > BUDGET:
-                found = _rows(found, tolerance, materials)
-            return [cluster for unit in found for cluster in unit]
+        def merged(tolerance: float) -> np.ndarray:
+            found = cluster_units(stock, pieces, tolerance)
+            return found if found.max() < _BUDGET else _rows(gathered, pieces, found, tolerance)
 
-        least = bisect_left(tolerances[:-1], True, key=lambda tolerance: len(merged(tolerance)) <= BUDGET)
+        least = bisect_left(tolerances[:-1], True, key=lambda tolerance: merged(tolerance).max() < _BUDGET)
         self.tolerance, self.small = tolerances[least], tolerances[-1]
-        self.hulls = [Hull(cluster[0].source, cluster) for cluster in merged(self.tolerance)]
+        found = merged(self.tolerance)
+        order = np.argsort(found, kind="stable")
+        self.hulls = [self._hull(some) for some in np.split(pieces[order], np.cumsum(np.bincount(found))[:-1])]
+
+    def _hull(self, pieces: Cluster) -> Hull:
+        return Hull(self._gathered.item(int(pieces[0])), pieces)
 
     def reduce(self, hulls: set[Hull]) -> set[Hull]:
         """Put less in place of hulls of several pieces: cut off what fills a hollow, else halve them; returns the new ones."""
+        stock = self._gathered.stock
         kept: list[Hull] = []
         new: set[Hull] = set()
         for hull in self.hulls:
             if hull not in hulls:
                 kept.append(hull)
                 continue
-            plane = None if hull.cut else cut(hull.pieces, self.tolerance, self.small)
-            less = [_without(hull, *plane)] if plane else [Hull(half[0].source, half) for half in halves(hull.pieces)]
+            plane = None if hull.cut else cut(stock, hull.pieces, self.tolerance, self.small)
+            less = [_without(hull, *plane)] if plane else [self._hull(half) for half in halves(stock, hull.pieces)]
             kept += less
             new.update(less)
         self.hulls = kept
@@ -100,54 +154,48 @@ class Body:
 
     def in_order(self) -> list[Hull]:
         """The colliders, in the order of their first pieces."""
-        return sorted(self.hulls, key=lambda hull: self._order[id(hull.pieces[0])])
+        return sorted(self.hulls, key=lambda hull: int(hull.pieces[0]))
 
 
-def _rows(found: list[list[Cluster]], tolerance: float, materials: dict[int, np.ndarray]) -> list[list[Cluster]]:
-    """Primitives of one site, link and material that are a hull each, put together where they stand close."""
-    single: dict[tuple[int, int, int], list[Cluster]] = {}
-    others = []
-    for parts in found:
-        item = parts[0][0].source
-        table = item.group.table
-        key = (table.number, int(table.link[item.row]), int(materials[table.number][item.row]))
-        if len(parts) == 1:
-            single.setdefault(key, []).append(parts[0])
-        else:
-            others.append(parts)
-    return [*(gather_clusters(parts, tolerance) for parts in single.values()), *others]
+def _rows(gathered: Gathered, pieces: Cluster, cluster: np.ndarray, tolerance: float) -> np.ndarray:
+    """Which cluster (n,) each piece is of, where primitives of one site, link and material that are a hull each are put together
+    where they stand close; from what they are of before, ascending with the primitives."""
+    new = changes(gathered.stock.unit[pieces])
+    unit, first = np.cumsum(new) - 1, np.flatnonzero(new)
+    single = np.minimum.reduceat(cluster, first) == np.maximum.reduceat(cluster, first)
+    _, kind, many = np.unique(
+        np.where(single, gathered.likeness[pieces[first]], -1), return_inverse=True, return_counts=True
+    )
+    found = cluster.copy()
+    for k in np.flatnonzero(many > 1).tolist():
+        mine = np.flatnonzero((single & (kind == k))[unit])
+        if len(mine):
+            own = pieces[mine]
+            start = gather_clusters(gathered.stock, own, np.flatnonzero(changes(unit[mine])), tolerance)
+            found[mine] = found[mine[start]].repeat(np.append(start[1:], len(own)) - start)
+    _, found = np.unique(found, return_inverse=True)
+    return found
 
 
-def _tolerances(shapes: list[Shape]) -> list[float]:
+def _tolerances(points: np.ndarray) -> list[float]:
     """How far hulls may reach from the pieces of an object: more and more, metres."""
-    points = np.concatenate([corners for corners, *_ in shapes]) if shapes else np.zeros((1, 3))
-    extent = points.max(axis=0) - points.min(axis=0)
-    diagonal = float(np.sqrt(extent[0] ** 2 + extent[1] ** 2 + extent[2] ** 2))
+    low, high = extent(points)
+    size = high - low
+    diagonal = float(np.sqrt(size[0] ** 2 + size[1] ** 2 + size[2] ** 2))
     return [step * diagonal for step in STEPS]
 
 
-def _pieces(items: list[Item], shapes: list[Shape], stock: Stock | None) -> Iterator[Convex]:
-    first, unit = (-1, -1), -1
-    for k, (item, (corners, normals, offsets, name, index)) in enumerate(zip(items, shapes, strict=True)):
-        if (item.group.table.number, item.row) != first:
-            first, unit = (item.group.table.number, item.row), k  # a primitive is named after its first piece
-        yield Convex(corners, normals, offsets, unit, name, index, item, stock, k)
-
-
-def wrap(hulls: Iterable[Hull]) -> None:
+def wrap(stock: Stock, hulls: Iterable[Hull]) -> None:
     """Find the corners and the outward faces of those hulls of several pieces that have none yet."""
     several = [hull for hull in hulls if len(hull.pieces) > 1 and hull.triangles is None]
-    points = [
-        np.concatenate([piece.points for piece in hull.pieces]) if hull.corners is None else hull.corners
-        for hull in several
-    ]
+    points = [stock.corners(hull.pieces) if hull.corners is None else hull.corners for hull in several]
     for hull, own, (used, faces) in zip(several, points, wrap_all(points), strict=True):
         hull.corners, hull.triangles = own[used], faces
 
 
 def shrink(hulls: Iterable[Hull]) -> None:
-    """Move the corners of those hulls inwards that have none so yet."""
-    left = [hull for hull in dict.fromkeys(hulls) if hull.inner is None]
+    """Move the corners of those hulls of several pieces inwards that have none so yet."""
+    left = [hull for hull in dict.fromkeys(hulls) if hull.inner is None and len(hull.pieces) > 1]
     if not left:
         return
     points, faces = [hull.vertices for hull in left], [hull.faces for hull in left]

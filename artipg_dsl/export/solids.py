@@ -18,7 +18,7 @@ from ..geometry.pieces import fit_all
 from ..geometry.resolution import FINEST, STANDARD, Resolution, measure_bends, within_budget
 from ..geometry.sites import scatter
 from ..geometry.topology import topology
-from ..geometry.vectors import cross, dot
+from ..geometry.vectors import cross, dot, extent
 from ..records import dataclass
 from ..validity.bodies import enumerate_ranges
 from .shading import Shading, shade
@@ -76,11 +76,6 @@ class ShapedPieces:
     def places(self) -> np.ndarray:
         """(k,) what orders the pieces of one row."""
         return (self.name << 32) + self.index
-
-    @cached_property
-    def shapes(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, int, int]]:
-        """Of each: corners (P, 3), normals (F, 3) and offsets (F,) of its faces, name and index."""
-        return list(zip(self.vertices, *self.planes, self.name.tolist(), self.index.tolist(), strict=True))
 
     @cached_property
     def planes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -173,7 +168,7 @@ def _place_points(table: SiteTable, rows: np.ndarray, points: np.ndarray) -> np.
 
 def match_box(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Whether the points (k, P, 3) are the eight corners of a box along the axes; its size and centre (k, 3)."""
-    low, high = vertices.min(axis=1), vertices.max(axis=1)
+    low, high = extent(vertices)
     size, center = high - low, (high + low) / 2
     if vertices.shape[1] != 8:
         return np.zeros(len(vertices), dtype=bool), size, center
@@ -193,7 +188,7 @@ def match_round(vertices: np.ndarray) -> np.ndarray:
     found = np.zeros((len(vertices), 3))
     if vertices.shape[1] < 12:
         return found
-    low, high = vertices.min(axis=1), vertices.max(axis=1)
+    low, high = extent(vertices)
     middle, half = (low + high) / 2, (high - low) / 2
     local = vertices - middle[:, None]
     radius, near = half[:, 0], 1e-6 * half.max(axis=1)
@@ -215,15 +210,21 @@ def match_round(vertices: np.ndarray) -> np.ndarray:
 
 
 def group_by_object(groups: list[Group], n_objects: int) -> list[list[Item[Group]]]:
-    """Items of each object, in the order of sites, rows, and pieces within a row."""
+    """Items of each object, in the order of ``order_by_object``."""
     items: list[list[Item[Group]]] = [[] for _ in range(n_objects)]
+    for g, *at, of in zip(*(column.tolist() for column in order_by_object(groups)), strict=True):
+        items[of].append(Item(groups[g], *at))
+    return items
+
+
+def order_by_object(groups: Sequence[Group]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Group, row within it, row of the site and object (n,) of all that is in groups, in the order of objects, sites, rows, and
+    what one row has several of."""
     if not groups:
-        return items
+        return (np.zeros(0, dtype=np.int64),) * 4
     which, k = enumerate_ranges(np.zeros(len(groups), dtype=np.int64), np.array([len(group.rows) for group in groups]))
     row, place = (np.concatenate(column) for column in zip(*((g.rows, g.places) for g in groups), strict=True))
     site = np.array([group.table.number for group in groups])[which]
     owner = np.concatenate([group.table.owner[group.rows] for group in groups])
     order = np.lexsort((place, row, site, owner))
-    for g, *at, of in zip(*(column[order].tolist() for column in (which, k, row, owner)), strict=True):
-        items[of].append(Item(groups[g], *at))
-    return items
+    return which[order], k[order], row[order], owner[order]

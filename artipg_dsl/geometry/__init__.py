@@ -8,11 +8,11 @@ Begin with ``patches`` and ``mesh``.
     facts                                        what was found in an earlier run
     trial, topology, weld, flat, resolution      computed once per primitive: which edges meet, how many steps
     patches, surface, density, quadrature        positions, normals, areas, places drawn by area, integrals
-    mesh, merge, pieces, box, bound              watertight meshes, convex pieces, stated boxes
+    mesh, pieces, box, bound                     watertight meshes, convex pieces, stated boxes
     sites, block, points, pointset               points on the visible surface of whole objects
     candidates, hidden                           where points may come to lie, and which of them are covered
     outside, rays, blue, cells                   what can be seen from outside; points that keep their distance
-    wrap                                         the convex hulls of many sets of points
+    stock, merge, wrap                           convex pieces in arrays, hulls in place of several, convex hulls of points
     collide, overlap, enclosure                  convex bodies that meet, what they share, what contains what
     nearest                                      the nearest of points in many sets
     vectors                                      products and lengths of arrays of vectors

@@ -2,21 +2,20 @@
 
 How much a hull adds is told by how far points of it lie from the nearest piece: points half way between corners that
 reach far in some direction. So the walls of a vessel become staves of few sides, while a hole stays a hole. What a hull
-adds to the side of the hollow can be cut off along the face of a piece there. Pieces know where they stand: which
-primitive they belong to, which step around or along it (``index``), which of its names.
+adds to the side of the hollow can be cut off along the face of a piece there. Pieces are numbers of a stock, which
+knows where they stand: which primitive they belong to, which step around or along it, which of its names.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any
+from itertools import pairwise
 
 import numpy as np
 
 from ..native import backend, gaps
-from ..records import dataclass
+from .stock import Stock, changes
 
 _LEFT = 0.05  # of the depth of a piece: one that keeps less when it is cut is lost
 _LOST = 3  # one piece in so many at most: four staves of a thin ring lose a third, and stand all round it
@@ -27,86 +26,47 @@ _WAYS = np.array(
 _MANY, _FIRST = 64, 4  # pieces from which on points are asked about by and by, and how many at first
 _TURNED = _WAYS + np.array([0.011, 0.007, 0.003])  # so that no two corners of a box tie
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Convex:
-    """A convex piece: corners (P, 3), planes of its faces (outward normals (F, 3), offsets (F,)).
-
-    ``unit`` numbers its primitive within the body, ``name`` the piece within the primitive, ``index`` the step.
-    ``source`` is what a caller knows it by. ``stock`` holds it for compiled code, as its ``number``.
-    """
-
-    points: np.ndarray
-    normals: np.ndarray
-    offsets: np.ndarray
-    unit: int
-    name: int
-    index: int
-    source: Any = None
-    stock: gaps.Stock | None = None
-    number: int = 0
+Cluster = np.ndarray  # numbers (n,) of pieces
 
 
-Cluster = tuple[Convex, ...]
-
-
-def gap(pieces: Sequence[Convex]) -> float:
+def gap(stock: Stock, pieces: Cluster) -> float:
     """How far the hull of pieces reaches from them, at the points looked at; metres."""
-    return 0.0 if len(pieces) == 1 else _asked(tuple(pieces))[0]
+    return 0.0 if len(pieces) == 1 else _asked(stock, pieces)[0]
 
 
-def _within(pieces: Sequence[Convex], tolerance: float) -> bool:
-    """Whether the hull of pieces reaches from them by no more than a tolerance, which is less than what is enough for their stock."""
-    if len(pieces) == 1:
-        return True
-    stock, machine = pieces[0].stock, backend.machine()
-    if stock is None or machine is None:
-        return gap(pieces) <= tolerance
-    numbers = tuple([piece.number for piece in pieces])
-    found = stock.bounded.get(numbers)
-    if found is None:
-        found, _ = gaps.deepest(machine, stock, numbers, _TURNED, stock.enough)
-        stock.bounded[numbers] = found
-    return found <= tolerance
-
-
-def _hollow(pieces: Sequence[Convex]) -> tuple[np.ndarray, float]:
+def _hollow(stock: Stock, pieces: Cluster) -> tuple[np.ndarray, float]:
     """The plane (normal (3,), offset) of the face beyond which the hull of several pieces reaches farthest from them."""
-    _, face = _asked(tuple(pieces))
-    for piece in pieces:
-        if face < len(piece.offsets):
-            return piece.normals[face], float(piece.offsets[face])
-        face -= len(piece.offsets)
-    raise ValueError("no pieces")
+    _, face = _asked(stock, pieces)
+    at = stock.faces(pieces)[face]
+    return stock.normals[at], float(stock.offsets[at])
 
 
-def _asked(pieces: Cluster) -> tuple[float, int]:
-    """``_deepest``, by compiled code where there is some; a stock keeps what several tolerances ask for."""
-    stock, machine = pieces[0].stock, backend.machine()
-    if stock is None:
-        return _deepest(pieces)
-    numbers = tuple([piece.number for piece in pieces])
-    if numbers not in stock.known:
-        found = _deepest(pieces) if machine is None else gaps.deepest(machine, stock, numbers, _TURNED)
-        stock.known[numbers] = found
-    return stock.known[numbers]
+def _asked(stock: Stock, pieces: Cluster) -> tuple[float, int]:
+    """``_deepest``, by compiled code where there is some; what was asked is kept."""
+    key = pieces.tobytes()
+    if key not in stock.known:
+        machine = backend.machine()
+        stock.known[key] = (
+            _deepest(stock, pieces) if machine is None else gaps.deepest(machine, stock.places, pieces, _TURNED)
+        )
+    return stock.known[key]
 
 
-def _deepest(pieces: Cluster) -> tuple[float, int]:
+def _deepest(stock: Stock, pieces: Cluster) -> tuple[float, int]:
     """How far the hull reaches from its pieces where it does most, and the nearest face there, counted over all pieces.
 
     Of many pieces, the one with the nearest middle tells how far a point lies at most: all are asked about the farthest alone.
     """
-    points = _extreme(np.concatenate([piece.points for piece in pieces]))
+    points = _extreme(stock.corners(pieces))
     i, j = _pairs(len(points))
     middles = (points[i] + points[j]) / 2
-    normals = np.concatenate([piece.normals for piece in pieces])
-    offsets = np.concatenate([piece.offsets for piece in pieces])
-    start = np.cumsum([0, *(len(piece.offsets) for piece in pieces)])
+    faces = stock.faces(pieces)
+    normals, offsets = stock.normals[faces], stock.offsets[faces]
+    start = np.cumsum([0, *(stock.face_start[pieces + 1] - stock.face_start[pieces])])
     numbers = np.arange(len(middles))
     at_most, block = None, len(middles)
     if len(pieces) > _MANY:
-        at_most = _from_nearest(pieces, middles)
+        at_most = _from_nearest(stock, pieces, middles)
         numbers, block = np.argsort(-at_most, kind="stable"), _FIRST
     depth, first, face = -np.inf, 0, 0
     while len(numbers):
@@ -125,16 +85,16 @@ def _deepest(pieces: Cluster) -> tuple[float, int]:
     return depth, face
 
 
-def _from_nearest(pieces: Cluster, points: np.ndarray) -> np.ndarray:
+def _from_nearest(stock: Stock, pieces: Cluster, points: np.ndarray) -> np.ndarray:
     """How far points (n, 3) lie from the piece whose middle is nearest."""
-    counts = np.array([len(piece.points) for piece in pieces])
-    middles = np.add.reduceat(np.concatenate([piece.points for piece in pieces]), np.cumsum(counts) - counts, axis=0)
+    counts = stock.sizes(pieces)
+    middles = np.add.reduceat(stock.corners(pieces), np.cumsum(counts) - counts, axis=0)
     x, y, z = (points[:, n, None] - middles[:, n] / counts for n in range(3))
     nearest = (x * x + y * y + z * z).argmin(axis=1)
     found = np.zeros(len(points))
     for k in set(nearest.tolist()):
-        mine = nearest == k
-        found[mine] = _beyond(pieces[k].normals, pieces[k].offsets, points[mine]).max(axis=0)
+        mine, faces = nearest == k, stock.faces(pieces[k : k + 1])
+        found[mine] = _beyond(stock.normals[faces], stock.offsets[faces], points[mine]).max(axis=0)
     return found
 
 
@@ -160,90 +120,117 @@ def _extreme(points: np.ndarray) -> np.ndarray:
     return points[sorted(set(reach.argmax(axis=1).tolist()))]
 
 
-def clusters(pieces: Sequence[Convex], tolerance: float) -> list[Cluster]:
+def cluster_units(stock: Stock, pieces: Cluster, tolerance: float) -> np.ndarray:
+    """Which cluster (n,) each piece is of, where those of each primitive are put together by ``clusters``; in order of primitive,
+    name and index."""
+    machine, unit = backend.machine(), stock.unit[pieces]
+    if machine is not None:
+        name = stock.name[pieces]
+        return gaps.cluster(machine, stock.places, pieces, unit, name, np.array(_SECTORS), _TURNED, tolerance)
+    found = [
+        cluster
+        for own in np.split(pieces, np.flatnonzero(changes(unit))[1:])
+        for cluster in clusters(stock, own, tolerance)
+    ]
+    of = np.repeat(np.arange(len(found)), [len(cluster) for cluster in found])
+    return of[np.argsort(np.concatenate(found))]
+
+
+def clusters(stock: Stock, pieces: Cluster, tolerance: float) -> list[Cluster]:
     """The pieces of one primitive, in order of name and index, put together where hulls add less than ``tolerance``."""
-    names: dict[int, list[Convex]] = {}
-    for piece in pieces:
-        names.setdefault(piece.name, []).append(piece)
+    name = stock.name[pieces]
+    start = np.flatnonzero(changes(name))
+    steps = np.diff(start, append=len(pieces))
     found: list[Cluster] = []
-    runs: list[list[list[Convex]]] = []
-    for steps in names.values():  # names of one step and names of several do not mix
-        if runs and (len(runs[-1][0]) > 1) == (len(steps) > 1):
-            runs[-1].append(steps)
+    single = steps == 1  # names of one step and names of several do not mix
+    runs = [*np.flatnonzero(changes(single)).tolist(), len(steps)]
+    for first, last in pairwise(runs):
+        begin = start[first:last]
+        if single[first]:
+            found += _joined(pieces, *_chained(stock, pieces, begin, begin + 1, tolerance))
         else:
-            runs.append([steps])
-    for run in runs:
-        found += _chained([tuple(steps) for steps in run], tolerance) if len(run[0]) == 1 else _grid(run, tolerance)
+            found += _grid(stock, pieces, begin, steps[first:last], tolerance)
     return found
 
 
-def _grid(run: list[list[Convex]], tolerance: float) -> list[Cluster]:
-    """Names with several steps each: as few sectors of steps as do, then names in a row put together in all sectors alike."""
-    most = max(len(steps) for steps in run)
+def _grid(stock: Stock, pieces: Cluster, start: np.ndarray, steps: np.ndarray, tolerance: float) -> list[Cluster]:
+    """Names with several ``steps`` each from ``start`` on: as few sectors of steps as do, then names in a row put together in all
+    sectors alike."""
+    most = int(steps.max())
     counts = [c for c in _SECTORS if c < most]
 
+    def sectors(count: int, which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Where sectors begin and end (names, len(which))."""
+        begin, end = (-(-steps[:, None] * k // count) + start[:, None] for k in (which, which + 1))
+        return begin, end
+
     def fits(count: int) -> bool:
-        looked_at = range(count) if len(run) == 1 else (0, count // 4)  # steps around an axis are alike
-        sectors = (_sector(steps, count, k) for steps in run for k in looked_at)
-        return all(_within(part, tolerance) for part in sectors if part)
+        looked_at = np.arange(count) if len(steps) == 1 else np.array([0, count // 4])  # steps around an axis are alike
+        parts = zip(*(ends.ravel().tolist() for ends in sectors(count, looked_at)), strict=True)
+        return all(b - a < 2 or gap(stock, pieces[a:b]) <= tolerance for a, b in parts)
 
     count = [*counts, most][bisect_left(counts, True, key=fits)]  # with more sectors gaps are less
-    sectors = [_sectors(steps, count) for steps in run]
-    if len(run) == 1:
-        return [part for part in sectors[0] if part]
-    first = _chained([parts[0] for parts in sectors], tolerance)
-    lengths, at, found = [], 0, []
-    for merged in first:
-        stop = at
-        while at < len(run) and {p.name for p in sectors[at][0]} <= {p.name for p in merged}:
-            at += 1
-        lengths.append((stop, at))
+    begin, end = sectors(count, np.arange(count))
+    together = np.zeros(1, dtype=np.int64)
+    if len(steps) > 1:
+        *_, together = _chained(stock, pieces, begin[:, 0], end[:, 0], tolerance)
+    found = []
     for k in range(count):
-        found += [sum((parts[k] for parts in sectors[a:b]), ()) for a, b in lengths]
-    return [cluster for cluster in found if cluster]
+        found += _joined(pieces, begin[:, k], end[:, k], together)
+    return [cluster for cluster in found if len(cluster)]
 
 
-def _sectors(steps: list[Convex], count: int) -> list[Cluster]:
-    return [_sector(steps, count, k) for k in range(count)]
+def _chained(
+    stock: Stock, pieces: Cluster, begin: np.ndarray, end: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Parts of ``pieces`` one after the other, put together as long as the hull of all adds less than ``tolerance``: where they
+    begin and end, and which cluster each is of."""
+    begin, end = np.ascontiguousarray(begin), np.ascontiguousarray(end)
+    machine = backend.machine()
+    if machine is not None:
+        return begin, end, gaps.chain(machine, stock.places, pieces, begin, end, _TURNED, tolerance)
+    found, last = [0], pieces[begin[0] : end[0]]
+    for a, b in zip(begin[1:].tolist(), end[1:].tolist(), strict=True):
+        more = np.concatenate([last, pieces[a:b]])
+        fit = gap(stock, more) <= tolerance
+        last = more if fit else pieces[a:b]
+        found.append(found[-1] + (not fit))
+    return begin, end, np.array(found)
 
 
-def _sector(steps: list[Convex], count: int, k: int) -> Cluster:
-    return tuple(steps[-(-len(steps) * k // count) : -(-len(steps) * (k + 1) // count)])
+def _joined(pieces: Cluster, begin: np.ndarray, end: np.ndarray, cluster: np.ndarray) -> list[Cluster]:
+    """The clusters of parts of ``pieces``, told by where they begin and end and which one each is of, ascending."""
+    start = [*np.flatnonzero(changes(cluster)).tolist(), len(cluster)]
+    parts = [pieces[a:b] for a, b in zip(begin.tolist(), end.tolist(), strict=True)]
+    return [parts[a] if b == a + 1 else np.concatenate(parts[a:b]) for a, b in pairwise(start)]
 
 
-def _chained(parts: list[Cluster], tolerance: float) -> list[Cluster]:
-    """Clusters one after the other, put together as long as the hull of all adds less than ``tolerance``."""
-    found: list[Cluster] = []
-    for part in parts:
-        if found and _within(found[-1] + part, tolerance):
-            found[-1] = found[-1] + part
-        else:
-            found.append(part)
-    return found
-
-
-def gather_clusters(parts: list[Cluster], tolerance: float) -> list[Cluster]:
-    """Clusters of several primitives in a row, such as the keys of a keyboard: rows first, then rows of rows."""
+def gather_clusters(stock: Stock, pieces: Cluster, start: np.ndarray, tolerance: float) -> np.ndarray:
+    """Where clusters of several primitives in a row begin, such as the keys of a keyboard, from where those of the primitives do,
+    ``start`` (k,): rows first, then rows of rows."""
     while True:
-        fewer = _chained(parts, tolerance)
-        if len(fewer) == len(parts):
-            return parts
-        parts = fewer
+        _, _, cluster = _chained(stock, pieces, start, np.append(start[1:], len(pieces)), tolerance)
+        fewer = start[changes(cluster)]
+        if len(fewer) == len(start):
+            return start
+        start = fewer
 
 
-def cut(pieces: Cluster, tolerance: float, small: float) -> tuple[np.ndarray, float] | None:
+def cut(stock: Stock, pieces: Cluster, tolerance: float, small: float) -> tuple[np.ndarray, float] | None:
     """The plane (normal, offset) along which the hull of pieces of one primitive can be cut off, to clear what they surround.
 
     It is that of their face that the hull reaches farthest beyond: a stave of a ring so cut touches the bore. None where
     a piece would fall short by more than ``tolerance``, or, unless all are within a box of ``small``, one would be lost;
     of those, where more than one in _LOST would be.
     """
-    if len({piece.unit for piece in pieces}) > 1:
+    unit = stock.unit[pieces]
+    if (unit != unit[0]).any():
         return None
-    normal, offset = _hollow(pieces)
-    points = np.concatenate([piece.points for piece in pieces])
+    normal, offset = _hollow(stock, pieces)
+    points = stock.corners(pieces)
     beyond = points[:, 0] * normal[0] + points[:, 1] * normal[1] + points[:, 2] * normal[2] - offset
-    start = np.cumsum([0, *(len(piece.points) for piece in pieces[:-1])])
+    count = stock.sizes(pieces)
+    start = np.cumsum(count) - count
     high, low = np.maximum.reduceat(beyond, start), np.minimum.reduceat(beyond, start)
     if high.max() > tolerance or low.min() > -_LEFT * (high.max() - low.min()):
         return None
@@ -252,19 +239,19 @@ def cut(pieces: Cluster, tolerance: float, small: float) -> tuple[np.ndarray, fl
     return None if lost.sum() > most else (normal, offset)
 
 
-def halves(cluster: Cluster) -> tuple[Cluster, Cluster]:
+def halves(stock: Stock, cluster: Cluster) -> tuple[Cluster, Cluster]:
     """A cluster of several pieces in two: of primitives, else of steps, or of names where that fills clearly less."""
     ways = []
-    for key in ("unit", "index", "name"):
-        values = sorted({getattr(piece, key) for piece in cluster})
-        if len(values) > 1:
-            middle = values[len(values) // 2]
-            one = tuple(p for p in cluster if getattr(p, key) < middle)
-            other = tuple(p for p in cluster if getattr(p, key) >= middle)
-            if key == "unit":
-                return one, other
-            ways.append((one, other))
+    for key in (stock.unit, stock.index, stock.name):
+        values = key[cluster]
+        each = np.unique(values)
+        if len(each) > 1:
+            lower = values < each[len(each) // 2]
+            halved = cluster[lower], cluster[~lower]
+            if key is stock.unit:
+                return halved
+            ways.append(halved)
     if not ways:
         raise ValueError("a single piece")
-    first, last = (max(gap(one), gap(other)) for one, other in (ways[0], ways[-1]))
+    first, last = (max(gap(stock, one), gap(stock, other)) for one, other in (ways[0], ways[-1]))
     return ways[-1] if last < 0.9 * first else ways[0]

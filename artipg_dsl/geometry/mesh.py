@@ -15,6 +15,7 @@ from ..records import dataclass
 from .patches import Params, find_existing, position_split, rows_of
 from .resolution import measure_bends, measure_spans
 from .topology import Topology, topology
+from .vectors import extent
 from .weld import WeldPlan, plan_weld, step_counts
 
 _TRIANGLES = 100_000  # summed at a time, so that the terms stay in the caches
@@ -104,7 +105,8 @@ def moments(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.nda
 
     Sums over signed tetrahedra with the apex in the centre of the box, in an order that the batch does not change.
     """
-    middle = (vertices.min(axis=1) + vertices.max(axis=1)) / 2
+    low, high = extent(vertices)
+    middle = (low + high) / 2
     a, b, c = (
         [vertices[:, faces[:, corner], axis] - middle[:, axis, None] for axis in range(3)] for corner in range(3)
     )

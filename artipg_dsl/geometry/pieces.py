@@ -24,7 +24,7 @@ from .errors import PrimitiveError
 from .patches import Params, evaluate_rows, rows_of
 from .topology import topology
 from .trial import draw_trial, variants
-from .vectors import cross, dot
+from .vectors import cross, dot, extent
 from .weld import plan_weld, step_counts
 
 _STEPS = (24, 16, 12, 8)  # per full turn: a hull takes the finest of these that has few corners
@@ -372,13 +372,13 @@ def _hull(primitive: Primitive, name: str, points: np.ndarray) -> _Hull:
     """The hull of one instance (P, 3), triangulated, faces outwards; PrimitiveError when the points are flat."""
     from scipy.spatial import ConvexHull, QhullError  # late: importing the package must not load SciPy
 
-    low, extent = points.min(axis=0), points.max(axis=0) - points.min(axis=0)
-    if not np.isfinite(extent).all():
+    low, size = points.min(axis=0), points.max(axis=0) - points.min(axis=0)
+    if not np.isfinite(size).all():
         raise PrimitiveError(primitive, None, f"piece {name} has points that are not finite numbers")
     flat = PrimitiveError(primitive, None, f"piece {name} has no volume: its points lie in one plane")
-    if (extent <= 1e-12 * extent.max()).any():
+    if (size <= 1e-12 * size.max()).any():
         raise flat
-    scaled = (points - low) / extent  # the faces of a hull do not change under scaling, their precision does
+    scaled = (points - low) / size  # the faces of a hull do not change under scaling, their precision does
     try:
         found = ConvexHull(scaled)
     except QhullError as error:
@@ -399,9 +399,9 @@ def _fits(points: np.ndarray, hull: _Hull) -> np.ndarray:
 
     A closed surface of the kind of a sphere is convex as a whole when it is so along every edge.
     """
-    low = points.min(axis=1, keepdims=True)
-    extent = np.maximum((points.max(axis=1, keepdims=True) - low).max(axis=2, keepdims=True), 1e-300)
-    scaled = np.ascontiguousarray(((points - low) / extent).transpose(2, 0, 1))
+    low, high = extent(points)
+    reach = np.maximum((high - low).max(axis=1), 1e-300)[:, None, None]
+    scaled = np.ascontiguousarray(((points - low[:, None]) / reach).transpose(2, 0, 1))
     faces, across = hull.used[hull.faces], hull.used[hull.across]
     others = () if len(hull.used) == points.shape[1] else np.setdiff1d(np.arange(points.shape[1]), hull.used)
     fits = np.ones(len(points), dtype=bool)

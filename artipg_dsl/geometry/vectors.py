@@ -27,3 +27,22 @@ def length(vectors: np.ndarray) -> np.ndarray:
 def unit(vectors: np.ndarray) -> np.ndarray:
     """The same directions at length 1."""
     return vectors / length(vectors)
+
+
+def extent(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The least and the most (..., 3) of points (..., n, 3), n > 0, along each axis.
+
+    Halves are compared until one point is left: NumPy reduces an axis before a last one of three some five times slower.
+    """
+    return _folded(np.minimum, points), _folded(np.maximum, points)
+
+
+def _folded(best: np.ufunc, points: np.ndarray) -> np.ndarray:
+    while (count := points.shape[-2]) > 1:
+        half = count // 2
+        found = best(points[..., :half, :], points[..., half : 2 * half, :])
+        if count % 2:
+            best(found[..., 0, :], points[..., -1, :], out=found[..., 0, :])
+        points = found
+    one: np.ndarray = points[..., 0, :]
+    return one

@@ -48,6 +48,8 @@ class Machine:
                 "nearest_of",
                 "depth_pictures",
                 "depth_sides",
+                "chain",
+                "cluster",
             ):
                 getattr(library, name).restype = None
             for name in (
@@ -67,6 +69,7 @@ class Machine:
                 getattr(library, name).restype = ctypes.c_int64
             self._run, look = library.run, library.look
             self.print_rows, self.deepest = library.print_rows, library.deepest
+            self.chain, self.cluster = library.chain, library.cluster
             self._moves = {
                 kinds: ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0
                 for kinds, name in (("???->?", "choose1"), ("?dd->d", "choose8"), ("?->d", "number"))
@@ -76,7 +79,21 @@ class Machine:
         long, address = ctypes.c_int64, ctypes.c_void_p
         self._run.argtypes = [address] * 5 + [long] * 4
         self.print_rows.argtypes = [long] * 4 + [address, ctypes.c_char_p, address, address]  # called often for little
-        self.deepest.argtypes = [long] + [address] * 6 + [long, address, ctypes.c_double, address]
+        stock = address, address, address, address, address, long, address
+        self.deepest.argtypes = (*stock, address, long, address)
+        self.chain.argtypes = (*stock, ctypes.c_double, address, long, address, address, address, address)
+        self.cluster.argtypes = (
+            *stock,
+            ctypes.c_double,
+            address,
+            long,
+            address,
+            address,
+            long,
+            address,
+            address,
+            address,
+        )
         look.argtypes, look.restype = [long, long, address], None
         found = np.zeros(5, dtype=np.int64)
         shown = np.zeros((7, 3))[::2, 1]

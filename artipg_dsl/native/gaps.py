@@ -1,10 +1,12 @@
-"""How far hulls reach from their pieces, by compiled code: what ``geometry.merge`` computes, with the same bits."""
+"""How far hulls reach from their pieces, by compiled code: what ``geometry.merge`` computes, with the same bits.
+
+``places`` are the addresses of what a stock of pieces holds: corners, where those of each begin, outward normals and offsets of its
+faces, where those of each begin. ``ways`` (w, 3), up to 64: what extreme points are extreme along. Pieces are told by their numbers.
+"""
 
 from __future__ import annotations
 
 import ctypes
-from array import array
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,36 +14,47 @@ import numpy as np
 if TYPE_CHECKING:
     from .backend import Machine
 
-
-class Stock:
-    """Convex pieces one after the other: corners (P, 3) of each, outward normals (F, 3) and offsets (F,) of its faces.
-
-    ``enough``: how far a hull reaches that reaches too far whatever is asked, metres.
-    """
-
-    def __init__(
-        self,
-        points: Sequence[np.ndarray],
-        normals: Sequence[np.ndarray],
-        offsets: Sequence[np.ndarray],
-        enough: float = np.inf,
-    ):
-        arrays = [np.ascontiguousarray(np.concatenate(a), dtype=np.float64) for a in (points, normals, offsets)]
-        starts = [np.cumsum([0, *map(len, some)], dtype=np.int64) for some in (points, offsets)]
-        self._kept = (arrays[0], starts[0], arrays[1], arrays[2], starts[1])
-        self.enough = enough
-        self.known: dict[tuple[int, ...], tuple[float, int]] = {}  # what was asked about some of them
-        self.bounded: dict[tuple[int, ...], float] = {}  # and of which no more is known than that it is enough
-        self.places = [a.ctypes.data for a in self._kept]
+Places = tuple[int, int, int, int, int]
 
 
-def deepest(
-    machine: Machine, stock: Stock, pieces: Sequence[int], ways: np.ndarray, enough: float = np.inf
-) -> tuple[float, int]:
-    """How far the hull of pieces, told by their numbers, reaches where it does most, and the nearest face there, counted
-    over them. ``ways`` (w, 3), up to 64: what extreme points are extreme along. Where it reaches farther than ``enough``, so it is told."""
-    numbers, depth = array("q", pieces), ctypes.c_double()
-    place, _ = numbers.buffer_info()
-    way, _ = ways.__array_interface__["data"]
-    face = machine.deepest(len(pieces), place, *stock.places, len(ways), way, enough, ctypes.byref(depth))
+def deepest(machine: Machine, places: Places, pieces: np.ndarray, ways: np.ndarray) -> tuple[float, int]:
+    """How far the hull of pieces (n,) reaches where it does most, and the nearest face there, counted over them."""
+    depth = ctypes.c_double()
+    face = machine.deepest(*places, len(ways), ways.ctypes.data, pieces.ctypes.data, len(pieces), ctypes.byref(depth))
     return depth.value, face
+
+
+def cluster(
+    machine: Machine,
+    places: Places,
+    pieces: np.ndarray,
+    unit: np.ndarray,
+    name: np.ndarray,
+    sectors: np.ndarray,
+    ways: np.ndarray,
+    tolerance: float,
+) -> np.ndarray:
+    """Which cluster (n,) each of ``pieces`` (n,) is of, which are in order of ``unit``, ``name`` (n,) and index; ``sectors`` (k,) is how
+    many there may be around an axis, ascending."""
+    count = len(pieces)
+    room, found = np.empty(6 * count + 1, dtype=np.int64), np.empty(count, dtype=np.int64)
+    units = count, unit.ctypes.data, name.ctypes.data, len(sectors), sectors.ctypes.data
+    given = (*places, len(ways), ways.ctypes.data, tolerance, pieces.ctypes.data)
+    machine.cluster(*given, *units, room.ctypes.data, found.ctypes.data)
+    return found
+
+
+def chain(
+    machine: Machine,
+    places: Places,
+    pieces: np.ndarray,
+    begin: np.ndarray,
+    end: np.ndarray,
+    ways: np.ndarray,
+    tolerance: float,
+) -> np.ndarray:
+    """Which cluster (k,) each part is of: parts one after the other, put together as long as the hull of all reaches no farther."""
+    found, row = np.empty(len(begin), dtype=np.int64), np.empty(int((end - begin).sum()), dtype=np.int64)
+    parts = pieces.ctypes.data, len(begin), begin.ctypes.data, end.ctypes.data
+    machine.chain(*places, len(ways), ways.ctypes.data, tolerance, *parts, row.ctypes.data, found.ctypes.data)
+    return found

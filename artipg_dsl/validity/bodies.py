@@ -13,7 +13,7 @@ import numpy as np
 from ..geometry.collide import DEPTH, inset
 from ..geometry.pieces import Cloud
 from ..geometry.sites import scatter
-from ..geometry.vectors import cross, dot
+from ..geometry.vectors import cross, dot, extent
 from ..native.backend import machine as compiled
 from ..native.narrow import Side
 from ..native.turning import sweep
@@ -110,7 +110,8 @@ class Pieces:
         ends = np.stack([np.minimum.reduceat(ends[:, 0], begin), np.maximum.reduceat(ends[:, 1], begin)], axis=1)
         corners = np.concatenate([alone.corners[0], turn_points(turn[link], _corners_of(ends))])
         found = self._boxed(corners)
-        found.low, found.high, found.link = corners.min(axis=1), corners.max(axis=1), np.append(self.link, link)
+        found.low, found.high = extent(corners)
+        found.link = np.append(self.link, link)
         return found
 
     def _ends(self, turn: np.ndarray, chosen: np.ndarray) -> np.ndarray:
@@ -119,7 +120,8 @@ class Pieces:
         for at, corners in self.classes(chosen):
             straight = turn_points(back[at], corners)
             half = 0.0 if self.gap is None else self.gap[chosen[at], None] / 2
-            ends[at] = np.stack([straight.min(axis=1) - half, straight.max(axis=1) + half], axis=1)
+            low, high = extent(straight)
+            ends[at] = np.stack([low - half, high + half], axis=1)
         return ends
 
     def _boxed(self, corners: np.ndarray) -> Pieces:
@@ -326,7 +328,7 @@ def pack_pieces(groups: list[Alike]) -> Pieces:
     low, high = np.empty((len(owner), 3)), np.empty((len(owner), 3))
     for number, points in enumerate(corners):
         at = kind == number
-        low[at], high[at] = points.min(axis=1)[slot[at]], points.max(axis=1)[slot[at]]
+        low[at], high[at] = (end[slot[at]] for end in extent(points))
     order = np.argsort(link, kind="stable")
     solid, place = (
         np.concatenate([np.full(len(g.owner), -1) if getattr(g, name) is None else getattr(g, name) for g in groups])
@@ -352,7 +354,7 @@ def pack_inset(corners: np.ndarray, first: np.ndarray, owner: np.ndarray, link: 
     for number, size in enumerate(sizes.tolist()):
         at = np.flatnonzero(kind == number)
         own = corners[first[at, None] + np.minimum(np.arange(size), count[at, None] - 1)]
-        slot[at], low[at], high[at] = np.arange(len(at)), own.min(axis=1), own.max(axis=1)
+        slot[at], (low[at], high[at]) = np.arange(len(at)), extent(own)
         packed.append(own)
     done = [np.ones(len(own), dtype=bool) for own in packed]
     unmet = np.zeros(len(order), dtype=bool)

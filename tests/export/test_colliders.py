@@ -7,27 +7,42 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from artipg_dsl.export.hulls import STEPS
+from artipg_dsl.export.hulls import STEPS, Gathered
 from artipg_dsl.export.mjcf import mjcf_files
 from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.solids import match_round, planes_of
 from artipg_dsl.export.urdf import urdf_files
 from artipg_dsl.export.usd import usd_files
 from artipg_dsl.geometry import merge
-from artipg_dsl.geometry.merge import Convex, clusters, cut, gap, gather_clusters, halves
+from artipg_dsl.geometry.merge import cluster_units, clusters, cut, gap, gather_clusters, halves
+from artipg_dsl.geometry.stock import Stock
 from artipg_dsl.session import Session
 
 BOX = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 
 
-def convex(points: np.ndarray, unit: int = 0, name: int = 0, index: int = 0) -> Convex:
+Piece = tuple[np.ndarray, int, int, int]  # corners, unit, name, index
+
+
+def stock(pieces: list[Piece]) -> Stock:
     from scipy.spatial import ConvexHull
 
-    equations = ConvexHull(points).equations
-    return Convex(points, equations[:, :3], -equations[:, 3], unit, name, index)
+    hulls = [ConvexHull(points) for points, *_ in pieces]
+    equations = np.concatenate([hull.equations for hull in hulls])
+    point_start, face_start = (
+        np.cumsum([0, *counts]) for counts in ([len(p) for p, *_ in pieces], [len(h.equations) for h in hulls])
+    )
+    triangles = np.concatenate([hull.simplices for hull in hulls]).astype(np.int64)
+    points, places = np.concatenate([p for p, *_ in pieces]), np.array([piece[1:] for piece in pieces]).T.copy()
+    normals, offsets = equations[:, :3].copy(), -equations[:, 3].copy()
+    return Stock(points, point_start, triangles, normals, offsets, face_start, *places)
 
 
-def ring(count: int, radius: float = 1.0, bore: float = 0.9, level: float = 0.0, name: int = 0) -> list[Convex]:
+def convex(points: np.ndarray, unit: int = 0, name: int = 0, index: int = 0) -> Piece:
+    return points, unit, name, index
+
+
+def ring(count: int, radius: float = 1.0, bore: float = 0.9, level: float = 0.0, name: int = 0) -> list[Piece]:
     found = []
     for i in range(count):
         ends = 2 * np.pi * np.array([i, i + 1]) / count
@@ -38,52 +53,59 @@ def ring(count: int, radius: float = 1.0, bore: float = 0.9, level: float = 0.0,
     return found
 
 
+def all_of(held: Stock) -> np.ndarray:
+    return np.arange(len(held.unit))
+
+
 def test_a_hull_that_adds_nothing_has_no_gap() -> None:
-    halves_of_a_box = [convex(BOX), convex(BOX + [1.0, 0, 0])]
-    assert gap(halves_of_a_box) == pytest.approx(0.0, abs=1e-9)
-    assert gap([convex(BOX), convex(BOX + [1.2, 0, 0])]) == pytest.approx(0.1, abs=0.02)  # half of what is between
+    whole = stock([convex(BOX), convex(BOX + [1.0, 0, 0])])
+    assert gap(whole, all_of(whole)) == pytest.approx(0.0, abs=1e-9)
+    apart = stock([convex(BOX), convex(BOX + [1.2, 0, 0])])
+    assert gap(apart, all_of(apart)) == pytest.approx(0.1, abs=0.02)  # half of what is between
 
 
 def test_a_ring_becomes_staves_and_keeps_its_hole() -> None:
-    pieces = ring(24)
-    assert len(clusters(pieces, 1e-9)) == 24
-    staves = clusters(pieces, 0.08)
-    assert 5 <= len(staves) <= 8 and sorted(p.index for c in staves for p in c) == list(range(24))
+    held = stock(ring(24))
+    assert len(clusters(held, all_of(held), 1e-9)) == 24
+    staves = clusters(held, all_of(held), 0.08)
+    assert 5 <= len(staves) <= 8 and sorted(p for c in staves for p in c) == list(range(24))
     for stave in staves:  # the chord of a stave of 1 / n turn bulges into the bore by 1 - cos(pi / n)
-        assert gap(stave) == pytest.approx(0.9 * (1 - np.cos(np.pi / len(staves))), abs=0.02)
-    assert gap(pieces) > 0.5  # one hull would fill the hole
+        assert gap(held, stave) == pytest.approx(0.9 * (1 - np.cos(np.pi / len(staves))), abs=0.02)
+    assert gap(held, all_of(held)) > 0.5  # one hull would fill the hole
 
 
 def test_of_many_pieces_few_points_are_asked_about_and_the_gap_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    tube = tuple(piece for k in range(5) for piece in ring(16, 1.0 + 0.05 * k, 0.9, level=0.3 * k, name=k))
+    tube = stock([piece for k in range(5) for piece in ring(16, 1.0 + 0.05 * k, 0.9, level=0.3 * k, name=k)])
     asked = []
     beyond = merge._beyond
     monkeypatch.setattr(merge, "_beyond", lambda n, o, p: asked.append(len(n) * len(p)) or beyond(n, o, p))
-    pruned = merge._deepest(tube)
+    pruned = merge._deepest(tube, all_of(tube))
     few = sum(asked)
     asked.clear()
-    monkeypatch.setattr(merge, "_MANY", len(tube))
-    assert merge._deepest(tube) == pruned and few < sum(asked) / 5
+    monkeypatch.setattr(merge, "_MANY", len(tube.unit))
+    assert merge._deepest(tube, all_of(tube)) == pruned and few < sum(asked) / 5
 
 
 def test_rings_one_above_the_other_become_long_staves() -> None:
-    tube = [piece for k in range(6) for piece in ring(24, level=0.3 * k, name=k)]
-    assert len(clusters(tube, 0.08)) == len(clusters(ring(24), 0.08))
+    tube, one = stock([piece for k in range(6) for piece in ring(24, level=0.3 * k, name=k)]), stock(ring(24))
+    assert len(clusters(tube, all_of(tube), 0.08)) == len(clusters(one, all_of(one), 0.08))
 
 
 def test_the_keys_of_a_keyboard_become_one_slab_and_far_ones_do_not() -> None:
-    keys = [(convex(BOX * [1, 1, 0.2] + [1.1 * c, 1.1 * r, 0], unit=10 * r + c),) for r in range(4) for c in range(10)]
-    assert len(gather_clusters(keys, 0.12)) == 1
-    assert len(gather_clusters(keys[::2], 0.12)) == 20
+    keys = [convex(BOX * [1, 1, 0.2] + [1.1 * c, 1.1 * r, 0], unit=10 * r + c) for r in range(4) for c in range(10)]
+    near, far = stock(keys), stock(keys[::2])
+    assert gather_clusters(near, all_of(near), np.arange(40), 0.12).tolist() == [0]
+    assert gather_clusters(far, all_of(far), np.arange(20), 0.12).tolist() == list(range(20))
+    assert cluster_units(near, all_of(near), 0.12).tolist() == list(range(40))  # primitives stay apart
 
 
 def test_halves_are_of_primitives_then_steps_then_names() -> None:
-    tube = tuple(piece for k in range(2) for piece in ring(4, name=k))
-    one, other = halves(tube)
-    assert {p.index for p in one} == {0, 1} and {p.index for p in other} == {2, 3}
-    assert {p.name for p in halves(tuple(p for p in tube if p.index == 0))[0]} == {0}
+    tube = stock([piece for k in range(2) for piece in ring(4, name=k)])
+    one, other = halves(tube, all_of(tube))
+    assert set(tube.index[one]) == {0, 1} and set(tube.index[other]) == {2, 3}
+    assert set(tube.name[halves(tube, np.flatnonzero(tube.index == 0))[0]]) == {0}
     with pytest.raises(ValueError):
-        halves(tube[:1])
+        halves(tube, np.arange(1))
 
 
 def test_cylinders_balls_and_capsules_are_known() -> None:
@@ -191,28 +213,30 @@ def inside(robot: Robot, point: np.ndarray) -> bool:
 
 
 def test_a_stave_is_cut_off_where_it_would_fill_the_bore() -> None:
-    pieces = ring(24)
-    for stave in clusters(pieces, 0.08):
-        plane = cut(stave, 0.25, 0.0)
+    held = stock(ring(24))
+    for stave in clusters(held, all_of(held), 0.08):
+        plane = cut(held, stave, 0.25, 0.0)
         assert plane is not None
         normal, offset = plane
         bore = np.cos(np.pi / 24) * 0.9  # of the polygon that the pieces leave open
         assert offset == pytest.approx(-bore) and abs(normal[2]) < 1e-9  # a tangent: none of the bore lies behind it
-        assert cut(stave, 0.01, 0.0) is None  # the pieces at the ends would fall short by more than this
-    quarter, half = tuple(pieces[:6]), tuple(pieces[:12])
-    assert cut(quarter, 2.0, 0.0) is None
-    assert cut(quarter, 2.0, 5.0) is not None  # of small rings few pieces may be lost
-    assert cut(half, 2.0, 5.0) is None and cut(tuple(pieces), 2.0, 5.0) is None  # of which one stave would be left
-    assert cut(tuple(ring(24, radius=9.0, bore=0.9)[:6]), 0.4, 0.0) is not None  # thick walls lose none
-    two = (convex(BOX), convex(BOX + [1.2, 0, 0], unit=1))
-    assert cut(two, 1.0, 9.0) is None  # between primitives there is nothing to keep open
+        assert cut(held, stave, 0.01, 0.0) is None  # the pieces at the ends would fall short by more than this
+    quarter, half = np.arange(6), np.arange(12)
+    assert cut(held, quarter, 2.0, 0.0) is None
+    assert cut(held, quarter, 2.0, 5.0) is not None  # of small rings few pieces may be lost
+    assert (
+        cut(held, half, 2.0, 5.0) is None and cut(held, all_of(held), 2.0, 5.0) is None
+    )  # of which one stave would be left
+    assert cut(stock(ring(24, radius=9.0, bore=0.9)), quarter, 0.4, 0.0) is not None  # thick walls lose none
+    two = stock([convex(BOX), convex(BOX + [1.2, 0, 0], unit=1)])
+    assert cut(two, all_of(two), 1.0, 9.0) is None  # between primitives there is nothing to keep open
 
 
 def test_halves_part_where_the_hull_is_hollow() -> None:
-    wide, narrow = ring(24, 1.0, 0.9), ring(24, 0.5, 0.4, level=0.3, name=1)
-    stave = tuple(wide[:4] + narrow[:4])
-    assert {p.name for p in halves(stave)[0]} == {0}
-    assert {p.index for p in halves(tuple(ring(24)[:12]))[0]} == set(range(6))
+    held = stock(ring(24, 1.0, 0.9) + ring(24, 0.5, 0.4, level=0.3, name=1))
+    stave = np.flatnonzero(held.index < 4)
+    assert set(held.name[halves(held, stave)[0]]) == {0}
+    assert set(held.index[halves(held, np.arange(12))[0]]) == set(range(6))
 
 
 # category, about how many colliders an object has at most, where its cavity is as shares of its box
@@ -246,6 +270,7 @@ def test_shipped_objects_have_few_colliders_and_open_cavities(
 @pytest.mark.parametrize("name", ["WashingMachine", "Foldingrack"])
 def test_hulls_reach_hardly_farther_than_the_pieces_and_hold_them(name: str) -> None:
     robots = Robots(Session.of(name).sampler.batch(np.arange(2), 5))
+    held = Gathered(robots.pieces, 2, robots.material_rows).stock
     for i, hulls in enumerate(robots.colliders):
         points = np.concatenate([v.shape.vertices + k.origin for k in robots.robot(i).links for v in k.visuals])
         tolerance = STEPS[-1] * np.sqrt((np.ptp(points, axis=0) ** 2).sum())
@@ -253,22 +278,25 @@ def test_hulls_reach_hardly_farther_than_the_pieces_and_hold_them(name: str) -> 
         assert kept == sum(len(group.rows[group.table.owner[group.rows] == i]) for group in robots.pieces)
         for hull in hulls:
             normals, offsets = planes_of(hull.vertices[None], hull.faces)
-            short = max(float((piece.points @ normals[0].T - offsets[0]).max()) for piece in hull.pieces)
+            short = float((held.corners(hull.pieces) @ normals[0].T - offsets[0]).max())
             assert short <= (tolerance if hull.cut else 1e-9)
-            assert gap(hull.pieces) <= 2 * tolerance
+            assert gap(held, hull.pieces) <= 2 * tolerance
     assert any(hull.cut for hulls in robots.colliders for hull in hulls) == (name == "Foldingrack")
 
 
 def test_a_small_ring_about_a_tube_is_left_on_all_sides() -> None:
     """The shoe of a rack: what fills its bore is cut off, and a hand that closes on it meets the ring, not the tube within."""
     robots, looked_at = Robots(Session.of("Foldingrack").sampler.batch(np.arange(12, 14), 0)), 0
+    held = Gathered(robots.pieces, 2, robots.material_rows).stock
     for hulls in robots.colliders:
         rings = [hull for hull in hulls if hull.item.group.table.path == "shoe.ring"]
         planes = [planes_of(hull.vertices[None], hull.faces) for hull in rings]
         assert rings and all(hull.cut for hull in rings)
-        for piece in (piece for hull in rings for piece in hull.pieces):
-            middle = piece.points.mean(axis=0)
-            assert min((normals[0] @ middle - offsets[0]).max() for normals, offsets in planes) < 0.005, piece.index
+        for piece in (hull.pieces[k : k + 1] for hull in rings for k in range(len(hull.pieces))):
+            middle = held.corners(piece).mean(axis=0)
+            assert min((normals[0] @ middle - offsets[0]).max() for normals, offsets in planes) < 0.005, held.index[
+                piece
+            ]
             looked_at += 1
     assert looked_at == 50
 
