@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..native import backend, wrap
+from .stock import changes
 from .vectors import cross, dot
 
 _GRID = 1 << 20  # places along the extent of a set; what rounds to the same place coincides
@@ -34,7 +35,7 @@ def wrap_all(sets: Sequence[np.ndarray]) -> list[Wrapped]:
     low, high = np.minimum.reduceat(points, first), np.maximum.reduceat(points, first)
     with np.errstate(divide="ignore", invalid="ignore"):  # what is flat is left to Qhull, which says so
         scaled = (points - low[of]) / (high - low)[of]
-        once = _first_of_each(scaled, of)
+        once = _first_of_each(scaled, of, np.append(first, len(of)))
     scaled, of = scaled[once], of[once]
     start = np.searchsorted(of, np.arange(len(sets) + 1))
     bent = _bent(scaled, of, start)
@@ -50,13 +51,16 @@ def wrap_all(sets: Sequence[np.ndarray]) -> list[Wrapped]:
     return found
 
 
-def _first_of_each(scaled: np.ndarray, of: np.ndarray) -> np.ndarray:
-    """The numbers of points (N, 3) that no point before them of their set ``of`` (N,) coincides with."""
+def _first_of_each(scaled: np.ndarray, of: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """The numbers of points (N, 3) that no point before them of their set coincides with; each is ``of`` (N,) one, which begins at
+    ``start``."""
     place = (np.nan_to_num(scaled) * _GRID + _AT).astype(np.int64)
     key = (place[:, 0] << 42) + (place[:, 1] << 21) + place[:, 2]
+    machine = backend.machine()
+    if machine is not None:
+        return np.flatnonzero(wrap.first_of_each(machine, key, start))
     order = np.lexsort((key, of))
-    new = np.ones(len(order), dtype=bool)
-    new[1:] = (key[order[1:]] != key[order[:-1]]) | (of[order[1:]] != of[order[:-1]])
+    new = changes(key[order]) | changes(of[order])
     return np.sort(order[new])
 
 

@@ -63,6 +63,7 @@ class Machine:
                 "wrap",
                 "near_rows",
                 "near_pieces",
+                "first_of_each",
                 "near_flat",
                 "near_loose",
             ):

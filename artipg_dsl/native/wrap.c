@@ -205,3 +205,27 @@ OUT int64_t wrap(int64_t count, const int64_t *start, const double *points, doub
     free(of.faces), free(of.unused), free(of.made), free(of.begins), free(of.deep);
     return told;
 }
+
+/* Which keys are the first of their value in their set, ``first`` (N,); set k from ``start[k]`` to ``start[k + 1]``. -1 without memory. */
+OUT int64_t first_of_each(int64_t count, const int64_t *start, const int64_t *keys, unsigned char *first) {
+    int64_t most = 1, room = 2;
+    for (int64_t k = 0; k < count; k++)
+        if (start[k + 1] - start[k] > most) most = start[k + 1] - start[k];
+    while (room < 2 * most) room *= 2;
+    int64_t *table = malloc(room * sizeof(int64_t)); /* of numbers of keys, or -1 */
+    if (!table) return -1;
+    for (int64_t k = 0; k < count; k++) {
+        const int64_t size = start[k + 1] - start[k];
+        uint64_t mask = 1;
+        while (mask + 1 < 2 * (uint64_t)size) mask = 2 * mask + 1;
+        memset(table, 0xff, (mask + 1) * sizeof(int64_t));
+        for (int64_t n = start[k]; n < start[k + 1]; n++) {
+            uint64_t at = ((uint64_t)keys[n] * 0x9e3779b97f4a7c15u) >> 20 & mask;
+            while (table[at] >= 0 && keys[table[at]] != keys[n]) at = (at + 1) & mask;
+            first[n] = table[at] < 0;
+            if (first[n]) table[at] = n;
+        }
+    }
+    free(table);
+    return 0;
+}

@@ -21,3 +21,11 @@ def wrap(machine: Machine, points: np.ndarray, start: np.ndarray, doubt: float) 
     ends = np.cumsum(many)
     parts = np.split(found[: ends[-1]], ends[:-1]) if count else []
     return [faces if len(faces) else None for faces in parts]
+
+
+def first_of_each(machine: Machine, keys: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Which of keys (N,) are the first of their value (N,) in their set; set k is from ``start[k]`` to ``start[k + 1]``."""
+    found = np.empty(len(keys), dtype=bool)
+    if call(machine.library.first_of_each, len(start) - 1, start, keys, found) < 0:
+        raise MemoryError("no memory for hulls")
+    return found
