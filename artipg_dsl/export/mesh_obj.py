@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
+from itertools import accumulate
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..native.digits import print_rows
+from ..native.digits import print_blocks, print_rows
 from ..records import dataclass
 from .naming import Names
 from .pose import rest_poses
 
 if TYPE_CHECKING:
-    from .primitives import SeenMaterial, Visual
+    from .primitives import Collider, SeenMaterial, Visual
     from .robot import Robot, RobotLink
 
 _LIBRARY = "object.mtl"
@@ -36,29 +37,47 @@ class Shape:
     normals: tuple[np.ndarray, np.ndarray] | None = None
 
 
-def obj_text(shapes: Sequence[Shape], looks: Sequence[str] = ()) -> str:
-    """The shapes one after the other, each as an ``o`` of its own (each closed by itself, none shares a vertex).
+def obj_texts(
+    files: Sequence[tuple[Sequence[Shape], Sequence[str]]],
+    place: Callable[[np.ndarray], np.ndarray] = np.asarray,
+    turn: Callable[[np.ndarray], np.ndarray] = np.asarray,
+) -> list[str]:
+    """The text of several files: shapes one after the other, each as an ``o`` of its own (each closed by itself, none shares a vertex),
+    and where there are ``looks``, the material of each, by its name in the library of materials. All vertices (V, 3) of all files
+    are placed at once, and all normals (W, 3) turned."""
+    every = [shape for shapes, _ in files for shape in shapes]
+    shaded = [shape.normals[0] for shape in every if shape.normals is not None]
+    vertices = iter(_lines([shape.vertices for shape in every], place, "%.9g", _VERTEX))
+    normals = iter(_lines(shaded, lambda rows: np.round(turn(rows), 6), "%.6g", _NORMAL))
+    found = []
+    for shapes, looks in files:
+        parts: list[str] = []
+        first = first_normal = 1  # OBJ counts vertices of the whole file from 1
+        for k, shape in enumerate(shapes):
+            parts.append(f"o {shape.name}\n")
+            parts.append(next(vertices))
+            if shape.normals is not None:
+                parts.append(next(normals))
+            if looks:
+                parts.append(f"usemtl {looks[k]}\n")
+            if shape.normals is None:
+                parts.append(_faces_text(shape.faces, first))
+            else:
+                parts.append(_faces_text(shape.faces, first, shape.normals[1], first_normal))
+                first_normal += len(shape.normals[0])
+            first += len(shape.vertices)
+        found.append("".join(parts))
+    return found
 
-    ``looks``: the material of each, by its name in the library of materials.
-    """
-    parts: list[str] = []
-    first = first_normal = 1  # OBJ counts vertices of the whole file from 1
-    for k, shape in enumerate(shapes):
-        vertices = np.asarray(shape.vertices, dtype=np.float64) + 0.0  # + 0.0: no "-0"
-        parts.append(f"o {shape.name}\n")
-        parts.append(print_rows(vertices, "%.9g", _VERTEX))
-        if shape.normals is not None:
-            normals, corners = shape.normals
-            parts.append(print_rows(np.round(normals, 6) + 0.0, "%.6g", _NORMAL))
-        if looks:
-            parts.append(f"usemtl {looks[k]}\n")
-        if shape.normals is None:
-            parts.append(_faces_text(shape.faces, first))
-        else:
-            parts.append(_faces_text(shape.faces, first, corners, first_normal))
-            first_normal += len(normals)
-        first += len(vertices)
-    return "".join(parts)
+
+def _lines(
+    blocks: Sequence[np.ndarray], moved: Callable[[np.ndarray], np.ndarray], form: str, marks: Sequence[str]
+) -> list[str]:
+    """The lines of each of several blocks (n, 3) of numbers, which are ``moved`` all at once."""
+    if not blocks:
+        return []
+    rows = moved(np.concatenate(blocks, dtype=np.float64)) + 0.0  # + 0.0: no "-0"
+    return print_blocks(rows, [0, *accumulate(map(len, blocks))], form, marks)
 
 
 def _faces_text(faces: np.ndarray, first: int, corners: np.ndarray | None = None, first_normal: int = 0) -> str:
@@ -78,16 +97,25 @@ def _numbered(faces: tuple[bytes, ...], first: tuple[int, int]) -> str:
 
 
 def obj_bytes(shapes: Sequence[Shape]) -> bytes:
-    return obj_text(shapes).encode("utf-8")
+    (text,) = obj_texts([(shapes, ())])
+    return text.encode("utf-8")
 
 
 def link_meshes(link: RobotLink) -> list[tuple[str, SeenMaterial, bytes]]:
     """One OBJ for each material of a link, in the link's frame: its name, how it looks, its text."""
-    found = []
-    for material in dict.fromkeys(visual.look.name for visual in link.visuals):
-        same = [visual for visual in link.visuals if visual.look.name == material]
-        found.append((link.meshes[material], same[0].look, obj_bytes([visual.shape for visual in same])))
-    return found
+    own: dict[str, list[Visual]] = {}
+    for visual in link.visuals:
+        own.setdefault(visual.look.name, []).append(visual)
+    texts = obj_texts([([visual.shape for visual in same], ()) for same in own.values()])
+    named = zip(own.items(), texts, strict=True)
+    return [(link.meshes[material], same[0].look, text.encode("utf-8")) for (material, same), text in named]
+
+
+def piece_meshes(colliders: Sequence[Collider]) -> list[bytes]:
+    """An OBJ for the hull of each of some colliders, in the link's frame."""
+    hulls = [collider.hull for collider in colliders if collider.hull is not None]
+    texts = obj_texts([([Shape("piece", hull.vertices, hull.faces)], ()) for hull in hulls])
+    return [text.encode("utf-8") for text in texts]
 
 
 def obj_files(robot: Robot) -> dict[str, bytes]:
@@ -95,14 +123,14 @@ def obj_files(robot: Robot) -> dict[str, bytes]:
 
     z up, x front, metres: the files of an object loaded together show it as it stands.
     """
-    poses = rest_poses(robot)
     files: dict[str, bytes] = {}
     own = Names()
-    for link, (turn, shift) in zip(robot.links, poses, strict=True):
-        if link.visuals:
-            shapes = [_placed(visual, turn, shift) for visual in link.visuals]
-            text = f"mtllib {_LIBRARY}\n" + obj_text(shapes, [v.look.name for v in link.visuals])
-            files[f"obj/{own(link.name)}.obj"] = text.encode("utf-8")
+    seen = [(link, pose) for link, pose in zip(robot.links, rest_poses(robot), strict=True) if link.visuals]
+    texts = obj_texts(
+        [([_placed(v, *pose) for v in link.visuals], [v.look.name for v in link.visuals]) for link, pose in seen]
+    )
+    for (link, _), text in zip(seen, texts, strict=True):
+        files[f"obj/{own(link.name)}.obj"] = f"mtllib {_LIBRARY}\n{text}".encode()
     looks = dict.fromkeys(visual.look for link in robot.links for visual in link.visuals)
     told = f"# {robot.note}\n" if robot.note else ""
     files[f"obj/{_LIBRARY}"] = (told + mtl_text(looks)).encode("utf-8")

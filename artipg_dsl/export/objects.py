@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -88,7 +87,7 @@ def _write_object(robots: Robots, i: int, folder: Place, formats: Sequence[Forma
         if known:
             left = shutil.ignore_patterns(*(name for entry in formats for name in entry.clears))
             shutil.copytree(folder, partial, ignore=left, copy_function=_link_or_copy, dirs_exist_ok=True)
-        for parent in dict.fromkeys(Path(name).parent for name in files):
+        for parent in dict.fromkeys(name.rpartition("/")[0] for name in files):
             (partial / parent).mkdir(parents=True, exist_ok=True)
         for name, data in files.items():
             if known:  # never write into a file that the old folder shares

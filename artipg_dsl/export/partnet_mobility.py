@@ -19,7 +19,7 @@ from ..annotate.sampling import Sampling
 from ..records import dataclass
 from ..validity.mass import heavier
 from .decimals import numbers, told, told_twice
-from .mesh_obj import Shape, move_points, mtl_text, obj_text
+from .mesh_obj import Shape, move_points, mtl_text, obj_texts
 from .partnet_frame import DatasetFrame, to_dataset_axes
 from .partnet_tree import CategoryWords, build_tree, said_of, to_entry, words_of
 from .partnet_words import JOINTS, LIFTED, link_label, root_label, spell_category, to_snake_case
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from jinja2 import Template
 
     from .primitives import Collider, SeenMaterial, Visual
-    from .robot import Robot, RobotJoint, Robots
+    from .robot import Robot, RobotJoint, RobotLink, Robots
 
 _POINTS = 10000
 _URDFS = ("mobility.urdf", "mobility_vhacd.urdf", "mobility_cvx.urdf")  # one text under the names that readers ask for
@@ -250,48 +250,44 @@ def _meshes(
 
     One OBJ for each material of a leaf; what collides are the convex pieces, equal ones in one file.
     """
-    drawn: dict[int, tuple[list[dict[str, str]], list[str]]] = {}
-    pieces: dict[bytes, str] = {}
-    count = 0
+    shown: list[tuple[str, SeenMaterial, list[Shape]]] = []
+    visuals: dict[int, list[dict[str, str]]] = {}
     for member in members:
-        link, visuals = robot.links[member.number], []
-        shown: dict[int, list[Visual]] = {instance: [] for instance in member.leaves}
+        link = robot.links[member.number]
+        own: dict[tuple[int, SeenMaterial], list[Visual]] = {}
         for visual in link.visuals:
-            shown[int(visual.item.group.table.instance[visual.item.row])].append(visual)
-        for instance, own in shown.items():
-            leaf = member.leaves[instance]
-            for look in dict.fromkeys(v.look for v in own):
-                count += 1
-                stem = f"original-{count}"
-                shapes = [
-                    Shape(v.name, frame.points(v.shape.vertices + link.origin), v.shape.faces, _normals(v))
-                    for v in own
-                    if v.look == look
-                ]
-                files |= _textured(stem, shapes, look)
-                leaf.stems.append(stem)
-                visuals.append({"name": f"{leaf.name}-{leaf.id}", "file": f"textured_objs/{stem}.obj"})
-        colliders = []
-        for collider in link.colliders:
-            shape = _hull(collider)
-            shape = Shape("piece", frame.points(shape.vertices + link.origin), shape.faces)
-            data = obj_text([shape]).encode()
-            file = pieces.setdefault(data, f"textured_objs/convex-{len(pieces) + 1}.obj")
-            files[file] = data
-            colliders.append(file)
-        drawn[member.id] = (visuals, colliders)
-    return drawn
+            instance = int(visual.item.group.table.instance[visual.item.row])
+            own.setdefault((instance, visual.look), []).append(visual)
+        visuals[member.id] = []
+        rank = {instance: k for k, instance in enumerate(member.leaves)}
+        for instance, look in sorted(own, key=lambda key: rank[key[0]]):
+            stem, leaf = f"original-{len(shown) + 1}", member.leaves[instance]
+            shown.append((stem, look, [_seen(v, link.origin) for v in own[instance, look]]))
+            leaf.stems.append(stem)
+            visuals[member.id].append({"name": f"{leaf.name}-{leaf.id}", "file": f"textured_objs/{stem}.obj"})
+    met = [
+        (member.id, _hull(c, robot.links[member.number]))
+        for member in members
+        for c in robot.links[member.number].colliders
+    ]
+    given = [(shapes, [look.name] * len(shapes)) for _, look, shapes in shown] + [([shape], []) for _, shape in met]
+    texts = obj_texts(given, frame.points, to_dataset_axes)
+    for (stem, look, _), text in zip(shown, texts, strict=False):
+        files[f"textured_objs/{stem}.obj"] = f"mtllib {stem}.mtl\n{text}".encode()
+        files[f"textured_objs/{stem}.mtl"] = _material(look)
+    colliders: dict[int, list[str]] = {member.id: [] for member in members}
+    pieces: dict[str, str] = {}
+    for (number, _), text in zip(met, texts[len(shown) :], strict=True):
+        file = pieces.setdefault(text, f"textured_objs/convex-{len(pieces) + 1}.obj")
+        files[file] = text.encode()
+        colliders[number].append(file)
+    return {member.id: (visuals[member.id], colliders[member.id]) for member in members}
 
 
-def _normals(visual: Visual) -> tuple[np.ndarray, np.ndarray]:
-    """Normals in the data set's axes, and which each corner of each face has."""
-    shading = visual.item.group.shading
-    return to_dataset_axes(shading.normals[visual.item.k]), shading.faces
-
-
-def _textured(stem: str, shapes: list[Shape], look: SeenMaterial) -> dict[str, bytes]:
-    text = f"mtllib {stem}.mtl\n" + obj_text(shapes, [look.name] * len(shapes))
-    return {f"textured_objs/{stem}.obj": text.encode(), f"textured_objs/{stem}.mtl": _material(look)}
+def _seen(visual: Visual, origin: np.ndarray) -> Shape:
+    """A visual in the object's frame."""
+    shading, shape = visual.item.group.shading, visual.shape
+    return Shape(visual.name, shape.vertices + origin, shape.faces, (shading.normals[visual.item.k], shading.faces))
 
 
 @lru_cache(maxsize=256)
@@ -300,11 +296,12 @@ def _material(look: SeenMaterial) -> bytes:
     return mtl_text([look]).encode()
 
 
-def _hull(collider: Collider) -> Shape:
-    """A collider as a mesh in its link's frame."""
+def _hull(collider: Collider, link: RobotLink) -> Shape:
+    """A collider as a mesh in the object's frame."""
     if collider.hull is not None:
-        return collider.hull
-    return Shape("box", move_points(_CORNERS * np.array(collider.size), collider.rotation, collider.center), _BOX_FACES)
+        return Shape("piece", collider.hull.vertices + link.origin, collider.hull.faces)
+    corners = move_points(_CORNERS * np.array(collider.size), collider.rotation, collider.center)
+    return Shape("piece", corners + link.origin, _BOX_FACES)
 
 
 def _urdf_link(member: FolderLink, members: list[FolderLink], drawn: dict[int, Any]) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..annotate.frames import euler
 from .decimals import numbers
-from .mesh_obj import Shape, link_meshes, obj_bytes
+from .mesh_obj import link_meshes, piece_meshes
 from .pose import link_poses
 from .primitives import Collider
 from .robot import Robot, RobotJoint, RobotLink
@@ -46,6 +46,8 @@ def _link(link: RobotLink, files: dict[str, bytes], pieces: dict[bytes, str]) ->
         entry = {"name": name, "file": f"meshes/{name}.obj", "colour": _numbers([*look.colour, look.opacity])}
         entry |= {"metalness": f"{look.metalness:.6g}", "roughness": f"{look.roughness:.6g}"}
         visuals.append(entry | {"transparency": f"{1.0 - look.opacity:.6g}"})
+    meshed = [c for c in link.colliders if c.size is None and c.bar is None]
+    meshes = dict(zip((c.full for c in meshed), piece_meshes(meshed), strict=True))
     noise = 1e-12 * (link.inertia[0, 0] + link.inertia[1, 1] + link.inertia[2, 2])
     tensor = np.where(np.abs(link.inertia) > noise, link.inertia, 0.0)
     cells = [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)]
@@ -56,11 +58,13 @@ def _link(link: RobotLink, files: dict[str, bytes], pieces: dict[bytes, str]) ->
         "mass": f"{link.mass:.9g}",
         "inertia": {name: f"{tensor[i, j]:.9g}" for name, i, j in cells},
         "visuals": visuals,
-        "colliders": [_collider(link, collider, files, pieces) for collider in link.colliders],
+        "colliders": [_collider(c, meshes.get(c.full), files, pieces) for c in link.colliders],
     }
 
 
-def _collider(link: RobotLink, collider: Collider, files: dict[str, bytes], pieces: dict[bytes, str]) -> dict[str, Any]:
+def _collider(
+    collider: Collider, mesh: bytes | None, files: dict[str, bytes], pieces: dict[bytes, str]
+) -> dict[str, Any]:
     material, name = collider.material, collider.full
     entry: dict[str, Any] = {
         "name": f"{name}_collision",
@@ -75,10 +79,9 @@ def _collider(link: RobotLink, collider: Collider, files: dict[str, bytes], piec
         if collider.bar.kind != "sphere":
             sizes["length"] = _numbers([collider.bar.length])
         return entry | {"shape": collider.bar.kind, "sizes": sizes}
-    assert collider.hull is not None
-    data = obj_bytes([Shape("piece", collider.hull.vertices, collider.hull.faces)])
-    file = pieces.setdefault(data, f"meshes/{name}.collision.obj")  # equal pieces share a file
-    files[file] = data
+    assert mesh is not None
+    file = pieces.setdefault(mesh, f"meshes/{name}.collision.obj")  # equal pieces share a file
+    files[file] = mesh
     return entry | {"pose": "0 0 0 0 0 0", "shape": "mesh", "sizes": {"uri": file}}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.vectors import cross, dot
 from ..records import dataclass
 
 _SHARP = np.cos(np.radians(35.0))  # patches that meet at a smaller angle than this look like one smooth surface
@@ -28,10 +29,10 @@ def shade(vertices: np.ndarray, faces: np.ndarray, face_patch: np.ndarray) -> Sh
 
     corners = vertices[:, faces]  # (k, F, 3, 3)
     edges = np.roll(corners, -1, axis=2) - corners
-    normal = np.cross(edges[:, :, 0], edges[:, :, 1])  # twice the area times the unit normal
-    length = np.sqrt((edges * edges).sum(axis=-1))
+    normal = cross(edges[:, :, 0], edges[:, :, 1])  # twice the area times the unit normal
+    length = np.sqrt(dot(edges, edges))
     before = np.roll(length, 1, axis=2)
-    cosine = -(edges * np.roll(edges, 1, axis=2)).sum(axis=-1) / np.where(length * before > 0, length * before, 1.0)
+    cosine = -dot(edges, np.roll(edges, 1, axis=2)) / np.where(length * before > 0, length * before, 1.0)
     angle = np.arccos(np.clip(cosine, -1.0, 1.0))  # the corner's angle: fans and quads weigh the same
     weighted = (_unit(normal)[:, :, None] * angle[..., None]).reshape(len(vertices), -1, 3)
 
@@ -50,7 +51,7 @@ def _blend(summed: np.ndarray, source: np.ndarray) -> np.ndarray:
     for shift in range(1, int(np.bincount(source).max())):  # the other patches that meet at a vertex, a handful
         pairs = np.flatnonzero(ranked[shift:] == ranked[:-shift])
         a, b = order[pairs], order[pairs + shift]
-        near = ((own[:, a] * own[:, b]).sum(axis=-1) > _SHARP)[..., None]
+        near = (dot(own[:, a], own[:, b]) > _SHARP)[..., None]
         result[:, a] += np.where(near, summed[:, b], 0.0)
         result[:, b] += np.where(near, summed[:, a], 0.0)
     return _unit(result)
@@ -58,5 +59,5 @@ def _blend(summed: np.ndarray, source: np.ndarray) -> np.ndarray:
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
     """Vectors of length 1; where there is no direction, up."""
-    length = np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True))
+    length = np.sqrt(dot(vectors, vectors))[..., None]
     return np.where(length > 0, vectors / np.where(length > 0, length, 1.0), np.array([0.0, 0.0, 1.0]))

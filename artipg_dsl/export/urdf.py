@@ -10,7 +10,7 @@ import numpy as np
 from ..annotate.frames import euler
 from .adjacent import find_adjacent
 from .decimals import numbers
-from .mesh_obj import Shape, link_meshes, obj_bytes
+from .mesh_obj import link_meshes, piece_meshes
 from .primitives import Collider
 from .robot import Robot, RobotJoint, RobotLink
 from .substitute import simple_joints
@@ -111,6 +111,8 @@ def _link(link: RobotLink, files: dict[str, bytes], looks: dict[str, str], piece
         file = f"meshes/{name}.obj"
         files[file] = data
         visuals.append({"name": name, "file": file, "material": look.name})
+    meshed = [c for c in link.colliders if c.size is None and (c.bar is None or c.bar.kind == "capsule")]
+    meshes = dict(zip((c.full for c in meshed), piece_meshes(meshed), strict=True))
     noise = 1e-12 * (link.inertia[0, 0] + link.inertia[1, 1] + link.inertia[2, 2])
     tensor = np.where(np.abs(link.inertia) > noise, link.inertia, 0.0)
     inertia = {
@@ -123,24 +125,25 @@ def _link(link: RobotLink, files: dict[str, bytes], looks: dict[str, str], piece
         "mass": f"{link.mass:.9g}",
         "inertia": inertia,
         "visuals": visuals,
-        "colliders": [_collider(link, collider, files, pieces) for collider in link.colliders],
+        "colliders": [_collider(c, meshes.get(c.full), files, pieces) for c in link.colliders],
     }
 
 
-def _collider(link: RobotLink, collider: Collider, files: dict[str, bytes], pieces: dict[bytes, str]) -> dict[str, Any]:
+def _collider(
+    collider: Collider, mesh: bytes | None, files: dict[str, bytes], pieces: dict[bytes, str]
+) -> dict[str, Any]:
     name = collider.full
     placed = {"name": name, "xyz": numbers(collider.center), "rpy": numbers(euler(collider.rotation))}
     if collider.size is not None:
         return placed | {"shape": {"kind": "box", "sizes": {"size": numbers(collider.size)}}}
-    if collider.bar is not None and collider.bar.kind != "capsule":
+    if collider.bar is not None and mesh is None:
         sizes = {"radius": numbers([collider.bar.radius])}
         if not collider.bar.capped:
             sizes["length"] = numbers([collider.bar.length])
         return placed | {"shape": {"kind": collider.bar.kind, "sizes": sizes}}
-    assert collider.hull is not None
-    data = obj_bytes([Shape("piece", collider.hull.vertices, collider.hull.faces)])
-    file = pieces.setdefault(data, f"meshes/{name}.collision.obj")  # equal pieces (the keys of a pad) share a file
-    files[file] = data
+    assert mesh is not None
+    file = pieces.setdefault(mesh, f"meshes/{name}.collision.obj")  # equal pieces (the keys of a pad) share a file
+    files[file] = mesh
     return {"name": name, "xyz": "0 0 0", "rpy": "0 0 0", "shape": None, "file": file}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from . import backend
 from .calls import call
 
 _WIDTH = 24  # more than a number takes
+_LINE = ord("\n")
 _FEW = 12  # numbers below which Python is as fast
 _FORMS = {"d": 0, "g": 1, "f": 2}
 
@@ -24,6 +26,18 @@ def print_rows(values: np.ndarray, form: str, marks: Sequence[str]) -> str:
         return found.decode("ascii")
     plain = [mark.replace("%", "%%") for mark in marks]
     return (form.join(plain)) * len(values) % tuple(values.ravel().tolist())
+
+
+def print_blocks(whole: np.ndarray, start: Sequence[int], form: str, marks: Sequence[str]) -> list[str]:
+    """``print_rows`` of blocks of rows (N, k), block i from ``start[i]`` to ``start[i + 1]``; a row is a line: of ``marks``, the last
+    alone ends one."""
+    found = _printed(whole, form, tuple(marks)) if whole.size >= _FEW else None
+    if found is None:
+        return [print_rows(whole[a:b], form, marks) for a, b in pairwise(start)]
+    lines = np.flatnonzero(np.frombuffer(found, dtype=np.uint8) == _LINE) + 1
+    ends = np.concatenate([[0], lines])[start].tolist()
+    text = found.decode("ascii")
+    return [text[a:b] for a, b in pairwise(ends)]
 
 
 def print_told(
