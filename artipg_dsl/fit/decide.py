@@ -9,10 +9,11 @@ cloud speaks. Where it speaks for none, changes of much of the object are develo
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 
+from ..geometry.hidden import runs
 from ..random import mix
 from ..records import dataclass
 from ..runtime.batch import Batch
@@ -169,22 +170,77 @@ class Tries:
 
 def tries(model: Model, batch: Batch, lanes: int, first: int) -> Iterator[Tries]:
     """Every other value of each choice and count of candidates, with ``lanes`` draws of what is new, numbered from ``first``; some at a time.
-    Those that change no surface are left out, and those that cannot be."""
-    copy, draw, row, value = (np.repeat(column, lanes) for column in alternatives(model, batch))
-    lane = np.tile(np.arange(lanes), len(copy) // lanes) + first
-    order = np.argsort(copy, kind="stable")
-    copy, draw, row, value, lane = (column[order] for column in (copy, draw, row, value, lane))
-    before = model.structures(batch)
-    for start in range(0, len(copy), _BLOCK):
-        part = slice(start, start + _BLOCK)
-        of = copy[part]
-        changes = Changes(np.arange(len(of)), draw[part], row[part], value[part])
-        tried = model.altered(batch, of, changes, lane=lane[part])
-        differ = differing(batch, tried, of).anywhere(len(of)) & (model.structures(tried) != before[of])
-        good = np.flatnonzero(~tried.state.failed & differ)
-        good = np.sort(good[best_of(model.fingerprints(tried)[good], of[good], np.zeros(len(good)), len(good))])
-        if len(good):
-            yield Tries(model.assembled([(tried, good)]), of[good], draw[part][good], row[part][good])
+    Those that change no surface are left out, and those that cannot be. In all lanes but the first, the choices and counts that nothing
+    shows have other values as well: a handle would never be found that is on the other side than one that is not there was thought to be."""
+    told = alternatives(model, batch)
+    order = np.argsort(told.copy, kind="stable")
+    told = Changes(*(getattr(told, field.name)[order] for field in fields(Changes)))
+    before, unseen = model.structures(batch), _unseen(model, batch, told, first)
+    hidden = _Hidden.of(told, unseen, len(batch))
+    shown = np.flatnonzero(unseen <= 0)
+    turn = np.repeat(np.arange(len(shown)) - np.searchsorted(told.copy[shown], told.copy[shown]), lanes)
+    at, lane = np.repeat(shown, lanes), np.tile(np.arange(lanes), len(shown))
+    step = max(1, _BLOCK // lanes) * lanes
+    for start in range(0, len(at), step):
+        part = slice(start, start + step)
+        of, draw, row = told.copy[at[part]], told.draw[at[part]], told.row[at[part]]
+        other = np.flatnonzero(lane[part] > 0)
+        copy, more = hidden.others(other, of, turn[part])
+        changes = Changes(
+            np.concatenate([np.arange(len(of)), copy]),
+            np.concatenate([draw, told.draw[more]]),
+            np.concatenate([row, told.row[more]]),
+            np.concatenate([told.value[at[part]], told.value[more]]),
+        )
+        tried = model.altered(batch, of, changes, lane=lane[part] + first)
+        good = ~tried.state.failed & differing(batch, tried, of).anywhere(len(of))
+        good &= model.structures(tried) != before[of]
+        base = other - lane[part][other]
+        good[other] &= ~good[base] | differing(tried, model.assembled([(tried, other)]), base).anywhere(len(other))
+        kept = np.flatnonzero(good)
+        kept = np.sort(kept[best_of(model.fingerprints(tried)[kept], of[kept], np.zeros(len(kept)), len(kept))])
+        if len(kept):
+            yield Tries(model.assembled([(tried, kept)]), of[kept], draw[kept], row[kept])
+
+
+def _unseen(model: Model, batch: Batch, told: Changes, lane: int) -> np.ndarray:
+    """(n,) for changes of one row each: 1 where nothing shows one, -1 where it cannot be, 0 where something does."""
+    found = [np.zeros(0, dtype=np.int64)]
+    for start in range(0, len(told.copy), _BLOCK):
+        of, draw, row, value = (getattr(told, field.name)[start : start + _BLOCK] for field in fields(Changes))
+        tried = model.altered(batch, of, Changes(np.arange(len(of)), draw, row, value), lane=np.full(len(of), lane))
+        same = ~differing(batch, tried, of).anywhere(len(of))
+        found.append(np.where(tried.state.failed, -1, same.astype(np.int64)))
+    return np.concatenate(found)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Hidden:
+    """Rows that nothing shows: of the other values that each can have, which stand one after the other among all changes, the ``first`` and how
+    ``many``; those of each candidate from ``begin`` (K,) on, ``count`` (K,)."""
+
+    first: np.ndarray
+    many: np.ndarray
+    begin: np.ndarray
+    count: np.ndarray
+
+    @staticmethod
+    def of(told: Changes, unseen: np.ndarray, size: int) -> _Hidden:
+        """``unseen`` (n,) as ``_unseen`` has it for changes ``told`` (n,), which are sorted by their candidates, ``size`` in all."""
+        rows = np.stack([told.copy, told.draw, told.row])
+        first = np.flatnonzero((np.diff(rows, axis=1, prepend=-1) != 0).any(axis=0))
+        many = np.diff(np.append(first, len(told.copy)))
+        alike = np.minimum.reduceat(unseen, first) > 0 if len(first) else np.zeros(0, dtype=bool)
+        first, many = first[alike], many[alike]
+        count = np.bincount(told.copy[first], minlength=size)
+        return _Hidden(first, many, np.cumsum(count) - count, count)
+
+    def others(self, some: np.ndarray, of: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """For ``some`` of the copies made ``of`` candidates, each in its ``turn``: copies, and the changes that give them other values of all
+        rows that nothing shows."""
+        many = self.count[of[some]]
+        row, copy = runs(self.begin[of[some]], many), np.repeat(some, many)
+        return copy, self.first[row] + turn[copy] % self.many[row]
 
 
 def _views(targets: Targets, target: np.ndarray, told: Asked) -> Targets:
@@ -202,8 +258,8 @@ def _views(targets: Targets, target: np.ndarray, told: Asked) -> Targets:
     return replace(own, apart=apart, **columns)
 
 
-def alternatives(model: Model, batch: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Every other value that one discrete row of a candidate can have: candidate, draw, row, value."""
+def alternatives(model: Model, batch: Batch) -> Changes:
+    """Every other value that one discrete row of a candidate can have."""
     found: list[list[np.ndarray]] = [[], [], [], []]
     for number in model.discrete:
         draw = model.program.draws[number]
@@ -221,4 +277,4 @@ def alternatives(model: Model, batch: Batch) -> tuple[np.ndarray, np.ndarray, np
         for column, one in zip(found, told, strict=True):
             column.append(one)
     copy, draws, row, value = (np.concatenate([np.zeros(0, dtype=np.int64), *column]) for column in found)
-    return copy, draws.astype(np.int64), row.astype(np.int64), value
+    return Changes(copy, draws.astype(np.int64), row.astype(np.int64), value)

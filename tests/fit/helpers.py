@@ -42,3 +42,19 @@ category Housing {
   connect tray.back on front.front sink 30cm
 }
 """
+# where its knob would be, only a door with a knob shows
+SIDED = """
+apg 1
+use primitives { Cuboid }
+category Sided {
+  param width : length in 40cm .. 60cm = 50cm
+  param side  : choice to_left | to_right = to_left
+  root part door : Cuboid(size = [3cm, width, 80cm])
+  part knob : Cuboid(size = [4cm, 4cm, 8cm]) | none
+  connect knob.back on door.front
+  when knob {
+    align knob.center.z = door.center.z
+    align knob.center.y = door.center.y + (width / 2 - 5cm if side == to_left else 5cm - width / 2)
+  }
+}
+"""

@@ -7,7 +7,7 @@ import pytest
 
 import artipg_dsl as apg
 from artipg_dsl.fit.compare import Candidates
-from artipg_dsl.fit.decide import alternatives, decide, nested_sets
+from artipg_dsl.fit.decide import alternatives, decide, nested_sets, tries
 from artipg_dsl.fit.develop import apart
 from artipg_dsl.fit.evidence import Clouds, Copies, weigh, weigh_again, weigh_change
 from artipg_dsl.fit.focus import differing, lifted
@@ -17,7 +17,7 @@ from artipg_dsl.fit.reading import Cloud
 from artipg_dsl.fit.search import Effort
 from artipg_dsl.runtime.batch import Batch
 
-from .helpers import HOUSING, N
+from .helpers import HOUSING, SIDED, N
 
 
 def clouds(samples: apg.Samples, noise: float = 0.0) -> Clouds:
@@ -108,7 +108,8 @@ def test_changes_of_several_copies_are_put_together(model: Model, samples: apg.S
 
 def test_every_other_value_is_tried(model: Model, samples: apg.Samples) -> None:
     true, _ = with_another(model, samples)
-    copy, draw, row, value = alternatives(model, true.batch)
+    told = alternatives(model, true.batch)
+    copy, draw, row, value = told.copy, told.draw, told.row, told.value
     mine = draw == knobs(model)
     assert (value[mine] != true.batch.state.values[knobs(model)][row[mine]]).all()
     assert set(copy.tolist()) == {0, 1, 2}
@@ -116,7 +117,8 @@ def test_every_other_value_is_tried(model: Model, samples: apg.Samples) -> None:
 
 def test_counts_far_off_are_tried(model: Model, samples: apg.Samples) -> None:
     true, _ = with_another(model, samples)
-    copy, draw, row, value = alternatives(model, true.batch)
+    told = alternatives(model, true.batch)
+    copy, draw, value = told.copy, told.draw, told.value
     counts = true.batch.state.values[knobs(model)]
     for own in range(N):
         tried = value[(draw == knobs(model)) & (copy == own)]
@@ -185,3 +187,21 @@ def test_candidates_do_not_depend_on_their_company(model: Model, samples: apg.Sa
     together = weigh(wrong.batch, np.arange(N), still(N), cloud).total
     alone = model.assembled([(wrong.batch, np.array([1]))])
     assert weigh(alone, np.array([1]), still(1), cloud).total == together[1]
+
+
+def test_what_is_not_there_comes_on_either_side() -> None:
+    """A knob that a door lacks was thought to be on the left, and is on the right; the side itself shows nothing."""
+    doors = apg.load(SIDED, n=12, seed=1)
+    model = Model(doors.job.sampler)
+    has, true, wrong = without(doors, model, "knob")
+    (side,) = (k for k in model.discrete if model.program.draws[k].column.name == "side")
+    every = np.arange(len(has))
+    other = 1.0 - true.state.values[side][has]
+    wrong = model.altered(wrong, every, Changes(every, np.full(len(has), side), every, other))
+    told = list(tries(model, wrong, 2, 1))
+    assert not any((one.draw == side).any() for one in told)
+    sides = {(int(of), float(at)) for one in told for of, at in zip(one.of, one.batch.state.values[side], strict=True)}
+    assert sides == {(k, at) for k in range(len(has)) for at in (0.0, 1.0)}
+    found = Candidates(wrong, every, still(len(has)), np.zeros(len(has)))
+    better = decide(model, clouds(doors).targets.take(has), found, Effort(developed=0))
+    assert (model.structures(better.batch) == model.structures(true)[has]).all()
