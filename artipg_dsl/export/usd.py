@@ -9,12 +9,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from functools import lru_cache
+from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..annotate.frames import quaternion
-from ..native.digits import print_rows
+from ..geometry.vectors import extent
+from ..native.digits import print_blocks, print_rows
+from ..records import dataclass
 from .adjacent import find_adjacent
 from .decimals import numbers
 from .materials import to_linear
@@ -36,7 +39,7 @@ _TYPES = {
     "fixed": "PhysicsFixedJoint",
 }
 _DEGREES = float(np.degrees(1.0))
-_POINT, _INDEX = ("(", ", ", ", ", "), "), ("", ", ")
+_POINT, _LINE, _INDEX = ("(", ", ", ", ", "), "), ("(", ", ", ", ", ")\n"), ("", ", ")
 
 
 class Names:
@@ -63,8 +66,10 @@ def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
     name, bodies = Names()(robot.name), Names("Looks", "joints")
     link_names = [bodies(link.name) for link in robot.links]
     named = robots.batch.link_words[int(robots.link_start[i]) :]
+    meshes = _Meshes.of(robot)
     links = [
-        _link(robot, k, pose, words, named[k]) | {"name": link_names[k]} for k, pose in enumerate(rest_poses(robot))
+        _link(robot, k, pose, words, named[k], meshes) | {"name": link_names[k]}
+        for k, pose in enumerate(rest_poses(robot))
     ]
     moments, axes = find_principal(np.stack([link.inertia for link in robot.links]))
     for k, link in enumerate(links):
@@ -120,12 +125,12 @@ def _looks(robot: Robot) -> list[dict[str, str]]:
 
 
 def _link(
-    robot: Robot, k: int, pose: tuple[np.ndarray, np.ndarray], words: tuple[str, ...], named: str
+    robot: Robot, k: int, pose: tuple[np.ndarray, np.ndarray], words: tuple[str, ...], named: str, told: _Meshes
 ) -> dict[str, Any]:
     """A body. Its class is the word of the part that it is, else that of the first mesh that has one."""
     link, names = robot.links[k], Names("colliders")
     pieces = Names()
-    meshes = [_mesh(visual, link.origin, words) | {"name": names(visual.name)} for visual in link.visuals]
+    meshes = [_mesh(v, words) | next(told.seen) | {"name": names(v.name)} for v in link.visuals]
     labels = [label for label in (named, *(mesh["label"] for mesh in meshes)) if label]
     return {
         "title": link.name,
@@ -135,24 +140,16 @@ def _link(
         "turn": _quat(quaternion(pose[0])),
         "shift": _vector(pose[1]),
         "meshes": meshes,
-        "pieces": [_piece(collider) | {"name": pieces(collider.name)} for collider in link.colliders],
+        "pieces": [_piece(collider, told) | {"name": pieces(collider.name)} for collider in link.colliders],
     }
 
 
-def _mesh(visual: Visual, origin: np.ndarray, words: tuple[str, ...]) -> dict[str, str]:
-    group, k = visual.item.group, visual.item.k
-    shading = group.shading
-    points = group.vertices[k][shading.source] - origin
-    semantic = int(group.table.semantic[visual.item.row])
-    return _polygons(points, shading.faces) | {
-        "title": visual.name,
-        "look": _identifier(visual.look.name),
-        "label": words[semantic] if semantic else "",
-        "normals": _vectors(np.round(shading.normals[k], 5)),
-    }
+def _mesh(visual: Visual, words: tuple[str, ...]) -> dict[str, str]:
+    semantic = int(visual.item.group.table.semantic[visual.item.row])
+    return {"title": visual.name, "look": _identifier(visual.look.name), "label": words[semantic] if semantic else ""}
 
 
-def _piece(collider: Collider) -> dict[str, Any]:
+def _piece(collider: Collider, told: _Meshes) -> dict[str, Any]:
     look = {"look": _identifier(collider.material.name)}
     place = {"turn": _quat(collider.turn), "shift": _vector(collider.center)}
     if collider.size is not None:
@@ -164,16 +161,50 @@ def _piece(collider: Collider) -> dict[str, Any]:
         if bar.kind != "sphere":
             lines += ['uniform token axis = "Z"', f"double height = {bar.length:.9g}"]
         return look | place | {"type": bar.kind.capitalize(), "lines": lines}
-    assert collider.hull is not None
-    return look | {"type": "Mesh"} | _polygons(collider.hull.vertices, collider.hull.faces)
+    return look | {"type": "Mesh"} | next(told.met)
 
 
-def _polygons(points: np.ndarray, faces: np.ndarray) -> dict[str, str]:
+@dataclass(frozen=True, slots=True)
+class _Meshes:
+    """What the file says of the visuals, and of the colliders that are meshes, in the order of links: numbers of all are printed at
+    once."""
+
+    seen: Iterator[dict[str, str]]
+    met: Iterator[dict[str, str]]
+
+    @staticmethod
+    def of(robot: Robot) -> _Meshes:
+        seen = [(visual.item, link.origin) for link in robot.links for visual in link.visuals]
+        hulls = [
+            collider.hull
+            for link in robot.links
+            for collider in link.colliders
+            if collider.size is None and collider.bar is None and collider.hull is not None
+        ]
+        shadings = [item.group.shading for item, _ in seen]
+        points = [item.group.vertices[item.k][item.group.shading.source] - origin for item, origin in seen]
+        faces = [shading.faces for shading in shadings] + [hull.faces for hull in hulls]
+        told = _polygons(points + [hull.vertices for hull in hulls], faces)
+        normals = [shading.normals[item.k] for (item, _), shading in zip(seen, shadings, strict=True)]
+        shaded = _all_vectors(normals, 5)
+        pairs = zip(told, shaded, strict=False)
+        return _Meshes(iter([mesh | {"normals": normal} for mesh, normal in pairs]), iter(told[len(seen) :]))
+
+
+def _polygons(points: list[np.ndarray], faces: list[np.ndarray]) -> list[dict[str, str]]:
+    """Meshes with points (V, 3) and triangles (F, 3) each."""
+    extents = [np.stack(extent(own)) for own in points]
+    told = zip(_all_vectors(points, 12), _all_vectors(extents, 12), faces, strict=True)
+    return [_triangles(own.astype(np.int32).tobytes()) | {"extent": box, "points": text} for text, box, own in told]
+
+
+@lru_cache(maxsize=512)
+def _triangles(faces: bytes) -> dict[str, str]:
+    """Those of a primitive are alike in all objects."""
+    corners = np.frombuffer(faces, dtype=np.int32).astype(np.int64)
     return {
-        "extent": _vectors(np.stack([points.min(axis=0), points.max(axis=0)])),
-        "counts": "[" + ", ".join(["3"] * len(faces)) + "]",
-        "indices": f"[{print_rows(faces.reshape(-1, 1), '%d', _INDEX)[:-2]}]",
-        "points": _vectors(points),
+        "counts": "[" + ", ".join(["3"] * (len(corners) // 3)) + "]",
+        "indices": f"[{print_rows(corners[:, None], '%d', _INDEX)[:-2]}]",
     }
 
 
@@ -353,6 +384,15 @@ def _quat(values: np.ndarray) -> str:
 def _vectors(points: np.ndarray) -> str:
     """Points (n, 3) as an array of tuples."""
     return f"[{print_rows(np.round(points, 12) + 0.0, '%.9g', _POINT)[:-2]}]"
+
+
+def _all_vectors(blocks: list[np.ndarray], decimals: int) -> list[str]:
+    """The same of each of several arrays, of rounded numbers."""
+    if not blocks:
+        return []
+    rows = np.round(np.round(np.concatenate(blocks), decimals), 12) + 0.0
+    lines = print_blocks(rows, [0, *accumulate(map(len, blocks))], "%.9g", _LINE)
+    return [f"[{text[:-1]}]".replace("\n", ", ") for text in lines]
 
 
 @lru_cache(maxsize=1)
