@@ -220,8 +220,16 @@ def find_idle(program: Program) -> list[int]:
         number
         for number, requirement in enumerate(program.requirements)
         if reader.columns(requirement.condition)
-        and intervals.of(negate(both(requirement.guard, negate(requirement.condition))))[0] >= 1.0
+        and (
+            _is_same(requirement.condition)
+            or intervals.of(negate(both(requirement.guard, negate(requirement.condition))))[0] >= 1.0
+        )
     ]
+
+
+def _is_same(condition: Expr) -> bool:
+    """Whether a value is compared with itself, and so found equal."""
+    return condition.op in ("eq", "le") and condition.args[0] is condition.args[1]
 
 
 def find_settled(program: Program) -> list[tuple[int, bool]]:
