@@ -8,13 +8,14 @@ milliseconds an object, with everything that is made once for a program there: `
 `check`, what objects that are also looked at take beyond that, those drawn again included; `points` and `annotation`, as
 files have them; `sample`, all four together, which is what `apgc sample` takes; then each format that has files per object, of
 objects that are there, each with a model of links and joints of its own; `render`, a tile of a contact sheet, 128 pixels wide.
-`memory`: the most that the process held, MB.
+`memory`: the most that the process held, MB. With `--command`, CPU seconds of whole processes of `apgc sample NAME -n N`, with
+everything kept that an earlier one has left.
 `counts`, per category: plans made, sets of pieces built, hulls computed, pairs asked for a plane between them, rounds of loops.
 
 `--against PATH` measures another checkout beside this one, in processes that take turns, and prints ratios: its time by ours,
 the median of the rounds. `-o FILE` keeps all figures as JSON.
 
-    python benchmarks/whole.py [-n 128] [--rounds 3] [--against PATH] [-o whole.json] [--no-exports] [--no-cold] [Microwave ...]
+    python benchmarks/whole.py [-n 128] [--rounds 3] [--against PATH] [-o whole.json] [--no-exports] [--no-cold] [--command] [Microwave ...]
 """
 
 from __future__ import annotations
@@ -205,6 +206,15 @@ class Side:
         )
         return json.loads(made.stdout)
 
+    def sample(self, category: str, count: int) -> dict[str, float]:
+        """Seconds of the command itself."""
+        with tempfile.TemporaryDirectory() as folder:
+            words = ("-m", "artipg_dsl", "sample", category, "-n", str(count), "-o", f"{folder}/out")
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            subprocess.run([sys.executable, *words], env=self.environment, cwd=folder, check=True, capture_output=True)
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return {"sample": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime}
+
     @contextmanager
     def open(self, category: str, count: int, exports: bool) -> Iterator[Callable[[str], dict[str, Any]]]:
         more = [] if exports else ["--no-exports"]
@@ -236,10 +246,14 @@ def measured(sides: list[Side], category: str, given: argparse.Namespace) -> dic
     """Figures of a category by the name of the checkout; the sides take turns, each first in every other round."""
     from contextlib import ExitStack
 
-    found: dict[str, Any] = {side.name: {"cold": [], "warm": []} for side in sides}
+    found: dict[str, Any] = {side.name: {"cold": [], "warm": [], "command": []} for side in sides}
     for _ in range(1 if given.no_cold else given.rounds):
         for side in () if given.no_cold else sides:
             found[side.name]["cold"].append(side.cold(category))
+    for number in range(given.rounds + 1 if given.command else 0):
+        for side in sides if number % 2 == 0 else sides[::-1]:
+            row = side.sample(category, given.n)
+            found[side.name]["command"] += [row] if number else []  # the first one fills the cache
     with ExitStack() as stack:
         asks = [(s.name, stack.enter_context(s.open(category, given.n, not given.no_exports))) for s in sides]
         for number in range(given.rounds):
@@ -280,6 +294,7 @@ def main() -> None:
     options.add_argument("-o", type=Path, help="a file for all figures, JSON")
     options.add_argument("--no-exports", action="store_true")
     options.add_argument("--no-cold", action="store_true")
+    options.add_argument("--command", action="store_true", help="whole processes of apgc sample, too")
     options.add_argument("--cold", help=argparse.SUPPRESS)
     options.add_argument("--serve", help=argparse.SUPPRESS)
     given = options.parse_args()
@@ -302,11 +317,17 @@ def main() -> None:
         own = {category: sides_[side.name] for category, sides_ in found.items()}
         if not given.no_cold:
             show(f"{side.name}: cold, seconds", {c: middle(r["cold"]) for c, r in own.items()}, ".2f")
+        if given.command:
+            show(
+                f"{side.name}: `apgc sample -n {given.n}`, seconds",
+                {c: middle(r["command"]) for c, r in own.items()},
+                ".2f",
+            )
         warm_rows = {c: middle(r["warm"]) | {"memory": r["memory"]} for c, r in own.items()}
         show(f"{side.name}: warm, milliseconds an object; MB", warm_rows, ".1f")
         show(f"{side.name}: counts for {given.n} objects", {c: r["counts"] for c, r in own.items()}, ".0f")
     if given.against:
-        for kind in ("cold", "warm"):
+        for kind in ("cold", "command", "warm"):
             rows = {c: ratios(r["this"][kind], r["other"][kind]) for c, r in found.items()}
             show(f"{kind}: how many times as long the other checkout takes", rows, ".2f")
     if given.o:
