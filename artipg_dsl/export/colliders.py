@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..validity.bodies import Pieces, pack_inset, turn_points
+from ..validity.bodies import Pieces, pack_inset
 from ..validity.tree import Tree
 from ..validity.validate import find_meetings, find_meetings_at_rest
 from . import solids
@@ -72,6 +72,18 @@ class _Apart:
         pieces = np.concatenate([_NONE, *(hull.pieces for _, hull in met)])
         return self._meeting(hulls, [ONE] * len(hulls), pieces)
 
+    def _placed(self, points: np.ndarray, link: np.ndarray) -> np.ndarray:
+        """Points (n, 3) with the poses of their links at rest, rows (n,) of the link table."""
+        turn = np.ascontiguousarray(self.tree.turn.reshape(-1, 9).T)  # by columns: the matrix of each point is not made
+        x, y, z = np.ascontiguousarray(points.T)
+        cells = []
+        for a, b, c, shift in zip(turn[::3], turn[1::3], turn[2::3], self.tree.shift.T, strict=True):
+            cell = a.take(link) * x
+            cell += b.take(link) * y
+            cell += c.take(link) * z
+            cells.append(cell + shift.take(link))
+        return np.stack(cells, axis=-1)
+
     def _meeting(self, hulls: list[_Mine], side: list[int], others: np.ndarray = _NONE) -> list[_Mine]:
         """Which hulls meet one of the other side on another link; ``others`` (n,) are the numbers of pieces of that side."""
         if not hulls:
@@ -91,7 +103,7 @@ class _Apart:
         link = self.tree.first[owner] + self.gathered.link[numbers]
         each = np.repeat(link, counts)
         corners = np.concatenate([*inner, self.gathered.stock.inner(pieces)])
-        placed = turn_points(self.tree.turn[each], corners[:, None])[:, 0] + self.tree.shift[each]
+        placed = self._placed(corners, each)
         body = pack_inset(placed, np.cumsum(counts) - counts, owner, link)
         sides = np.concatenate([np.array(side, dtype=np.int64)[order], np.full(len(others), OTHER)])
         body.side = sides[body.source]

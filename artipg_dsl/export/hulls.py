@@ -79,7 +79,7 @@ class Gathered:
         count = each[self._which]
         _, at = enumerate_ranges(base[self._which] + self._k * count, count)
         flat = [np.concatenate([part.reshape(-1, *part.shape[2:]) for part in parts]) for parts in columns]
-        return [values[at] for values in flat], np.concatenate([[0], np.cumsum(count)])
+        return [values.take(at, axis=0) for values in flat], np.concatenate([[0], np.cumsum(count)])
 
 
 @dataclass(slots=True, eq=False)

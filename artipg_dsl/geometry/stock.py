@@ -43,7 +43,7 @@ class Stock:
 
     def corners(self, pieces: np.ndarray) -> np.ndarray:
         """The corners (P, 3) of some pieces, in their order."""
-        return self.points[ranges(self.point_start, pieces)]
+        return self.points.take(ranges(self.point_start, pieces), axis=0)
 
     def faces(self, pieces: np.ndarray) -> np.ndarray:
         """The numbers (F,) of the faces of some pieces, in their order."""
@@ -67,9 +67,9 @@ class Stock:
             counts = self.sizes(new)
             first = np.cumsum(counts) - counts
             shift = np.repeat(first, self.face_start[new + 1] - self.face_start[new])
-            inner[at] = inset(self.points[at], first, self.triangles[faces] + shift[:, None])
+            inner[at] = inset(self.points.take(at, axis=0), first, self.triangles.take(faces, axis=0) + shift[:, None])
             known[new] = True
-        return inner[ranges(self.point_start, pieces)]
+        return inner.take(ranges(self.point_start, pieces), axis=0)
 
 
 def changes(values: np.ndarray) -> np.ndarray:

@@ -353,7 +353,7 @@ def pack_inset(corners: np.ndarray, first: np.ndarray, owner: np.ndarray, link: 
     packed = []
     for number, size in enumerate(sizes.tolist()):
         at = np.flatnonzero(kind == number)
-        own = corners[first[at, None] + np.minimum(np.arange(size), count[at, None] - 1)]
+        own = corners.take(first[at, None] + np.minimum(np.arange(size), count[at, None] - 1), axis=0)
         slot[at], (low[at], high[at]) = np.arange(len(at)), extent(own)
         packed.append(own)
     done = [np.ones(len(own), dtype=bool) for own in packed]
