@@ -11,6 +11,7 @@ from .. import random
 from ..geometry import points as geometry
 from ..geometry.pointset import PointSet
 from ..geometry.sites import SiteTable
+from ..geometry.vectors import dot
 from ..records import dataclass
 from ..runtime.batch import Batch
 from .focus import Rows, spread
@@ -147,7 +148,7 @@ def compare(
     found, back = cloud[every, here], facing[every, here]
     to_surface = gaps(near, cloud, outward, apart[every, there], diagonal)
     to_cloud = gaps(position, found, back, targets.apart[target[:, None], here], diagonal)
-    agree = (outward * facing).sum(axis=2), (points.normal * back).sum(axis=2)
+    agree = dot(outward, facing), dot(points.normal, back)
     others = unlike(word[every, there], theirs), unlike(word, theirs[every, here])
     own = np.where(hidden, 0.0, _off(to_cloud, others[1])).sum(axis=1)
     own /= np.maximum((~hidden).sum(axis=1), 1)

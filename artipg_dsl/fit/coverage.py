@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.nearest import Nearest
 from ..records import dataclass
 from .match import REACH
-from .near import Nearest
 
 _SEEN = 0.04  # diagonals: where the nearest point of the cloud, by place and normal, lies nearer, a surface was seen
 _BESIDE = 12  # points of a surface that tell of a place

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.vectors import dot
 from ..records import dataclass
 from .products import at_a_time
 from .words import OTHER, factors
@@ -68,9 +69,9 @@ def gaps(surface: np.ndarray, cloud: np.ndarray, normal: np.ndarray, apart: np.n
     """Of pairs of points of a surface and a cloud (..., 3): along the ``normal`` of the one that stands for its neighbours, which
     lie ``apart`` (...), and aside as far as the other lies beyond the reach of those; ``diagonal`` broadcasts to (...)."""
     way = surface - cloud
-    along = (way * normal).sum(axis=-1)
+    along = dot(way, normal)
     aside = way - along[..., None] * normal
-    length = np.sqrt((aside * aside).sum(axis=-1))
+    length = np.sqrt(dot(aside, aside))
     beyond = np.maximum(length - REACH * apart, 0.0)
     aside *= (beyond / np.maximum(length, 1e-12))[..., None]
     whole = np.sqrt(along * along + beyond * beyond)

@@ -15,12 +15,10 @@ from ..geometry.pointset import PointSet
 from ..geometry.sites import SiteTable
 from ..records import dataclass
 from ..runtime.batch import Batch
-from .near import Nearest
 from .outer import outer, spacing
 
 _POINTS = 16384  # of a structure: its whole boundary
 _OUTSIDE = 4096  # what of it can be seen from without
-_ACROSS = 1e3  # metres: more than any object
 NEAR, FAR = 0.025, 0.05  # of the diagonal: up to here a category fits, beyond it does not
 
 
@@ -93,8 +91,7 @@ def apart(points: np.ndarray, others: np.ndarray, normals: np.ndarray) -> np.nda
     """(n,) how far points lie from a surface of which others are known: along the normal of the nearest one, and aside as far as they
     lie beyond the distance between these."""
     spaced = float(spacing(others[None])[0])
-    mine, theirs = (np.zeros(len(one), dtype=np.int64) for one in (points, others))
-    whole, at = Nearest(others, theirs, _ACROSS).find(points, mine)
+    whole, at = cKDTree(others).query(points)
     way = points - others[at]
     along = np.abs((way * normals[at]).sum(axis=1))
     aside = np.maximum(np.sqrt(np.maximum(whole**2 - along**2, 0.0)) - spaced, 0.0)

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.nearest import Nearest as Sets
 from ..geometry.sites import SiteTable
 from ..graph.expr import TRUE
 from ..graph.program import Program
 from ..runtime.batch import Batch
-from .near import Nearest as Sets
 
 _APART = 1e3  # diagonals between sets
 _REACH = 2.0  # diagonals, beyond which nothing lies

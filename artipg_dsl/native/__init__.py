@@ -14,11 +14,10 @@ operation on numbers is an inner loop of NumPy itself. Knows neither expressions
     wrap.c          the faces of convex hulls, as ``geometry.wrap`` has them
     digits.c        rows of numbers as text, with the bytes of Python's ``%``
     points.c        candidates for points, as ``geometry.candidates`` and ``geometry.hidden`` have them
-    near.c          the nearest of points in many sets, as ``fit.near`` asks for them
     depths.c        what of clouds can be seen, as ``fit.outer`` has it
     loops           the inner loops of NumPy's functions, and how an array lies in memory
     compiler        the machine compiled, kept and loaded
     tape, plan      straight-line programs of operations; registers and phases for the shapes that are given
-    narrow, states, turning, cells, moments, gaps, wrap, digits, points, near, depths   what is told to the files in C of these names
+    narrow, states, turning, cells, moments, gaps, wrap, digits, points, depths   what is told to the files in C of these names
     backend         which backend is used
 """

@@ -44,8 +44,6 @@ class Machine:
                 "add_moments",
                 "coarse",
                 "keep_points",
-                "plant",
-                "nearest_of",
                 "depth_pictures",
                 "depth_sides",
                 "chain",

@@ -31,7 +31,6 @@ _SOURCES = [
         "gaps.c",
         "wrap.c",
         "points.c",
-        "near.c",
         "depths.c",
     )
 ]
