@@ -39,7 +39,7 @@ def make_colliders(
         tree = Tree(batch)
         wrap(gathered.stock, (hull for body in merged.values() for hull in body.hulls))
         for check in (find_meetings_at_rest, find_meetings):  # most of what meets does so at rest, which is soon seen
-            _Apart(tree, gathered, check).set(merged)
+            _Apart(tree, gathered, check).reduce(merged)
     return [body.in_order() for body in bodies]
 
 
@@ -49,7 +49,7 @@ class _Apart:
     def __init__(self, tree: Tree, gathered: Gathered, check: _Check):
         self.tree, self.gathered, self.check = tree, gathered, check
 
-    def set(self, bodies: dict[int, Body]) -> None:
+    def reduce(self, bodies: dict[int, Body]) -> None:
         """Reduce the hulls of some objects."""
         new = {hull for body in bodies.values() for hull in body.hulls if len(hull.pieces) > 1}
         while bodies:
