@@ -185,7 +185,6 @@ def _chained(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Parts of ``pieces`` one after the other, put together as long as the hull of all adds less than ``tolerance``: where they
     begin and end, and which cluster each is of."""
-    begin, end = np.ascontiguousarray(begin), np.ascontiguousarray(end)
     machine = backend.machine()
     if machine is not None:
         return begin, end, gaps.chain(machine, stock.places, pieces, begin, end, _TURNED, tolerance)

@@ -32,7 +32,7 @@ class Stock:
     def places(self) -> tuple[int, int, int, int, int]:
         """Addresses of corners, normals, offsets and of where they begin, as compiled code takes them."""
         arrays = self.points, self.point_start, self.normals, self.offsets, self.face_start
-        assert all(a.flags.c_contiguous for a in arrays)
+        assert all(a.flags.c_contiguous and a.itemsize == 8 for a in arrays)
         one, two, three, four, five = (a.ctypes.data for a in arrays)
         return one, two, three, four, five
 

@@ -19,7 +19,7 @@ Places = tuple[int, int, int, int, int]
 
 def deepest(machine: Machine, places: Places, pieces: np.ndarray, ways: np.ndarray) -> tuple[float, int]:
     """How far the hull of pieces (n,) reaches where it does most, and the nearest face there, counted over them."""
-    depth = ctypes.c_double()
+    depth, pieces = ctypes.c_double(), np.ascontiguousarray(pieces)
     face = machine.deepest(*places, len(ways), ways.ctypes.data, pieces.ctypes.data, len(pieces), ctypes.byref(depth))
     return depth.value, face
 
@@ -36,6 +36,7 @@ def cluster(
 ) -> np.ndarray:
     """Which cluster (n,) each of ``pieces`` (n,) is of, which are in order of ``unit``, ``name`` (n,) and index; ``sectors`` (k,) is how
     many there may be around an axis, ascending."""
+    pieces, unit, name = (np.ascontiguousarray(column) for column in (pieces, unit, name))
     count = len(pieces)
     room, found = np.empty(6 * count + 1, dtype=np.int64), np.empty(count, dtype=np.int64)
     units = count, unit.ctypes.data, name.ctypes.data, len(sectors), sectors.ctypes.data
@@ -54,6 +55,7 @@ def chain(
     tolerance: float,
 ) -> np.ndarray:
     """Which cluster (k,) each part is of: parts one after the other, put together as long as the hull of all reaches no farther."""
+    pieces, begin, end = (np.ascontiguousarray(column) for column in (pieces, begin, end))
     found, row = np.empty(len(begin), dtype=np.int64), np.empty(int((end - begin).sum()), dtype=np.int64)
     parts = pieces.ctypes.data, len(begin), begin.ctypes.data, end.ctypes.data
     machine.chain(*places, len(ways), ways.ctypes.data, tolerance, *parts, row.ctypes.data, found.ctypes.data)
