@@ -12,8 +12,8 @@ from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError
 from ..geometry import blue
 from ..geometry import points as geometry
-from ..geometry.hidden import runs
 from ..geometry.pointset import PointSet, Pools
+from ..geometry.runs import runs
 from ..geometry.sites import SiteTable
 from ..records import dataclass
 from .sampling import Sampling

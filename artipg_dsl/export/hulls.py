@@ -10,11 +10,11 @@ import numpy as np
 
 from ..geometry.collide import inset
 from ..geometry.merge import Cluster, cluster_units, cut, gather_clusters, halves
-from ..geometry.stock import Stock, changes
+from ..geometry.runs import changes, runs
+from ..geometry.stock import Stock
 from ..geometry.vectors import extent
 from ..geometry.wrap import wrap_all
 from ..records import dataclass
-from ..validity.bodies import enumerate_ranges
 from . import solids
 
 _BUDGET = 60  # colliders of an object
@@ -77,7 +77,7 @@ class Gathered:
         each = np.array([values.shape[1] for values in columns[0]])
         base = np.cumsum([0, *(values.shape[0] * values.shape[1] for values in columns[0])])
         count = each[self._which]
-        _, at = enumerate_ranges(base[self._which] + self._k * count, count)
+        at = runs(base[self._which] + self._k * count, count)
         flat = [np.concatenate([part.reshape(-1, *part.shape[2:]) for part in parts]) for parts in columns]
         return [values.take(at, axis=0) for values in flat], np.concatenate([[0], np.cumsum(count)])
 

@@ -39,7 +39,7 @@ _TYPES = {
     "fixed": "PhysicsFixedJoint",
 }
 _DEGREES = float(np.degrees(1.0))
-_POINT, _LINE, _INDEX = ("(", ", ", ", ", "), "), ("(", ", ", ", ", ")\n"), ("", ", ")
+_POINT, _INDEX = ("(", ", ", ", ", ")\n"), ("", ", ")
 
 
 class Names:
@@ -157,7 +157,8 @@ def _piece(collider: Collider, told: _Meshes) -> dict[str, Any]:
     if collider.bar is not None:
         bar, reach = collider.bar, collider.bar.length / 2 + collider.bar.radius * collider.bar.capped
         corner = np.array([bar.radius, bar.radius, reach])
-        lines = [f"float3[] extent = {_vectors(np.stack([-corner, corner]))}", f"double radius = {bar.radius:.9g}"]
+        (ends,) = _vectors([np.stack([-corner, corner])])
+        lines = [f"float3[] extent = {ends}", f"double radius = {bar.radius:.9g}"]
         if bar.kind != "sphere":
             lines += ['uniform token axis = "Z"', f"double height = {bar.length:.9g}"]
         return look | place | {"type": bar.kind.capitalize(), "lines": lines}
@@ -186,7 +187,7 @@ class _Meshes:
         faces = [shading.faces for shading in shadings] + [hull.faces for hull in hulls]
         told = _polygons(points + [hull.vertices for hull in hulls], faces)
         normals = [shading.normals[item.k] for (item, _), shading in zip(seen, shadings, strict=True)]
-        shaded = _all_vectors(normals, 5)
+        shaded = _vectors(normals, 5)
         pairs = zip(told, shaded, strict=False)
         return _Meshes(iter([mesh | {"normals": normal} for mesh, normal in pairs]), iter(told[len(seen) :]))
 
@@ -194,7 +195,7 @@ class _Meshes:
 def _polygons(points: list[np.ndarray], faces: list[np.ndarray]) -> list[dict[str, str]]:
     """Meshes with points (V, 3) and triangles (F, 3) each."""
     extents = [np.stack(extent(own)) for own in points]
-    told = zip(_all_vectors(points, 12), _all_vectors(extents, 12), faces, strict=True)
+    told = zip(_vectors(points), _vectors(extents), faces, strict=True)
     return [_triangles(own.astype(np.int32).tobytes()) | {"extent": box, "points": text} for text, box, own in told]
 
 
@@ -381,17 +382,12 @@ def _quat(values: np.ndarray) -> str:
     return _vector(np.asarray(values, dtype=np.float64).reshape(4))
 
 
-def _vectors(points: np.ndarray) -> str:
-    """Points (n, 3) as an array of tuples."""
-    return f"[{print_rows(np.round(points, 12) + 0.0, '%.9g', _POINT)[:-2]}]"
-
-
-def _all_vectors(blocks: list[np.ndarray], decimals: int) -> list[str]:
-    """The same of each of several arrays, of rounded numbers."""
+def _vectors(blocks: list[np.ndarray], decimals: int = 12) -> list[str]:
+    """Each of several blocks of points (n, 3), rounded, as an array of tuples."""
     if not blocks:
         return []
-    rows = np.round(np.round(np.concatenate(blocks), decimals), 12) + 0.0
-    lines = print_blocks(rows, [0, *accumulate(map(len, blocks))], "%.9g", _LINE)
+    rows = np.round(np.concatenate(blocks), decimals) + 0.0
+    lines = print_blocks(rows, [0, *accumulate(map(len, blocks))], "%.9g", _POINT)
     return [f"[{text[:-1]}]".replace("\n", ", ") for text in lines]
 
 

@@ -18,7 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..geometry.hidden import runs
+from ..geometry.runs import runs
 from ..records import dataclass
 from ..runtime.batch import Batch
 from ..sampling.search import domain_ends

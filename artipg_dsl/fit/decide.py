@@ -13,7 +13,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from ..geometry.hidden import runs
+from ..geometry.runs import runs
 from ..random import mix
 from ..records import dataclass
 from ..runtime.batch import Batch

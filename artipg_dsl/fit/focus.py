@@ -6,8 +6,8 @@ import numpy as np
 
 from .. import random
 from ..geometry import points as geometry
-from ..geometry.hidden import runs
 from ..geometry.pointset import PointSet, Pools
+from ..geometry.runs import runs
 from ..geometry.sites import SiteTable
 from ..records import dataclass
 from ..runtime.batch import Batch

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..geometry.hidden import runs
+from ..geometry.runs import runs
 from ..graph.expr import Scope
 from ..runtime.batch import Batch
 from ..runtime.kernels import Rows, State

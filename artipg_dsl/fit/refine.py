@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry import points as geometry
-from ..geometry.hidden import runs
+from ..geometry.runs import runs
 from ..geometry.sites import SiteTable
 from ..records import dataclass
 from ..runtime.batch import Batch

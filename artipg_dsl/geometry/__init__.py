@@ -15,6 +15,6 @@ Begin with ``patches`` and ``mesh``.
     stock, merge, wrap                           convex pieces in arrays, hulls in place of several, convex hulls of points
     collide, overlap, enclosure                  convex bodies that meet, what they share, what contains what
     nearest                                      the nearest of points in many sets
-    vectors                                      products and lengths of arrays of vectors
+    vectors, runs                                products and lengths of arrays of vectors; ranges one after the other
     selftest                                     whether all declarations of a primitive agree
 """

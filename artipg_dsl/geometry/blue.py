@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .hidden import runs
+from .runs import runs
 
 TIMES = 4  # points to choose from, per point wanted
 _APART = -0.5  # cosine between normals of neighbours at least

@@ -18,8 +18,9 @@ from ..records import dataclass
 from .block import Coordinates, to_object
 from .density import AreaPlacement, solve_linear
 from .flat import BENT, PLANAR
-from .hidden import Occlusion, runs
+from .hidden import Occlusion
 from .pointset import PointSet
+from .runs import runs
 from .surface import PatchEvaluator
 
 if TYPE_CHECKING:

@@ -21,6 +21,7 @@ from .cells import Cells
 from .enclosure import bound_inside
 from .flat import BENT, PLANAR, convex
 from .patches import inside_split
+from .runs import runs
 
 _OFF = 1e-6  # how far off its surface a point is asked, relative to the largest primitive of its object
 _ABOUT = 1.5  # a coincident surface lies within this many times that distance of the point asked
@@ -45,11 +46,6 @@ def pack_fractions(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     With ``x - low`` and ``high - x`` of packed numbers a bit of ``_SIGNS`` tells that one of the two is out of bounds.
     """
     return ((u * 32767.0).astype(np.uint32) << np.uint32(16)) | (v * 32767.0).astype(np.uint32)
-
-
-def runs(start: np.ndarray, count: np.ndarray) -> np.ndarray:
-    """``start[0], start[0] + 1, ...`` (count[0] of them), then those from ``start[1]`` on, and so forth."""
-    return np.arange(int(count.sum())) + np.repeat(start - (np.cumsum(count) - count), count)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,7 +15,8 @@ from itertools import pairwise
 import numpy as np
 
 from ..native import backend, gaps
-from .stock import Stock, changes
+from .runs import changes
+from .stock import Stock
 
 _LEFT = 0.05  # of the depth of a piece: one that keeps less when it is cut is lost
 _LOST = 3  # one piece in so many at most: four staves of a thin ring lose a third, and stand all round it

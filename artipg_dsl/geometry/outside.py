@@ -17,7 +17,7 @@ import numpy as np
 from . import mesh
 from .cells import Cells
 from .flat import BENT
-from .hidden import runs
+from .runs import runs
 
 _DIRECTIONS = 144
 _STEPS = 24  # of the meshes, per full turn

@@ -18,9 +18,10 @@ from .block import Block, block_of
 from .candidates import Candidates, Drawn, LoosePoints, Thinning, draw, slant
 from .cells import Cells
 from .flat import PLANAR
-from .hidden import Occlusion, meeting_rows, runs, scales
+from .hidden import Occlusion, meeting_rows, scales
 from .outside import Outlook
 from .pointset import PointSet, Pools
+from .runs import runs
 from .sites import SiteTable
 
 _ROWS, _OBJECTS = 16_000, 256  # at most in a block, about

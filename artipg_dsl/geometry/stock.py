@@ -8,6 +8,7 @@ import numpy as np
 
 from ..records import dataclass
 from .collide import inset
+from .runs import runs
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,11 +44,11 @@ class Stock:
 
     def corners(self, pieces: np.ndarray) -> np.ndarray:
         """The corners (P, 3) of some pieces, in their order."""
-        return self.points.take(ranges(self.point_start, pieces), axis=0)
+        return self.points.take(_within(self.point_start, pieces), axis=0)
 
     def faces(self, pieces: np.ndarray) -> np.ndarray:
         """The numbers (F,) of the faces of some pieces, in their order."""
-        return ranges(self.face_start, pieces)
+        return _within(self.face_start, pieces)
 
     @cached_property
     def known(self) -> dict[bytes, tuple[float, int]]:
@@ -63,25 +64,16 @@ class Stock:
         inner, known = self._inner
         new = np.unique(pieces[~known[pieces]])
         if len(new):
-            at, faces = ranges(self.point_start, new), ranges(self.face_start, new)
+            at, faces = _within(self.point_start, new), _within(self.face_start, new)
             counts = self.sizes(new)
             first = np.cumsum(counts) - counts
             shift = np.repeat(first, self.face_start[new + 1] - self.face_start[new])
             inner[at] = inset(self.points.take(at, axis=0), first, self.triangles.take(faces, axis=0) + shift[:, None])
             known[new] = True
-        return inner.take(ranges(self.point_start, pieces), axis=0)
+        return inner.take(_within(self.point_start, pieces), axis=0)
 
 
-def changes(values: np.ndarray) -> np.ndarray:
-    """(n,) bool: where another value stands than before, and the first."""
-    found = np.ones(len(values), dtype=bool)
-    np.not_equal(values[1:], values[:-1], out=found[1:])
-    return found
-
-
-def ranges(start: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+def _within(start: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     """The numbers from ``start[k]`` to before ``start[k + 1]`` of each of the ``chosen`` k, one after the other."""
     first = start[chosen]
-    count = start[chosen + 1] - first
-    ends = np.cumsum(count)
-    return np.arange(ends[-1] if len(ends) else 0) + np.repeat(first - ends + count, count)
+    return runs(first, start[chosen + 1] - first)

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..native import backend, wrap
-from .stock import changes
+from .runs import changes
 from .vectors import cross, dot
 
 _GRID = 1 << 20  # places along the extent of a set; what rounds to the same place coincides
