@@ -32,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
     from ..export.write import refuse_existing, write_bytes
     from ..quality.sizes import read_reference
     from ..quality.text import card_text, markdown_table
-    from ..run.sharing import share
+    from ..run.sharing import LONG, share
     from ..run.workers import map_each
 
     names = _read_names(options)
@@ -57,13 +57,13 @@ def run(options: argparse.Namespace) -> int:
         with Progress("reports") if silent else nullcontext() as progress:
             if progress:
                 progress(0, len(rest))
-            for done, found in enumerate(map_each(_examined, rest, many), start=1):
+            for done, found in enumerate(map_each(_examined, rest, many, here=_examined), start=1):
                 if progress:
                     progress(done, len(rest))
                 yield found
 
     for card, seen in share(
-        tasks, options.workers, lambda task: _examined(replace(task, watched=True)), others, long=True
+        tasks, options.workers, lambda task: _examined(replace(task, watched=True)), others, pace=LONG
     ):
         if options.reference is not None and card.category not in known:
             close = did_you_mean(card.category, known)

@@ -155,11 +155,11 @@ def _take(job: Job, asked: Binding) -> None:
 
 
 def _each(job: Job, asked: Binding, items: list[Item], workers: int) -> Iterator[str]:
+    def bind(item: Item) -> str:
+        return _bind_one(job, asked, item)
+
     return share(
-        items,
-        workers,
-        lambda item: _bind_one(job, asked, item),
-        lambda rest, many: map_each(_bind_theirs, rest, many, _take, job, asked),
+        items, workers, bind, lambda rest, many: map_each(_bind_theirs, rest, many, _take, job, asked, here=bind)
     )
 
 

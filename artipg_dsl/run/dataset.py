@@ -128,8 +128,7 @@ def _carry_out(
     """Write all pieces, here, by other processes, or on a cluster."""
     each = any(piece.each for piece in pieces)
     total, done = sum(len(piece.numbers) for piece in pieces if piece.each or not each), 0
-    entry = _taken(job, pieces)
-    room = Room(share_of(memory, 1), entry)
+    room = Room(share_of(memory, 1), _taken(job, pieces))
 
     def write(piece: Chunk) -> Chunk:
         piece.write(job, room, _offset(progress, done, total))
@@ -138,7 +137,8 @@ def _carry_out(
     def others(rest: Sequence[Chunk], many: int) -> Iterable[Chunk]:
         from .workers import write_shared  # start-up: one process needs no others
 
-        return write_shared(job, many, rest, Room(share_of(memory, many), entry))
+        room.memory = share_of(memory, many)
+        return write_shared(job, many, rest, room)
 
     made: Iterable[Chunk]
     if cluster:
@@ -146,7 +146,8 @@ def _carry_out(
 
         made = write_on_cluster(job, cluster, workers or processors(), pieces, room)
     else:
-        made = share(pieces, workers, write, others, most=most_processes(memory))
+        pace = room.pace() * max((len(piece.numbers) for piece in pieces), default=0)
+        made = share(pieces, workers, write, others, most=most_processes(memory), pace=pace)
     for piece in made:
         done += len(piece.numbers) if piece.each or not each else 0
         if progress:
@@ -155,7 +156,7 @@ def _carry_out(
 
 
 def _taken(job: Job, pieces: list[Chunk]) -> str:
-    """The entry of the cache that says how much memory an object takes; "" where there are no objects."""
+    """The entry of the cache that says how much memory and time an object takes; "" where there are no objects."""
     if not pieces or cache.folder() is None:
         return ""
     names = sorted({entry.name for piece in pieces for entry in piece.formats})

@@ -33,11 +33,15 @@ def leave_out_near_duplicates(
     ranges = find_ranges(job.sampler.batch(np.arange(_DRAWN), 0, checked=False))
     numbers = job.request.objects
     items = _split(numbers, step.group)
+
+    def find(item: np.ndarray) -> np.ndarray:
+        return _find(job, ranges, step.group, item)
+
     found: Iterator[np.ndarray] = share(
         items,
         workers,
-        lambda item: _find(job, ranges, step.group, item),
-        lambda rest, many: map_each(_find_theirs, rest, many, _take, job.fresh(), ranges, step.group),
+        find,
+        lambda rest, many: map_each(_find_theirs, rest, many, _take, job.fresh(), ranges, step.group, here=find),
     )
     kept, done = [], 0
     for item, left_out in zip(items, found, strict=True):

@@ -132,7 +132,7 @@ def _looked_at(
         nonlocal done
         stage(f"checking objects with {many} workers")
         progress(done * steps, total)
-        for seen in map_each(_look, rest, many, _take, task):
+        for seen in map_each(_look, rest, many, _take, task, here=task.look):
             done += 1
             progress(done * steps, total)
             yield seen

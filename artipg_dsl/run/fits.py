@@ -35,7 +35,7 @@ from .job import prepare
 from .output import Output
 from .request import read_request
 from .resume import clear
-from .sharing import share
+from .sharing import LONG, share
 from .workers import map_each
 
 FITS, PICTURES, VALUES, SUMMARY = "fits", "pictures", "values.jsonl", "fit.json"
@@ -141,13 +141,13 @@ def _refuse_others(out: Path, paths: Sequence[Path]) -> None:
 
 
 def _each(sampler: Sampler, asked: Asked, groups: list[list[Item]], workers: int) -> Iterator[list[Item]]:
-    return share(
-        groups,
-        workers,
-        lambda group: _fit_group(_Work.of(sampler, asked), group),
-        lambda rest, many: map_each(_fit_theirs, rest, many, _take, sampler, asked),
-        long=True,
-    )
+    def fit(group: list[Item]) -> list[Item]:
+        return _fit_group(_Work.of(sampler, asked), group)
+
+    def others(rest: Sequence[list[Item]], many: int) -> Iterator[list[Item]]:
+        return map_each(_fit_theirs, rest, many, _take, sampler, asked, here=fit)
+
+    return share(groups, workers, fit, others, pace=LONG)
 
 
 # ---------------------------------------------------------------- one group

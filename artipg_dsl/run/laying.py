@@ -223,9 +223,11 @@ def _carry_out(job: Job, layout: Layout, entry: Entry, out: Path, progress: Prog
 
 def _written(job: Job, pieces: list[Piece], workers: int) -> Iterator[list[str]]:
     given = replace(job, statistics=Statistics())
-    return share(
-        pieces, workers, lambda piece: piece.write(job), lambda rest, many: map_each(_write, rest, many, _take, given)
-    )
+
+    def write(piece: Piece) -> list[str]:
+        return piece.write(job)
+
+    return share(pieces, workers, write, lambda rest, many: map_each(_write, rest, many, _take, given, here=write))
 
 
 _job: Job | None = None  # what this worker works for

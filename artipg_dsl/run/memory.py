@@ -1,7 +1,8 @@
 """How many objects are made together: as many as fit into the memory that a run may take.
 
 What an object takes is measured while the run goes on: by how much the process has grown, at most, since a block of objects was begun.
-It is kept between runs (see ``cache``): without it a run begins with few objects, which take nearly as long as many.
+It is kept between runs (see ``cache``): without it a run begins with few objects, which take nearly as long as many. So is the time
+that an object takes, which tells whether other processes are worth their start.
 The bytes of the files do not depend on it, since an object is the same whatever else is made with it.
 """
 
@@ -10,6 +11,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+import time
 from pathlib import Path
 
 from .. import cache
@@ -23,6 +25,7 @@ _UNITS = {"MB": 10**6, "GB": 10**9, "TB": 10**12}
 _MOST = 1 << 50
 _FIRST = 16  # objects, of which nothing is known yet
 _DOUBT = 2.0  # times what an object took in another run
+_TIMED = 32  # objects in a block that tells how long one takes: fewer say more of what is done once
 _SHARD = 0.256  # of the memory is what a shard may hold: there are its arrays, the file, and what they are made of
 _STATM = Path("/proc/self/statm")
 
@@ -64,21 +67,21 @@ def most_processes(memory: int | None) -> int | None:
 @dataclass(slots=True)
 class Room:
     """The memory that one process may take, and what an object took of it in the last block, or, as the ``entry`` of the cache says,
-    in another run."""
+    in another run; and the ``seconds`` that an object took in the quickest block, and in another run."""
 
     memory: int = USUAL
     entry: str = ""
     each: float = 0.0
-    known: float = 0.0
+    seconds: float = 0.0
+    known: tuple[float, float] | None = None
     begun: int = 0
     most: int = 0
+    clock: float = 0.0
 
     def begin(self, left: int) -> int:
         """How many of the objects that are left are made next."""
-        self.begun, self.most = _resident(), _peak()
-        if not self.each and self.entry and not self.known:
-            self.known = _read(self.entry)
-        each = self.each or _DOUBT * self.known
+        self.begun, self.most, self.clock = _resident(), _peak(), time.monotonic()
+        each = self.each or _DOUBT * self._known()[0]
         return min(left, max(1, int((self.memory - self.begun) / each)) if each else _FIRST)
 
     def end(self, made: int) -> None:
@@ -86,18 +89,34 @@ class Room:
         most = _peak()
         bound = max(1.0, (most - self.begun) / made)  # exact where the process has never been as large
         self.each = bound if most > self.most or not self.each else min(self.each, bound)
+        if made >= _TIMED:
+            spent = (time.monotonic() - self.clock) / made
+            self.seconds = min(spent, self.seconds) if self.seconds else spent
+
+    def pace(self) -> float:
+        """How long an object is known to take, seconds; 0 where nobody knows."""
+        return self.seconds or self._known()[1]
 
     def keep(self) -> None:
         """Write what an object takes, where that is news."""
-        if self.entry and self.each and not self.each / _DOUBT < self.known < self.each * _DOUBT:
-            self.known = self.each
-            cache.write(self.entry, f"{self.each:.0f}".encode())
+        known = self._known()
+        found = self.each or known[0], self.seconds or known[1]
+        if self.entry and any(
+            new and not new / _DOUBT < old < new * _DOUBT for new, old in zip(found, known, strict=True)
+        ):
+            self.known = found
+            cache.write(self.entry, f"{found[0]:.0f} {found[1]:.6f}".encode())
+
+    def _known(self) -> tuple[float, float]:
+        """What an object took in another run: bytes and seconds, 0 where nobody knows."""
+        if self.known is None:
+            self.known = _read(self.entry) if self.entry else (0.0, 0.0)
+        return self.known
 
 
-def _read(entry: str) -> float:
-    """What an object took in another run, bytes; 0 where nobody knows."""
-    found = cache.read(entry) or b""
-    return float(found) if found.isdigit() and len(found) < 16 else 0.0
+def _read(entry: str) -> tuple[float, float]:
+    found = re.fullmatch(rb"(\d{1,15}) (\d{1,6}\.\d{1,6})", cache.read(entry) or b"")
+    return (float(found[1]), float(found[2])) if found else (0.0, 0.0)
 
 
 def _resident() -> int:

@@ -24,7 +24,7 @@ def paint_with(workers: int) -> PaintAll:
             range(count),
             workers,
             lambda i: painter.paint(shot(i)),
-            lambda rest, many: map_each(_paint, map(shot, rest), many, _take, painter),
+            lambda rest, many: map_each(_paint, map(shot, rest), many, _take, painter, here=painter.paint),
         )
 
     return paint_all

@@ -1,17 +1,19 @@
 """Whether a run is one process's work or several's.
 
-Where nobody says how many, a run begins alone and calls others once its work is found to take long. The bytes are the same.
+Where nobody says how many, a run calls others once its work is known, or found, to take long. The bytes are the same.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeVar
 
 AUTO = 0  # workers: one per processor, as soon as that is worth their start
-_WORTH = 5.0  # seconds of work that are left then: a process takes about one to start
+LONG = math.inf  # seconds that an item takes: however many are left, others are worth their start
+_WORTH = 2.0  # seconds of work that are left then: a process takes about 0.6 to start
 T = TypeVar("T")
 R = TypeVar("R")
 
@@ -28,19 +30,20 @@ def share(
     others: Callable[[Sequence[T], int], Iterable[R]],
     *,
     most: int | None = None,
-    long: bool = False,
+    pace: float = 0.0,
 ) -> Iterator[R]:
     """What ``alone`` makes of each item here, or ``others`` (items, processes) of all that are left, in their order.
 
-    Several ``workers`` begin at once. With ``AUTO`` this process begins, and others, ``most`` at most, go on when what is left would take it
-    more than ``_WORTH`` seconds, as those before tell; ``long``: each item is known to take so much.
+    Several ``workers`` begin at once. With ``AUTO`` so do as many as there are processors, ``most`` at most, when what is
+    left would take this process alone more than ``_WORTH`` seconds, as those before tell; ``pace``: what an item is known to
+    take, seconds. The processes that ``others`` are told to be are this one and those that it starts.
     """
     many = workers or min(processors(), most or processors())
     begun = last = time.monotonic()
     for done, item in enumerate(items):
         left, now = len(items) - done, time.monotonic()
-        pace = max(now - last, (now - begun) / done) if done else 0.0
-        if min(many, left) > 1 and (workers or long or pace * left > _WORTH):
+        pace = max(now - last, (now - begun) / done) if done else pace
+        if min(many, left) > 1 and (workers or pace * left > _WORTH):
             yield from others(items[done:], min(many, left))
             return
         last = now

@@ -18,7 +18,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from itertools import islice
 from tempfile import mkstemp
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 from ..errors import UserError
 from .chunk import Chunk
@@ -32,34 +32,39 @@ _given: tuple[Job, Room] | None = None  # what this worker works for, and the me
 
 
 def write_shared(job: Job, count: int, chunks: Sequence[Chunk], room: Room) -> Iterator[Chunk]:
-    """Write the chunks with ``count`` processes, which have ``room`` each, and give each back, in their order.
+    """Write the chunks with ``count`` processes, this one among them, which have ``room`` each, and give each back, in their order.
 
     Raises what the first chunk that fails raises, and UserError where a process dies.
     """
-    for chunk, _ in zip(chunks, map_each(_write, chunks, count, _take, job.fresh(), room), strict=True):
+    made = map_each(_write, chunks, count, _take, job.fresh(), room, here=lambda chunk: chunk.write(job, room))
+    for chunk, _ in zip(chunks, made, strict=True):
         yield chunk
 
 
 def map_each(
-    function: Callable[[T], R], items: Iterable[T], count: int, begin: Callable[..., None] | None = None, *given: Any
+    function: Callable[[T], R],
+    items: Iterable[T],
+    count: int,
+    begin: Callable[..., None] | None = None,
+    *given: Any,
+    here: Callable[[T], R] | None = None,
 ) -> Iterator[R]:
     """``function`` of each item, in their order, called in ``count`` processes that called ``begin(*given)`` first.
 
+    With ``here`` this process is one of them: it does by ``here`` what no other has begun, as long as it would wait else.
     Raises what the first call that fails raises, and UserError where a process dies.
     """
     before = set(mp.active_children())
     with _task_file(begin, given) as task:
+        others = count - 1 if here else count
         # spawned, not forked: libraries that run threads do not outlive a fork, and it is the same on all systems
-        pool = ProcessPoolExecutor(count, mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(task,))
-        left = iter(items)
+        pool = ProcessPoolExecutor(others, mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(task,))
         done = False
         try:
+            queue = _Queue(pool, others, function, items)
             with _undisturbed():  # all processes are started with the first call
-                calls = deque(_submit(pool, function, item) for item in islice(left, _AHEAD * count))
-            while calls:
-                made = calls.popleft().result()
-                calls.extend(_submit(pool, function, item) for item in islice(left, 1))
-                yield made
+                queue.give()
+            yield from queue.results(here)
             done = True
         except BrokenProcessPool:
             raise UserError(
@@ -72,14 +77,67 @@ def map_each(
             pool.shutdown()
 
 
-def _submit(pool: ProcessPoolExecutor, function: Callable[[T], R], item: T) -> Future[R]:
-    try:
-        return pool.submit(function, item)
-    except (
-        OSError,
-        ValueError,
-    ) as error:  # a process died, so that the pool closed what another one was about to be given
-        raise BrokenProcessPool from error
+class _Queue(Generic[T, R]):
+    """Items in their order, and the calls that have been made for them.
+
+    A process gets its next item as soon as it is free, while this one is busy too; what nobody has begun can still be done
+    by either. Items are made by this thread alone.
+    """
+
+    def __init__(self, pool: ProcessPoolExecutor, count: int, function: Callable[[T], R], items: Iterable[T]):
+        self.pool, self.free, self.function = pool, count, function
+        self.ahead = _AHEAD * (count + 1)
+        self.left = iter(items)
+        self.ready: deque[T] = deque()
+        self.calls: deque[Future[R]] = deque()
+        self.lock = threading.RLock()
+
+    def give(self) -> None:
+        """Make items ready, and give them to whoever is free."""
+        with self.lock:
+            self.ready.extend(islice(self.left, self.ahead - len(self.ready) - len(self.calls)))
+            self._submit()
+
+    def results(self, here: Callable[[T], R] | None) -> Iterator[R]:
+        """What the calls return, in their order."""
+        while self.calls or self.ready:
+            first_is_there = self.calls and self.calls[0].done()
+            if first_is_there or here is None or not self._do(here):
+                yield self.calls.popleft().result()
+            self.give()
+
+    def _do(self, here: Callable[[T], R]) -> bool:
+        """Do one item in this process; whether there was any that nobody has begun."""
+        with self.lock:
+            if not self.ready:
+                return False
+            item, call = self.ready.popleft(), Future[R]()
+            self.calls.append(call)
+        try:
+            call.set_result(here(item))
+        except Exception as error:  # it is raised when its turn has come
+            call.set_exception(error)
+        return True
+
+    def _submit(self) -> None:
+        with self.lock:
+            while self.free and self.ready:
+                self.free -= 1
+                item = self.ready.popleft()
+                try:
+                    call = self.pool.submit(self.function, item)
+                except (OSError, ValueError, RuntimeError):  # a process died, so that the pool is closed
+                    call = Future()
+                    call.set_exception(BrokenProcessPool())
+                    self.calls.append(call)
+                    return
+                self.calls.append(call)
+                call.add_done_callback(self._next)
+
+    def _next(self, _: Future[R]) -> None:
+        with self.lock:
+            self.free += 1
+            self._submit()
 
 
 @contextmanager

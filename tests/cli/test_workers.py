@@ -162,6 +162,31 @@ def test_workers_that_die_before_they_read_their_task_end_the_run(
     assert told == ["a worker process died, perhaps for lack of memory"]
 
 
+def test_the_process_that_shares_work_does_its_part() -> None:
+    """It begins while the others start, nothing is done twice, and results come in their order."""
+    here: list[str] = []
+
+    def length(word: str) -> int:
+        here.append(word)
+        time.sleep(0.02)
+        return len(word)
+
+    words = ["x" * k for k in range(300)]
+    assert list(map_each(len, words, 2, here=length)) == list(range(300))
+    assert here[0] == words[1] and words[0] not in here, "the other one has been given the first"
+    assert len(set(here)) == len(here)
+
+
+def test_what_fails_here_is_raised_in_its_turn() -> None:
+    def fail(word: str) -> int:
+        raise UserError(f"{word} fails")
+
+    found = map_each(len, ["one", "two", "three"], 2, here=fail)
+    assert next(found) == 3
+    with pytest.raises(UserError, match="two fails"):
+        next(found)
+
+
 def test_a_worker_that_starts_when_all_is_over_says_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     class Gone:
         """The process that started the run; as long as the test lasts nobody hears of its end but by asking."""

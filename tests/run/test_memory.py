@@ -87,7 +87,7 @@ def test_blocks_follow_what_objects_have_taken(monkeypatch: pytest.MonkeyPatch) 
     assert room.begin(0) == 0
 
 
-@pytest.mark.parametrize("said", [None, b"", b"nan", b"-1", b"1e9", b"9" * 40])
+@pytest.mark.parametrize("said", [None, b"", b"nan", b"10", b"-1 0.1", b"1e9 0.1", b"9" * 40])
 def test_a_run_begins_with_as_many_as_another_has_found_room_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: bytes | None
 ) -> None:
@@ -104,9 +104,33 @@ def test_a_run_begins_with_as_many_as_another_has_found_room_for(
     assert blocks[2:] == ([40] if said is None else [16, 24])
     assert tree(tmp_path / "first") == tree(tmp_path / "second")
     room = Room(300, entry.name)
-    cache.write(entry.name, b"10")
+    cache.write(entry.name, b"10 0.250000")
     monkeypatch.setattr(memories, "_resident", lambda: 100)
     assert plain(room, 1000) == 10  # half of what there would be room for: other objects may be larger
+    assert room.pace() == 0.25
+
+
+def test_the_time_that_an_object_takes_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of blocks of some size, the quickest; another run that takes about as long changes nothing."""
+    monkeypatch.setenv("APGC_CACHE", str(tmp_path))
+    clock = [0.0]
+    monkeypatch.setattr(memories.time, "monotonic", lambda: clock[0])
+
+    def run(*blocks: tuple[int, float]) -> float:
+        room = Room(10**9, "memory-" + 40 * "0")
+        before = room.pace()
+        for made, seconds in blocks:
+            room.begin(made)
+            clock[0] += seconds
+            room.end(made)
+        room.keep()
+        return before
+
+    assert run((16, 8.0)) == 0.0
+    assert run((16, 8.0), (64, 6.4), (64, 3.2)) == 0.0, "few objects tell nothing"
+    assert run((64, 6.0)) == pytest.approx(0.05)
+    assert run((64, 0.64)) == pytest.approx(0.05)
+    assert run() == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize("block", [1, 3])

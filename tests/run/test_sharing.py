@@ -18,7 +18,7 @@ def work(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[list[int], list
     monkeypatch.setattr(sharing, "processors", lambda: 8)
 
     def run(
-        each: float, workers: int = AUTO, items: int = 10, **more: int | bool
+        each: float, workers: int = AUTO, items: int = 10, **more: float
     ) -> tuple[list[int], list[tuple[list[int], int]]]:
         here: list[int] = []
         there: list[tuple[list[int], int]] = []
@@ -40,18 +40,19 @@ def work(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[list[int], list
 
 def test_short_work_is_one_processs(work) -> None:
     assert work(0.1) == (list(range(10)), [])
+    assert work(0.1, pace=0.1) == (list(range(10)), [])
 
 
 def test_others_go_on_where_what_is_left_takes_long(work) -> None:
     assert work(3.0) == ([0], [(list(range(1, 10)), 8)])
-    assert work(1.0) == ([0], [(list(range(1, 10)), 8)])
-    assert work(0.5, items=20) == ([0], [(list(range(1, 20)), 8)])
-    assert work(3.0, items=2) == ([0, 1], []), "the second takes less than the start of another process is worth"
+    assert work(0.3) == ([0], [(list(range(1, 10)), 8)])
+    assert work(1.5, items=2) == ([0, 1], []), "the second takes less than the start of another process is worth"
 
 
 def test_all_begin_at_once_where_it_is_asked_for_or_known(work) -> None:
     assert work(0.1, workers=3) == ([], [(list(range(10)), 3)])
-    assert work(0.1, long=True) == ([], [(list(range(10)), 8)])
+    assert work(0.1, pace=0.3) == ([], [(list(range(10)), 8)])
+    assert work(0.1, pace=sharing.LONG) == ([], [(list(range(10)), 8)])
 
 
 def test_a_single_item_or_worker_is_alone(work) -> None:
