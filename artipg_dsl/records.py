@@ -10,8 +10,10 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from operator import attrgetter
 from reprlib import recursive_repr
+from types import CodeType, FunctionType, MemberDescriptorType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -85,33 +87,64 @@ _ABSENT = _Absent()
 
 def _written(cls: Any, frozen: bool) -> Callable[..., None]:
     """The ``__init__`` of a class: an argument for each of its fields that takes one."""
+    fields = dataclasses.fields(cls)
+    slots = frozen and all(isinstance(getattr(cls, f.name, None), MemberDescriptorType) for f in fields)
     known: dict[str, Any] = {"_set": object.__setattr__, "_absent": _ABSENT}
-    plain: list[str] = ["self"]
-    named: list[str] = []
-    body: list[str] = []
-    for number, field in enumerate(dataclasses.fields(cls)):
-        default, made = f"_default{number}", field.default_factory is not dataclasses.MISSING
-        known[default] = field.default_factory if made else field.default
-        given = made or field.default is not dataclasses.MISSING
-        value = field.name
-        if made:
-            value = f"{default}() if {field.name} is _absent else {field.name}" if field.init else f"{default}()"
-        if field.init:
-            argument = field.name + (f" = {'_absent' if made else default}" if given else "")
-            (named if field.kw_only else plain).append(argument)
-        elif not given:
-            continue
-        elif not made:
-            value = default
-        body.append(f"_set(self, {field.name!r}, {value})" if frozen else f"self.{field.name} = {value}")
-    if hasattr(cls, "__post_init__"):
-        body.append("self.__post_init__()")
-    arguments = ", ".join([*plain, *(["*", *named] if named else [])])
-    exec(f"def __init__({arguments}):\n " + "\n ".join(body or ["pass"]), known)
-    written = known["__init__"]
-    written.__annotations__ = {f.name: f.type for f in dataclasses.fields(cls) if f.init} | {"return": None}
+    shape, names = [], {}
+    plain: list[Any] = []
+    named: dict[str, Any] = {}
+    for number, field in enumerate(fields):
+        made = field.default_factory is not dataclasses.MISSING
+        default = field.default_factory if made else field.default
+        given = default is not dataclasses.MISSING
+        known |= {f"default{number}": default, f"name{number}": field.name}
+        if slots:
+            known[f"set{number}"] = getattr(cls, field.name).__set__
+        names[f"a{number}"] = field.name
+        shape.append((field.init, made, given or field.init, field.kw_only))
+        value = _ABSENT if made else default
+        if field.init and field.kw_only:
+            named |= {field.name: value} if given else {}
+        elif field.init and given:
+            plain.append(value)
+        elif field.init and plain:
+            raise TypeError(f"non-default argument {field.name!r} follows default argument")
+    code = _body(tuple(shape), frozen, slots, hasattr(cls, "__post_init__"))
+    variables, read = (tuple([names.get(name, name) for name in of]) for of in (code.co_varnames, code.co_names))
+    code = code.replace(co_varnames=variables, co_names=read)
+    written = FunctionType(code, known, "__init__", tuple(plain))
+    written.__kwdefaults__ = named
+    written.__annotations__ = {f.name: f.type for f in fields if f.init} | {"return": None}
     written.__qualname__, written.__module__ = f"{cls.__qualname__}.__init__", cls.__module__
     return written
+
+
+@cache
+def _body(shape: tuple[tuple[bool, bool, bool, bool], ...], frozen: bool, slots: bool, post: bool) -> CodeType:
+    """The code of an ``__init__`` whose fields are called ``a0``, ``a1``, ...; of each, whether it is an argument, has a default, by a
+    factory, and is taken by its name alone. Many classes share one: to compile it takes ten times as long as to change its names."""
+    plain, named, body = ["self"], list[str](), list[str]()
+    for number, (init, made, given, kw_only) in enumerate(shape):
+        name = value = f"a{number}"
+        if init:
+            (named if kw_only else plain).append(name)
+        elif not given:
+            continue
+        if made:
+            value = f"default{number}() if {name} is _absent else {name}" if init else f"default{number}()"
+        elif not init:
+            value = f"default{number}"
+        if slots:
+            body.append(f"set{number}(self, {value})")
+        else:
+            body.append(f"_set(self, name{number}, {value})" if frozen else f"self.{name} = {value}")
+    if post:
+        body.append("self.__post_init__()")
+    arguments = ", ".join([*plain, *(["*", *named] if named else [])])
+    space: dict[str, Any] = {}
+    exec(f"def __init__({arguments}):\n " + "\n ".join(body or ["pass"]), space)
+    code: CodeType = space["__init__"].__code__
+    return code
 
 
 @recursive_repr()
