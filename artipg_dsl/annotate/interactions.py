@@ -58,7 +58,7 @@ def find_interactions(batch: Batch) -> Interactions:
         joint = above.meant(label, link)
         rows.append(np.column_stack([table.owner[row], word, link, joint, np.round(point, 9) + 0.0]))
     # the primitives of one target share its middle: one row for all of them
-    unique = np.unique(np.concatenate(rows), axis=0)
+    unique, _ = np.unique(np.concatenate(rows), axis=0, return_counts=True)  # without counts it loads numpy.ma
     owner, word, link, joint = (unique[:, k].astype(np.int64) for k in range(4))
     return Interactions(owner, [names[k] for k in word], link, joint, unique[:, 4:])
 

@@ -13,7 +13,7 @@ from ..errors import UsageError
 from ..geometry import blue
 from ..geometry import points as geometry
 from ..geometry.pointset import PointSet, Pools
-from ..geometry.runs import runs
+from ..geometry.runs import absent, runs
 from ..geometry.sites import SiteTable
 from ..records import dataclass
 from .sampling import Sampling
@@ -45,7 +45,7 @@ def draw_points(
     if how.balance:
         return _balanced(sites, labels, n_objects, how, key, address, weigh)
     found, pools, area = geometry.sample_pools(sites, labels, n_objects, n * times, key, address, outside=outside)
-    bare = np.setdiff1d(np.arange(n_objects), pools.owner)
+    bare = absent(n_objects, pools.owner)
     if len(bare):
         raise geometry.PointsError(bare.tolist())
     made = found if times == 1 else found.take(_places(blue.thin(found.position, found.normal, area, n)))
@@ -79,7 +79,7 @@ def _balanced(
         parts.append((done, found.take(done)))
         weight = np.where(full, weight, 0.0)
         open_ = again & (weight > 0)
-    bare = np.setdiff1d(np.arange(n_objects), pools.owner[counts > 0])
+    bare = absent(n_objects, pools.owner[counts > 0])
     if len(bare):
         raise geometry.PointsError(bare.tolist())
     row = np.concatenate([np.repeat(rows, counts[rows]) for rows, _ in parts])

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..diagnostics import CompileError
 from ..errors import UsageError
-from ..export.write import write_bytes
 from ..resources import COMPILED
 from ..session import Session
 from ..source import Span
@@ -100,6 +99,8 @@ def run(options: argparse.Namespace) -> int:
     if options.out in (None, STREAM):
         print(text, end="")
     else:
+        from ..export.write import write_bytes  # start-up: `apgc check` needs `of_text` alone
+
         write_bytes(options.out, text.encode("utf-8"), force=options.force)
         say(f"wrote {options.out}")
     return 0

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import argparse
 
-from ..export.registry import FORMATS, OTHERS, object_formats
-from ..layouts.registry import LAYOUTS
 from .arguments import amount, folder, fraction, numbers, picture, positive, random_states, whole
 from .real import add_bind, add_fit
 from .shared import (
@@ -89,6 +87,8 @@ def _add_compile(to: argparse.ArgumentParser) -> None:
 
 
 def _add_sample(to: argparse.ArgumentParser) -> None:
+    from ..export.registry import FORMATS, OTHERS  # start-up: other commands write no formats
+
     add_source(to)
     add_drawing(to, 10)
     to.add_argument("-o", "--out", type=folder, default="out", metavar="DIR", help="output folder (default: out)")
@@ -192,6 +192,9 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
 
 
 def _add_export(to: argparse.ArgumentParser) -> None:
+    from ..export.registry import object_formats  # start-up
+    from ..layouts.registry import LAYOUTS  # start-up
+
     add_source(to)
     add_drawing(to, 10)
     to.add_argument(

@@ -21,7 +21,7 @@ from .cells import Cells
 from .enclosure import bound_inside
 from .flat import BENT, PLANAR, convex
 from .patches import inside_split
-from .runs import runs
+from .runs import distinct, runs
 
 _OFF = 1e-6  # how far off its surface a point is asked, relative to the largest primitive of its object
 _ABOUT = 1.5  # a coincident surface lies within this many times that distance of the point asked
@@ -215,7 +215,7 @@ class Occlusion:
         out[pairs.cell[chosen]] = True
         whole = whole[~solid[pairs.other[whole]]]
         shelf_of = self.shelf[pairs.other[whole]]
-        for number in np.unique(shelf_of).tolist():
+        for number in distinct(shelf_of).tolist():
             shelf, mine = self.rows.shelves[number], whole[shelf_of == number]
             origin, a, b, c = pairs.quad[:, :, mine]
             ends = np.stack([origin + u * a + v * b + (u * v) * c for u, v in corners])

@@ -22,6 +22,7 @@ from ..records import dataclass
 from . import facts, mesh
 from .errors import PrimitiveError
 from .patches import Params, evaluate_rows, rows_of
+from .runs import absent
 from .topology import topology
 from .trial import draw_trial, variants
 from .vectors import cross, dot, extent
@@ -403,7 +404,7 @@ def _fits(points: np.ndarray, hull: _Hull) -> np.ndarray:
     reach = np.maximum((high - low).max(axis=1), 1e-300)[:, None, None]
     scaled = np.ascontiguousarray(((points - low[:, None]) / reach).transpose(2, 0, 1))
     faces, across = hull.used[hull.faces], hull.used[hull.across]
-    others = () if len(hull.used) == points.shape[1] else np.setdiff1d(np.arange(points.shape[1]), hull.used)
+    others = () if len(hull.used) == points.shape[1] else absent(points.shape[1], hull.used)
     fits = np.ones(len(points), dtype=bool)
     size = max(64, _CHUNK // len(faces))
     for part in range(0, len(points), size):

@@ -128,8 +128,9 @@ def _check_closed(topology: Topology, faces: np.ndarray, owner: np.ndarray) -> N
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     count = int(faces.max()) + 1
     forward, back = start * count + end, end * count + start
-    unique, times = np.unique(forward, return_counts=True)
-    bad = np.isin(forward, unique[times > 1]) | ~np.isin(back, unique)
+    unique, which, times = np.unique(forward, return_inverse=True, return_counts=True)
+    at = np.minimum(np.searchsorted(unique, back), len(unique) - 1)
+    bad = (times[which] > 1) | (unique[at] != back)
     if bad.any():
         names = sorted({surfaces(topology.primitive)[p].name for p in owner[np.flatnonzero(bad) // 3]})
         message = f"surfaces {', '.join(names)} disagree about which side is outside along their common edges"

@@ -10,7 +10,6 @@ from __future__ import annotations
 import ctypes
 import os
 import platform
-import shutil
 import sys
 from hashlib import blake2b
 from importlib.util import find_spec
@@ -52,6 +51,8 @@ class NoMachine(Exception):
 
 def compilers() -> list[list[str]]:
     """The commands of compilers that are there, the one to be tried first first: ``CC``, the system's, that of ``ziglang``."""
+    import shutil  # start-up: most processes find the machine compiled
+
     asked = os.environ.get("CC", "").split()
     found = [[path, *asked[1:]] for path in [shutil.which(asked[0])] if path] if asked else []
     found += [[path] for name in ("cc", "gcc", "clang") if (path := shutil.which(name))]
@@ -90,7 +91,8 @@ def kept() -> Path | None:
 
 def compile_machine() -> Path:
     """Compile the machine and keep it; where it lies. Raises NoMachine."""
-    import subprocess  # start-up: most runs compile nothing
+    import shutil  # start-up: most runs compile nothing
+    import subprocess  # start-up
     import tempfile  # start-up
 
     place = folder()
@@ -147,6 +149,8 @@ def load(path: Path) -> ctypes.CDLL:
         raise NoMachine(f"the compiled backend cannot be loaded: {error}") from None
     finally:
         if path.parent in _passing:
+            import shutil  # start-up
+
             _passing.remove(path.parent)
             shutil.rmtree(path.parent, ignore_errors=True)
 

@@ -72,7 +72,9 @@ class Chunk:
             batch = job.batch(numbers[done : done + size])
             for entry in missing:
                 parts[entry.name].append(entry.part(batch, self.content))
-            self._write_objects(batch, np.intersect1d(batch.numbers, absent), _offset(progress, done, len(numbers)))
+            self._write_objects(
+                batch, np.intersect1d(batch.numbers, absent, assume_unique=True), _offset(progress, done, len(numbers))
+            )
             room.end(size)
             done += size
         for entry in missing:  # force: the same command elsewhere may have written the same bytes meanwhile

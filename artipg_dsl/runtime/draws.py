@@ -47,7 +47,7 @@ def _no_room(state: State, rows: Rows, number: int, bad: np.ndarray) -> None:
     if bad.any():
         owners = rows.owner[bad]
         state.failed[owners] = True
-        state.missed[number] = state.missed.get(number, 0) + len(np.unique(owners))
+        state.missed[number] = state.missed.get(number, 0) + int(np.count_nonzero(np.bincount(owners)))
         state.faults.setdefault(("draw", number), []).append(np.flatnonzero(bad))
 
 

@@ -209,7 +209,7 @@ def demand(state: State, rows: Rows, number: int, holds: np.ndarray | bool) -> N
     """Note the objects that break a requirement."""
     bad = np.flatnonzero(~full(rows, holds).astype(bool))
     if len(bad):
-        owners = np.unique(rows.owner[bad])
+        owners = np.flatnonzero(np.bincount(rows.owner[bad]))
         state.failed[owners] = True
         state.broken[number] = state.broken.get(number, 0) + len(owners)
         state.faults.setdefault(("requirement", number), []).append(bad)
@@ -222,7 +222,7 @@ def lean(state: State, rows: Rows, number: int, holds: np.ndarray | bool, weight
         owners = rows.owner[bad]
         heavy = np.maximum(full(rows, weight).astype(np.float64)[bad], 0.0)
         state.leaning += np.bincount(owners, weights=heavy, minlength=len(state.objects))
-        state.unkept[number] = state.unkept.get(number, 0) + len(np.unique(owners))
+        state.unkept[number] = state.unkept.get(number, 0) + int(np.count_nonzero(np.bincount(owners)))
 
 
 def preferred(state: State) -> np.ndarray:

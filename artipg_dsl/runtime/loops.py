@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..geometry.runs import distinct
 from ..records import dataclass
 from .motion import JointChains, MatrixCells, apply, carry, follow
 from .newton import solve_small
@@ -198,7 +199,7 @@ def loops_of(batch: Batch) -> Loops | None:
     which, point = np.concatenate(kinds)[order], np.concatenate(points, axis=1)[:, order]
     leader, rate = leaders_of(joints)
     at, side, joint = _joints_above(batch, link)
-    used = np.unique(leader[joint])
+    used = distinct(leader[joint])
     used = used[np.argsort(joints.owner[used], kind="stable")]
     slot_of = np.zeros(len(leader), dtype=np.int64)
     slot_of[used] = np.arange(len(used)) - np.searchsorted(joints.owner[used], joints.owner[used])

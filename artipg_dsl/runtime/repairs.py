@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..geometry.runs import distinct
 from ..graph.program import Draw, Program, Requirement
 from ..records import dataclass
 
@@ -88,7 +89,7 @@ class Repairs:
         return self._rows(np.flatnonzero(self.how == how))
 
     def objects(self) -> np.ndarray:
-        return np.unique(self.owner)
+        return distinct(self.owner)
 
     def plain(self, program: Program) -> list[dict[str, Any]]:
         """A row each as plain data: ``path``, ``from``, ``to``, ``how``, ``because`` and ``where`` in the text."""

@@ -7,6 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..geometry.runs import distinct
 from ..graph.feasible import find_conflicts
 from ..graph.program import Program
 from ..runtime.batch import Batch, full_plan
@@ -211,7 +212,7 @@ def find_faulty(batch: Batch, statistics: Statistics, checked: bool = True) -> n
         silent = find_unsaid(batch)
         for fault in silent:
             statistics.unsound[fault.words] = statistics.unsound.get(fault.words, 0) + len(fault.objects)
-        return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *(fault.objects for fault in silent)]))
+        return distinct(np.concatenate([np.zeros(0, dtype=np.int64), *(fault.objects for fault in silent)]))
     if batch.program.foreign:
         prove(batch)
     found = find_faults(batch, soon=True)
@@ -221,7 +222,7 @@ def find_faulty(batch: Batch, statistics: Statistics, checked: bool = True) -> n
             met = describe_contact(found.tree, found.body, struck, int(rows[0]))
             kinds = (joint.kind for joint in batch.program.joints if joint.path == key[2])
             statistics.examples[key] = contact_in_words(next(kinds, ""), met)
-        statistics.collided[key] = statistics.collided.get(key, 0) + len(np.unique(struck.owner[rows]))
+        statistics.collided[key] = statistics.collided.get(key, 0) + len(distinct(struck.owner[rows]))
     for fault in found.others:
         statistics.unsound[fault.words] = statistics.unsound.get(fault.words, 0) + len(fault.objects)
     return found.objects()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.runs import distinct
 from ..runtime.batch import Batch
 from .floating import ROUND, TOUCH, find_loose, find_neighbours, join_groups
 
@@ -29,5 +30,5 @@ def find_adrift(batch: Batch) -> dict[str, tuple[int, int]]:
     for table, wrong in zip(tables, floats, strict=True):
         if wrong.any():
             path = batch.program.parts[batch.program.sites[table.number].part].path
-            found[path] = len(np.unique(table.owner[wrong])), len(np.unique(table.owner))
+            found[path] = len(distinct(table.owner[wrong])), len(distinct(table.owner))
     return found

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..geometry.collide import DEPTH, inset
 from ..geometry.pieces import Cloud
+from ..geometry.runs import distinct
 from ..geometry.sites import scatter
 from ..geometry.vectors import cross, dot, extent
 from ..native.backend import machine as compiled
@@ -271,7 +272,7 @@ def _gathered(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarr
     rotation, translation = (np.concatenate([getattr(t, name) for t in tables]) for name in ("rotation", "translation"))
     found: list[Alike | None] = [None] * len(groups)
     corners = np.array([points.shape[1] for points, *_ in groups])
-    for count in np.unique(corners):  # those with as many corners are placed together
+    for count in distinct(corners):  # those with as many corners are placed together
         alike = np.flatnonzero(corners == count).tolist()
         rows = np.concatenate([groups[k][2] for k in alike])
         sign = np.stack([np.ones(len(rows)), mirror[rows], np.ones(len(rows))], axis=-1)
@@ -312,12 +313,12 @@ def pack_pieces(groups: list[Alike]) -> Pieces:
         return Pieces(
             [], [], [], none, none, np.zeros((0, 3)), np.zeros((0, 3)), none, none, none, none, none, flags, none
         )
-    sizes, corners, begin = np.unique(wide), [], np.zeros(len(groups), dtype=np.int64)
+    sizes, corners, begin = distinct(wide), [], np.zeros(len(groups), dtype=np.int64)
     for size in sizes:
         same = np.flatnonzero(wide == size)
         begin[same] = np.cumsum(counts[same]) - counts[same]
         points = np.empty((int(counts[same].sum()), int(size), 3))
-        for count in np.unique(given[same]):
+        for count in distinct(given[same]):
             mine = same[given[same] == count]
             own = np.concatenate([groups[k].corners for k in mine.tolist()])
             _, at = enumerate_ranges(begin[mine], counts[mine])

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..geometry.runs import distinct
 from ..random import key, mix, uniform
 from ..records import dataclass
 from ..runtime.batch import Batch
@@ -65,7 +66,7 @@ def find_evidence(batch: Batch, states: int = STATES) -> Evidence:
         value = float(found.value[rows].min())
         row = int(rows[np.argmin(found.value[rows])])
         example = describe_contact(tree, wrong.body, found, row)
-        pairs.append(LinkPair(first, second, joint, len(np.unique(found.owner[rows])), value, example))
+        pairs.append(LinkPair(first, second, joint, len(distinct(found.owner[rows])), value, example))
     known = _codes(tree, found.owner, found.first, found.second)
     blocking, blocked = _blocking(tree, states, known) if states else ([], 0)
     count = len(tree.joints.owner)
@@ -133,7 +134,7 @@ def _blocking(tree: Tree, states: int, known: np.ndarray) -> tuple[list[LinkPair
     values = np.array([_anywhere(tree, number) for number in range(states if len(tree.joints.owner) else 0)])
     for part in split_blocks(body):
         for first, second in find_meetings_in_states(tree, part, values):
-            met.append(np.unique(np.minimum(first, second) * count + np.maximum(first, second)))
+            met.append(distinct(np.minimum(first, second) * count + np.maximum(first, second)))
     pair = np.setdiff1d(np.concatenate(met), known)
     paths = [link.path for link in batch.program.links]
     found: dict[tuple[str, str], set[int]] = {}

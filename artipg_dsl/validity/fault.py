@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ..geometry.runs import distinct
 from ..graph.program import Where
 from ..records import dataclass
 
@@ -38,5 +39,5 @@ def list_faults(found: Iterable[tuple[Key, int | list[int] | np.ndarray]]) -> li
     objects: dict[Key, list[np.ndarray]] = {}
     for key, some in found:
         objects.setdefault(key, []).append(np.atleast_1d(np.asarray(some, dtype=np.int64)))
-    faults = ((key, np.unique(np.concatenate(parts))) for key, parts in objects.items())
+    faults = ((key, distinct(np.concatenate(parts))) for key, parts in objects.items())
     return [Fault(what, rows, where, part) for (what, where, part), rows in faults]

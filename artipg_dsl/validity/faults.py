@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.runs import distinct
 from ..records import dataclass
 from ..runtime.batch import Batch
 from .apart import find_too_near
@@ -30,7 +31,7 @@ class Faults:
 
     def objects(self) -> np.ndarray:
         """Indices of the objects that have any."""
-        return np.unique(np.concatenate([self.collisions.objects(), *(fault.objects for fault in self.others)]))
+        return distinct(np.concatenate([self.collisions.objects(), *(fault.objects for fault in self.others)]))
 
 
 def find_faults(batch: Batch, soon: bool = False) -> Faults:
@@ -54,5 +55,5 @@ def find_faults(batch: Batch, soon: bool = False) -> Faults:
     for statement, objects in zip(batch.program.stable, find_falling(tree, body), strict=False):
         others.append(Fault(statement.message, objects, statement.where))
     found = tuple(fault for fault in others if len(fault.objects))
-    lost = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *(fault.objects for fault in found)]))
+    lost = distinct(np.concatenate([np.zeros(0, dtype=np.int64), *(fault.objects for fault in found)]))
     return Faults(tree, body, find_collisions(batch, tree, body, lost if soon else None), found)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.collide import find_near
+from ..geometry.runs import absent, distinct
 from ..geometry.vectors import dot
 from ..native.narrow import Side
 from ..runtime.batch import Batch
@@ -63,7 +64,7 @@ class Solids:
     def missing(self) -> list[Fault]:
         """Objects without any primitive."""
         batch = self.tree.batch
-        bare = np.setdiff1d(np.arange(len(batch)), self.owner)
+        bare = absent(len(batch), self.owner)
         return [Fault(f"no part of `{batch.program.name}` has a surface", bare)]
 
     def margin(self) -> np.ndarray:
@@ -90,7 +91,7 @@ class Solids:
             first, second, shared = first[apart], second[apart], shared[apart]
             if not len(first):
                 break
-            best = np.unique(np.concatenate([_best(group[side], shared) for side in (first, second)]))
+            best = distinct(np.concatenate([_best(group[side], shared) for side in (first, second)]))
             met = self._touch(first[best], second[best], margin)
             group = join_groups(group, first[best[met]], second[best[met]])
             left = np.ones(len(first), dtype=bool)
@@ -116,7 +117,7 @@ class Solids:
                 self.body.low[j, axis] < self.body.high[i, axis] + room[k]
             )
             k, i, j = k[near], i[near], j[near]
-        return np.unique(k[find_near(Placed(self.body, i), Placed(self.body, j), room[k])])
+        return distinct(k[find_near(Placed(self.body, i), Placed(self.body, j), room[k])])
 
     # ------------------------------------------------------------ between links
 
@@ -166,7 +167,7 @@ class Solids:
         return far[~held[far]]
 
     def _links_allowed(self) -> np.ndarray:
-        return np.unique(self.link[_may_float(self.tree.batch)])
+        return distinct(self.link[_may_float(self.tree.batch)])
 
     def _axis_holds(
         self, link: np.ndarray, holder: np.ndarray, joint: np.ndarray, begin: np.ndarray, end: np.ndarray
@@ -301,7 +302,7 @@ def _may_float(batch: Batch) -> np.ndarray:
     rows = [find_meant(batch, said, said.first, said.ranks[0]).row for said in free]
     if not rows:
         return np.zeros(0, dtype=np.int64)
-    inside = sites_of(batch, np.unique(np.concatenate(rows)))
+    inside = sites_of(batch, distinct(np.concatenate(rows)))
     start = np.cumsum([0, *(len(table) for table in batch.sites())])
     return np.concatenate([begin + row for begin, (row, _) in zip(start[:-1], inside, strict=True)])
 
@@ -342,7 +343,7 @@ def find_loose(batch: Batch, link: np.ndarray, group: np.ndarray) -> np.ndarray:
     """Which primitives (S,) are in another group than the first of their link, and in none that may float. The first is one that
     may not float itself: what floats beside the others holds none of them."""
     floats = _may_float(batch)
-    own = np.setdiff1d(np.arange(len(link)), floats)
+    own = absent(len(link), floats)
     head = np.full(int(link.max(initial=-1)) + 1, len(link))
     np.minimum.at(head, link[own], own)
     excused = np.zeros(len(link), dtype=bool)

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..geometry.box import turn_boxes
 from ..geometry.collide import MOST_STEPS, separate
+from ..geometry.runs import distinct
 from ..geometry.vectors import dot
 from ..native import states as native_states
 from ..native.backend import Machine
@@ -100,7 +101,7 @@ def _near(
         state, i, j = native_states.near_in_states(machine, scene, turn, shift, pairs, asked)
         keep = body.opposed(i, j)
         return (state, i, j) if keep.all() else (state[keep], i[keep], j[keep])
-    used = np.unique(np.concatenate(pairs))
+    used = distinct(np.concatenate(pairs))
     place = np.zeros(links, dtype=np.int64)
     place[used] = np.arange(len(used))
     first, second = place[pairs[0]], place[pairs[1]]
@@ -159,7 +160,7 @@ class _Ways:
         """Which placed pieces meet (k,); ``code`` (k,) is the same for the same two in several states."""
         assert first.turn is not None and second.turn is not None
         turns = first.turn, second.turn
-        pairs = np.union1d(self.code, code)
+        pairs = distinct(np.concatenate([self.code, code]))
         held = np.zeros((2, len(pairs), 3))
         held[:, np.searchsorted(pairs, self.code)] = self.held
         self.code, self.held = pairs, held

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..geometry.runs import distinct
 from .bodies import Pieces
 from .fault import Fault
 from .together import Meeting, least_share, list_ways
@@ -55,11 +56,11 @@ def find_shut(tree: Tree) -> Iterator[Fault]:
     if gates is None:
         return
     shut = (tree.high[gates.gate] < gates.low) | (tree.low[gates.gate] > gates.high)
-    for row in np.unique(tree.joints.definition[gates.joint[shut]]).tolist():
+    for row in distinct(tree.joints.definition[gates.joint[shut]]).tolist():
         joint = tree.batch.program.joints[row]
         at = gates.joint[shut][tree.joints.definition[gates.joint[shut]] == row]
         words = f"the joint `{joint.path}` never moves: what it waits for does not get so far"
-        yield Fault(words, np.unique(tree.joints.owner[at]), joint.where)
+        yield Fault(words, distinct(tree.joints.owner[at]), joint.where)
 
 
 def _one_of_each(tree: Tree) -> Iterator[np.ndarray]:

@@ -12,6 +12,7 @@ from ..geometry.block import block_of
 from ..geometry.box import bounds
 from ..geometry.errors import PrimitiveError
 from ..geometry.overlap import Touching
+from ..geometry.runs import distinct
 from ..geometry.sites import weigh
 from ..records import dataclass
 from ..runtime.motion import apply, multiply
@@ -128,7 +129,7 @@ def find_crossed(batch: Batch) -> list[Fault]:
         path, inverted = batch.program.parts[batch.program.sites[table.number].part].path, volume[part] < 0.0
         for which, what in ((wrong[part] & inverted, "are inside out"), (wrong[part] & ~inverted, "cross one another")):
             if which.any():
-                objects = np.unique(table.owner[rows[which]])
+                objects = distinct(table.owner[rows[which]])
                 found.append(Fault(f"the surfaces of `{path}` {what}", objects, part=path))
     return found
 

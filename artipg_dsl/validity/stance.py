@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.runs import distinct
 from ..geometry.vectors import dot
 from ..runtime.motion import apply, multiply, rotation_about
 from .bodies import Pieces
@@ -184,7 +185,7 @@ class Stance:
         tree, joints, chord = self.tree, self.tree.joints, self._chord()
         wrong, within = np.zeros(len(chord)), np.zeros(len(chord))
         depth_of = (tree.chain[tree.child] >= 0).sum(axis=1)
-        for level in np.unique(depth_of)[::-1].tolist():  # the innermost first
+        for level in distinct(depth_of)[::-1].tolist():  # the innermost first
             at = np.flatnonzero(depth_of == level)
             wrong[at] = chord[at] * within[at]
             for column in range(1, tree.chain.shape[1]):

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.runs import distinct
 from ..records import dataclass
 from .apart import find_too_near
 from .bodies import Pieces
@@ -35,7 +36,7 @@ def find_stuck(tree: Tree, body: Pieces) -> list[Stuck]:
     stuck = []
     for one, other in sorted(set(map(tuple, pairs.tolist()))):
         rows = np.flatnonzero((pairs == (one, other)).all(axis=1))
-        if len(np.unique(found.owner[rows])) == int((there[:, one] & there[:, other]).sum()):
+        if len(distinct(found.owner[rows])) == int((there[:, one] & there[:, other]).sum()):
             first, second = sorted(tree.batch.program.links[link].path for link in (one, other))
             stuck.append(Stuck((first, second), describe_contact(tree, body, found, int(rows[0])).parts))
     return stuck

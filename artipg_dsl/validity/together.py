@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.runs import distinct
 from ..geometry.vectors import dot
 from ..records import dataclass
 from ..runtime.motion import apply, rotation_about
@@ -180,7 +181,7 @@ def _cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
     one, two = (whole.boxes(level[seen], number[link[seen]]) for level, link in sides)
     seen = seen[_meet(one, two)]
     # their pieces, as far as these come near the other link at all
-    used = np.flatnonzero(np.isin(body.link, np.union1d(way.first[seen], way.second[seen])))
+    used = np.flatnonzero(np.isin(body.link, distinct(np.concatenate([way.first[seen], way.second[seen]]))))
     own = _reach(tree, body.link[used], body.low[used], body.high[used])
     place = np.zeros(len(body), dtype=np.int64)
     place[used] = np.arange(len(used))
@@ -219,7 +220,7 @@ def _where_gates_let(tree: Tree, joint: np.ndarray, part: Cells) -> Cells:
     gates, owner = tree.gates, tree.joints.owner
     if gates is None:
         return part
-    waiting = np.unique(joint[np.append(tree.gated, False)[joint]])
+    waiting = distinct(joint[np.append(tree.gated, False)[joint]])
     turn = np.arange(len(waiting)) - np.searchsorted(owner[waiting], owner[waiting])
     object_of = owner[joint.max(axis=1, initial=-1)]
     moved = np.zeros(len(joint), dtype=np.int64)  # which objects have cells that were told apart

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..geometry.runs import distinct
 from ..runtime.batch import Batch
 from ..runtime.motion import JointChains, apply, follow, multiply
 from .bodies import Pieces
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from .validate import Collisions
 
 _KEPT = 500_000  # links, each in a state, of which the poses are kept
-_SHARES = np.unique(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
+_SHARES = distinct(np.concatenate([[0.002, 0.005, 0.01, 0.02, 0.035], np.linspace(0.0, 1.0, 41), [0.98, 0.995]]))
 RestPoses = tuple[np.ndarray, np.ndarray, list[np.ndarray], np.ndarray]
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.collide import MOST_STEPS, separate
+from ..geometry.runs import distinct
 from ..geometry.vectors import dot
 from ..native.backend import Machine
 from ..native.backend import machine as compiled
@@ -126,7 +127,7 @@ def _possible_by_groups(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
     whole = turns.at(order[begin])
     whole.start = np.minimum.reduceat(turns.start[order], begin)
     whole.stop = np.maximum.reduceat(turns.stop[order], begin)
-    boxes = body.boxes_of_groups(tree.turn, np.unique(whole.piece), turns.other[order], begin)
+    boxes = body.boxes_of_groups(tree.turn, distinct(whole.piece), turns.other[order], begin)
     whole.other, whole.row = len(body) + np.arange(len(begin)), np.arange(len(begin))
     met = _not_apart(whole, boxes, len(begin))
     possible = np.ones(len(turns.row), dtype=bool)
@@ -142,7 +143,7 @@ def _possible(tree: Tree, body: Pieces, turns: Turns) -> np.ndarray:
     rest = turns.at(np.flatnonzero(~possible))
     if len(rest.row):
         rest.row = np.flatnonzero(~possible)
-        boxes = body.boxes(tree.turn, np.union1d(rest.piece, rest.other))
+        boxes = body.boxes(tree.turn, distinct(np.concatenate([rest.piece, rest.other])))
         possible |= _not_apart(rest, boxes, len(possible))
     return np.flatnonzero(possible)
 

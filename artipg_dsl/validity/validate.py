@@ -14,6 +14,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..geometry.collide import find_near, overlap
+from ..geometry.runs import distinct
 from ..native import turning as native
 from ..native.backend import machine as compiled
 from ..records import dataclass
@@ -49,7 +50,7 @@ class Collisions:
 
     def objects(self) -> np.ndarray:
         """Indices of the objects that have any."""
-        return np.unique(self.owner)
+        return distinct(self.owner)
 
 
 def find_collisions(
