@@ -32,6 +32,16 @@ def require(holds: object, words: str) -> None:
         raise NodeFault(words)
 
 
+def _joined(one: Facts, other: Facts) -> Facts:
+    """What is said of an operation on two expressions: one of the two, where that says it."""
+    if one[1:] == other[1:]:
+        if one[0] >= other[0]:
+            return one
+        if one[0] <= other[0]:
+            return other
+    return one[0] | other[0], one[1] or other[1], one[2] and other[2]
+
+
 class Nodes:
     """The expressions read so far: the free variables of each, and whether it is true or false rather than a number."""
 
@@ -49,20 +59,23 @@ class Nodes:
         arity, predicate = _ARITY[op]
         if len(args) != arity:
             raise NodeFault(f"{op} takes {arity} arguments, not {len(args)}")
-        free, truth, formula = given[0] if given else (_NONE, False, True)
-        for other in given[1:]:
-            if other[0] is not free:
-                free |= other[0]
-            truth, formula = truth or other[1], formula and other[2]
-        if truth and not predicate and op != "where":
-            raise NodeFault(f"{op} calculates with numbers, not with true and false")
+        known = given[0]
+        for other in given:
+            if (
+                other is not known
+            ):  # most of the time it is: those of the argument with the most variables, again and again
+                known = _joined(known, other)
         if op == "where":
-            truth = given[1][1] and given[2][1]
+            known = known[0], given[1][1] and given[2][1], known[2]
+        elif predicate:
+            known = known[0], True, known[2]
+        elif known[1]:
+            raise NodeFault(f"{op} calculates with numbers, not with true and false")
         try:
             node = raw(op, args)
         except ScopeError as error:
             raise NodeFault(str(error)) from None
-        facts[node] = free, predicate or op == "where" and truth, formula
+        facts[node] = known
         return node
 
     def make(self, op: str, value: Any, args: tuple[Any, ...]) -> Expr:

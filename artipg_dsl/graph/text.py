@@ -92,7 +92,7 @@ class _Writer:
         self.program = program
         self.scopes = {s: k for k, s in enumerate(program.scopes)}
         self.columns: dict[Column, int] = {}
-        self.exprs: dict[Expr, int] = {}
+        self.exprs: dict[Expr, str] = {}  # as lines name them: %0, %1
         self.lines: list[str] = []
         # lines that are others without places, documentation and comments, which nothing reads back
         self.bare: dict[int, str] = {}
@@ -114,24 +114,22 @@ class _Writer:
         return f"${self.columns[column]}"
 
     def expr(self, root: Expr) -> str:
-        numbers, lines = self.exprs, self.lines
-        stack = [] if root in numbers else [root]
+        names, lines = self.exprs, self.lines
+        stack = [] if root in names else [root]
         while stack:
             node = stack[-1]
-            if node in numbers:
+            if node in names:
                 stack.pop()
                 continue
-            missing = [a for a in node.args if a not in numbers]
-            if missing:
-                missing.reverse()
-                stack += missing
+            args = [names[a] for a in node.args if a in names]
+            if len(args) < len(node.args):
+                stack += [a for a in reversed(node.args) if a not in names]
                 continue
             stack.pop()
-            words = [node.op] if node.value is None else [node.op, *self.payload(node)]
-            words += [f"%{numbers[a]}" for a in node.args]
-            number = numbers[node] = len(numbers)
-            lines.append(f"%{number} = {' '.join(words)}")
-        return f"%{numbers[root]}"
+            words = args if node.value is None else [*self.payload(node), *args]
+            name = names[node] = f"%{len(names)}"
+            lines.append(" ".join([name, "=", node.op, *words]))
+        return names[root]
 
     def payload(self, node: Expr) -> list[str]:
         value = node.value
@@ -158,8 +156,7 @@ class _Writer:
         """A value as text; places and documentation stand between marks."""
         kind: Any = type(value)
         if kind is Expr:
-            number = self.exprs.get(value)
-            return self.expr(value) if number is None else f"%{number}"
+            return self.exprs.get(value) or self.expr(value)
         if kind is tuple or kind is list:
             return f"[{' '.join(map(self.marked, value))}]"
         if isinstance(value, Column):
@@ -173,7 +170,7 @@ class _Writer:
         if isinstance(value, int | float):
             return repr(value)
         if isinstance(value, str):
-            return json.dumps(value, ensure_ascii=False)
+            return _quoted(value)
         assert is_dataclass(value)
         words = [f"({kind.__name__}"]
         for name, default, mark in _defaults(kind):
@@ -184,6 +181,7 @@ class _Writer:
         return "".join([*words, ")"])
 
 
+_quoted = json.JSONEncoder(ensure_ascii=False).encode  # `dumps` would make one for each text
 _PLACE = "\0"  # which no text has that is written
 
 
@@ -290,13 +288,15 @@ class _Reader:
         self.columns: list[Column] = []
         self.exprs: list[Expr] = []
         self.named: dict[str, Expr] = {}  # the same as they are written: %0, %1
+        self.texts: dict[str, str] = {}  # by what they are written as; most of them stand there again and again
         self.known: dict[str, list[Any]] = {"%": self.exprs, "@": self.scopes, "$": self.columns}
         self.items: list[tuple[int, Any, int]] = []  # line, record, its number among those of its kind
         self.words: list[str] = []
         self.at = 0
 
     def next(self) -> str:
-        require(self.at < len(self.words), "the line ends too early")
+        if self.at >= len(self.words):
+            raise NodeFault("the line ends too early")
         word = self.words[self.at]
         self.at += 1
         return word
@@ -315,16 +315,28 @@ class _Reader:
             raise NodeFault(f"expected {mark}, found {word[:40]!r}")
 
     def value(self, depth: int = 0) -> Any:
-        require(depth < _DEEPEST, "the line is nested too deeply")
         word = self.next()
-        if word == "[":
-            items: list[Any] = []
-            while not self.ends("]"):
+        known = self.named.get(word)
+        if known is not None:
+            return known
+        if word != "[":
+            return self.record(depth + 1) if word == "(" else self.atom(word)
+        if depth >= _DEEPEST:
+            raise NodeFault("the line is nested too deeply")
+        words, named = self.words, self.named
+        items: list[Any] = []
+        while not self.ends("]"):
+            known = named.get(words[self.at])
+            if known is None:
                 items.append(self.value(depth + 1))
-            return tuple(items)
-        return self.record(depth + 1) if word == "(" else self.atom(word)
+            else:  # an expression, as most items are
+                items.append(known)
+                self.at += 1
+        return tuple(items)
 
     def record(self, depth: int) -> Any:
+        if depth > _DEEPEST:
+            raise NodeFault("the line is nested too deeply")
         name = self.next()
         cls = _RECORDS.get(name)
         if cls is None:
@@ -346,9 +358,8 @@ class _Reader:
         return cls(**found)
 
     def atom(self, word: str) -> Any:
-        known = self.named.get(word)
-        if known is not None:
-            return known
+        if word in self.texts:
+            return self.texts[word]
         if _REFERENCE.fullmatch(word):
             among, number = self.known[word[0]], int(word[1:])
             if number >= len(among):
@@ -360,6 +371,7 @@ class _Reader:
                 text.encode()
             except (ValueError, UnicodeEncodeError):
                 raise NodeFault(f"{word[:40]} is not text") from None
+            self.texts[word] = text
             return text
         if word in ("none", "true", "false"):
             return {"none": None, "true": True, "false": False}[word]
@@ -384,14 +396,15 @@ class _Reader:
 
     def plain(self, line: str) -> bool:
         """Reads a line that is an operation on expressions before, as nearly all lines of a program are; False for any other."""
-        name, *words = line.split(" ")
-        if len(words) < 3 or words[1] not in FUNCTIONS or words[0] != "=" or name != f"%{len(self.exprs)}":
+        words, named, name = line.split(" "), self.named, f"%{len(self.exprs)}"
+        if len(words) < 4 or words[2] not in FUNCTIONS or words[1] != "=" or words[0] != name:
             return False
         try:
-            args = tuple([self.named[word] for word in words[2:]])
+            args = tuple([named[word] for word in words[3:]])
         except KeyError:
             return False
-        self.add(self.nodes.plain(words[1], args))
+        made = named[name] = self.nodes.plain(words[2], args)
+        self.exprs.append(made)
         return True
 
     def add(self, expr: Expr) -> None:
