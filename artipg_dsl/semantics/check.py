@@ -40,6 +40,14 @@ class TypedProgram:
     types: dict[int, Type]
     meanings: dict[int, Meaning]
     checker: Checker
+    unshaped: set[Symbol]  # shipped primitives: what shapes them is typed when they are lowered
+
+    def shape(self, symbol: Symbol) -> None:
+        """Type the surfaces, curves, pieces, ... of a primitive, unless that is done: a lowered one that was kept needs no types."""
+        if symbol in self.unshaped:
+            self.unshaped.discard(symbol)
+            shapes = tuple(stmt for stmt in symbol.body if isinstance(stmt, statements.SHAPE))
+            statements.check_body(self.checker, self.checker.scope_of(symbol), shapes, ())
 
     def type_of(self, expr: ast.Expr) -> Type:
         """The type of an expression; unknown where an error stands or nothing asked for it."""
@@ -49,14 +57,16 @@ class TypedProgram:
 def check(workspace: Workspace, module: ModuleScope, report: Report) -> TypedProgram:
     """Checks what there is to check, once (see ``_to_check``); errors are collected in ``report``."""
     ck = Checker(workspace, report)
-    symbols = _to_check(workspace, module)
+    library = _library(workspace, module)
+    symbols = _to_check(workspace, library)
     for scope in workspace.modules.values():
         for symbol in scope.own():
             if symbol.kind == "vocabulary":
                 assert isinstance(symbol.decl, ast.VocabularyDecl)
                 ck.vocabularies.setdefault(symbol.name, set()).update(symbol.decl.words)
+    unshaped = {s for s in symbols if s.kind == "primitive" and s.module in library}
     for symbol in symbols:
-        _declaration(ck, symbol)
+        _declaration(ck, symbol, statements.SHAPE if symbol in unshaped else ())
     roles.check_nesting(ck, symbols)
     if not module.tree.declarations and not report.failed:
         start = module.tree.span.start
@@ -75,16 +85,20 @@ def check(workspace: Workspace, module: ModuleScope, report: Report) -> TypedPro
             notes=((categories[0].decl.name_span, "the first one"),),
         )
     category = categories[0] if categories else None
-    return TypedProgram(workspace.modules, module, category, tuple(symbols), ck.types, ck.meanings, ck)
+    return TypedProgram(workspace.modules, module, category, tuple(symbols), ck.types, ck.meanings, ck, unshaped)
 
 
-def _to_check(workspace: Workspace, module: ModuleScope) -> list[Symbol]:
+def _library(workspace: Workspace, module: ModuleScope) -> set[ModuleScope]:
+    """The modules of the shipped library, but for the one that is checked."""
+    shipped = library_dir().resolve()
+    return {scope for key, scope in workspace.modules.items() if Path(key).parent == shipped and scope is not module}
+
+
+def _to_check(workspace: Workspace, library: set[ModuleScope]) -> list[Symbol]:
     """All declarations of the file and of the modules beside it; of the shipped library, which was checked when it was made,
     those that they name, and those that these do.
     """
-    shipped = library_dir().resolve()
     every = [s for scope in workspace.modules.values() for s in scope.own()]
-    library = {scope for key, scope in workspace.modules.items() if Path(key).parent == shipped and scope is not module}
     reached = {symbol for symbol in every if symbol.module not in library}
     found = list(reached)
     while found:
@@ -98,10 +112,11 @@ def _to_check(workspace: Workspace, module: ModuleScope) -> list[Symbol]:
     return [symbol for symbol in every if symbol in reached]
 
 
-def _declaration(ck: Checker, symbol: Symbol) -> None:
+def _declaration(ck: Checker, symbol: Symbol, later: tuple[type[ast.Stmt], ...]) -> None:
+    """Check a declaration, but for statements of the kinds that are left for ``later``."""
     match symbol.decl:
         case ast.RoleDecl() | ast.TemplateDecl() | ast.PrimitiveDecl() | ast.CategoryDecl():
-            _body(ck, symbol)
+            _body(ck, symbol, later)
         case ast.FunctionDecl(parameters=parameters, value=value):
             ck.infer(Context(symbol.module, extra=dict.fromkeys(parameters, UNKNOWN)), value)
         case ast.MaterialDecl() as decl:
@@ -122,11 +137,11 @@ def _declaration(ck: Checker, symbol: Symbol) -> None:
                 seen.add(word)
 
 
-def _body(ck: Checker, symbol: Symbol) -> None:
+def _body(ck: Checker, symbol: Symbol, later: tuple[type[ast.Stmt], ...]) -> None:
     roles.check_parent(ck, symbol)
     scope = ck.scope_of(symbol)
     declarations.check_names(ck, scope)
-    statements.check_body(ck, scope, symbol.body, ())
+    statements.check_body(ck, scope, tuple(stmt for stmt in symbol.body if not isinstance(stmt, later)), ())
     if symbol.kind == "template":
         roles.check_template(ck, symbol)
     if symbol.kind == "primitive":

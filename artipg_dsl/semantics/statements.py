@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from .checker import Checker, Context
 
 _DECLARATIONS = (ast.ParamDecl, ast.LetDecl, ast.PortDecl, ast.RequireStmt)
-_SHAPE = (ast.SurfaceDecl, ast.CurveDecl, ast.InsideDecl, ast.BoxDecl, ast.PieceDecl, ast.SolidDecl)
+SHAPE = (ast.SurfaceDecl, ast.CurveDecl, ast.InsideDecl, ast.BoxDecl, ast.PieceDecl, ast.SolidDecl)
 _ROLE = (ast.ParamDecl, ast.SlotDecl, ast.PortDecl, ast.JointDecl)
 _INSTEAD: dict[tuple[str, type[ast.Stmt]], str] = {
     ("role", ast.CountDecl): "write `param {0} : count in ...`",
@@ -111,9 +111,9 @@ def _misplaced(ck: Checker, scope: BodyScope, stmt: ast.Stmt) -> bool:
     if kind == "role":
         wrong = not isinstance(stmt, _ROLE)
     elif kind == "primitive":
-        wrong = not isinstance(stmt, _SHAPE + _DECLARATIONS)
+        wrong = not isinstance(stmt, SHAPE + _DECLARATIONS)
     else:
-        wrong = isinstance(stmt, _SHAPE) and not isinstance(stmt, ast.CurveDecl)
+        wrong = isinstance(stmt, SHAPE) and not isinstance(stmt, ast.CurveDecl)
     if isinstance(stmt, ast.ParamDecl) and stmt.keyword == "inherit" and kind != "role":
         hint = "declare a parameter of its own with `param`"
         ck.error("misplaced-statement", stmt.span, f"`inherit` is only allowed in a role, not in a {kind}", hint=hint)
@@ -164,7 +164,7 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             for expr, found in ((subject, kind), (other, ck.infer(inside, other))):
                 if found not in (UNKNOWN, POINT, FRAME, LINE, EDGE):
                     ck.unfit(expr, found, "`close` joins points, lines or frames")
-        case _ if isinstance(stmt, _SHAPE):
+        case _ if isinstance(stmt, SHAPE):
             primitives.check(ck, ctx, stmt)
         case _:
             labels.check(ck, ctx, stmt)

@@ -32,7 +32,8 @@ category Knob {
 @pytest.fixture
 def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("APGC_CACHE", str(tmp_path / "kept"))
-    monkeypatch.setattr(primitives, "_LONG", 0.0)
+    for least in ("_LONG", "_BRIEF"):
+        monkeypatch.setattr(primitives, least, 0.0)
     return tmp_path / "kept"
 
 
@@ -66,6 +67,7 @@ def test_a_program_is_the_same_of_kept_primitives(kept, made, monkeypatch):
     made.clear()
     second = Session.of("Faucet").lowering
     assert not made, "nothing is lowered twice"
+    assert len(first.context.typed.unshaped) < len(second.context.typed.unshaped), "what is kept needs no types"
     assert to_text(first.program) == to_text(second.program) == without
     for one, two in zip(first.context.solids.values(), second.context.solids.values(), strict=True):
         assert (one.names, one.centred_size, one.possible) == (two.names, two.centred_size, two.possible)
@@ -77,7 +79,8 @@ def test_a_program_is_the_same_of_kept_primitives(kept, made, monkeypatch):
 
 
 def test_what_is_lowered_at_once_is_not_kept(kept, made, monkeypatch, tmp_path):
-    monkeypatch.setattr(primitives, "_LONG", 1e9)
+    for least in ("_LONG", "_BRIEF"):
+        monkeypatch.setattr(primitives, least, 1e9)
     (tmp_path / "knob.apg").write_text(TEXT)
     lowered(tmp_path / "knob.apg")
     assert made and not list(kept.glob("solid-*"))

@@ -27,7 +27,10 @@ from .probe import possible, test_ranges
 from .recalled import entry_of, keep, recall
 
 _MOST_COPIES = 64  # of an indexed surface
-_LONG = 0.03  # seconds of lowering; what takes less is read no faster
+_LONG, _BRIEF = (
+    0.03,
+    0.002,
+)  # seconds of lowering a primitive of the file itself, and one of another: what takes less is not kept
 
 
 def lower_primitive(context: Draft, symbol: Symbol, values: dict[str, Value] | None = None) -> Lowered:
@@ -65,13 +68,15 @@ def shaped(context: Draft, symbol: Symbol, paths: dict[str, Handed], tested: dic
     found, begun = None if entry is None else recall(entry), time.process_time()
     if found is None:
         found = _made(context, symbol, name, paths, tested)
-        if entry is not None and time.process_time() - begun > _LONG:
+        least = _LONG if symbol.module is context.typed.main else _BRIEF
+        if entry is not None and time.process_time() - begun > least:
             keep(entry, found)
     found.paths, found.trace = tuple(paths.values()), tuple(context.trace)
     return found
 
 
 def _made(context: Draft, symbol: Symbol, name: str, paths: dict[str, Handed], tested: dict[str, Interval]) -> Lowered:
+    context.typed.shape(symbol)
     try:
         context.blamed = blame(tuple(paths.values()), symbol.name) if paths else None
         context.tested = tested
