@@ -78,15 +78,12 @@ _bits: dict[Any, int] = {}  # free variable -> its bit
 CROSSING = frozenset({"phi", "reduce", "element", "previous", "scan"})
 
 
+_find = _interned.find
+
+
 def _make(op: str, args: tuple[Expr, ...] = (), value: object = None, scope: Scope | None = None) -> Expr:
-    key = op, tuple(map(id, args)), value if value is None or isinstance(value, tuple) else (type(value), value)
-    return _interned.find(key) or _new(key, op, args, value, scope)
-
-
-def _operation(op: str, args: tuple[Expr, ...]) -> Expr:
-    """A node whose scope follows from its arguments."""
-    key = op, tuple(map(id, args)), None
-    return _interned.find(key) or _new(key, op, args, None, deepest(args))
+    key = (op, args) if value is None else (op, args, value if isinstance(value, tuple) else (type(value), value))
+    return _find(key) or _new(key, op, args, value, scope)
 
 
 def _new(key: Hashable, op: str, args: tuple[Expr, ...], value: object, scope: Scope | None) -> Expr:
@@ -102,7 +99,10 @@ def _new(key: Hashable, op: str, args: tuple[Expr, ...], value: object, scope: S
 
 def raw(op: str, args: tuple[Expr, ...] = (), value: object = None, scope: Scope | None = None) -> Expr:
     """A node just as it is, without folding (for reading a program back); the scope follows from the arguments."""
-    return _make(op, args, value, scope if scope is not None else deepest(args))
+    if value is not None or scope is not None:
+        return _make(op, args, value, scope if scope is not None else deepest(args))
+    key = op, args
+    return _find(key) or _new(key, op, args, None, deepest(args))
 
 
 def deepest(args: Iterable[Expr]) -> Scope | None:
@@ -168,7 +168,8 @@ def call(op: str, *args: Expr) -> Expr:
         raise ValueError(f"{op} takes {arity} arguments")
     for arg in args:
         if arg.op != "const":
-            return _operation(op, args)
+            key = op, args
+            return _find(key) or _new(key, op, args, None, deepest(args))
     value = fold_constants(function, [a.value for a in args])
     if op in ("sin", "cos") and math.isfinite(value) and abs(value - round(value)) < 1e-15:
         value = float(round(value))  # quarter turns are exact

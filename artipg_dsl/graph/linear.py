@@ -190,11 +190,18 @@ def _kept_inside(form: Parts, parent: Scope) -> Parts:
     return coefficients, rest
 
 
+_everything = Linear(lambda c: True, {}, whole=True)  # sums of boxes have terms in common: what is known of them stays
+_SEEN = 50_000  # expressions, which are held meanwhile
+
+
 @lru_cache(maxsize=2048)  # three of four have just been asked for: a box has one centre for all who ask
 def tidy(node: Expr) -> Expr:
     """The same value as a sum in which equal terms are gathered and opposite ones are gone."""
-    everything = Linear(lambda c: True, {}, whole=True)
-    terms, rest = everything.parts(node)
+    if len(_everything.reads_memo) > _SEEN:
+        _everything.memo.clear()
+        _everything.reads_memo.clear()
+        _everything.partial.clear()
+    terms, rest = _everything.parts(node)
     total = rest
     for key, factor in terms.items():
         item = key if isinstance(key, Expr) else E.col(key)

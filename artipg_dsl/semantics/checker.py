@@ -60,7 +60,8 @@ class Context:
 
     def given(self, *more: Condition) -> Context:
         """The same place where more is known to hold."""
-        return replace(self, condition=conjunction((self.condition, *more))) if more else self
+        known = conjunction((self.condition, *more)) if more else self.condition
+        return self if known == self.condition else replace(self, condition=known)
 
     def names(self) -> list[str]:
         """All names that could be meant here, for suggestions."""

@@ -28,19 +28,23 @@ def unit(axis: int, sign: int = 1) -> Triple:
 
 
 def plus(a: Triple, b: Triple) -> Triple:
-    return triple(E.add(x, y) for x, y in zip(a, b, strict=True))
+    (x, y, z), (u, v, w) = a, b
+    return E.add(x, u), E.add(y, v), E.add(z, w)
 
 
 def minus(a: Triple, b: Triple) -> Triple:
-    return triple(E.sub(x, y) for x, y in zip(a, b, strict=True))
+    (x, y, z), (u, v, w) = a, b
+    return E.sub(x, u), E.sub(y, v), E.sub(z, w)
 
 
 def times(a: Triple, factor: Expr) -> Triple:
-    return triple(E.mul(x, factor) for x in a)
+    x, y, z = a
+    return E.mul(x, factor), E.mul(y, factor), E.mul(z, factor)
 
 
 def dot(a: Iterable[Expr], b: Iterable[Expr]) -> Expr:
-    return E.total(E.mul(x, y) for x, y in zip(a, b, strict=True))
+    (x, y, z), (u, v, w) = a, b
+    return E.add(E.add(E.mul(x, u), E.mul(y, v)), E.mul(z, w))
 
 
 def cross(a: Triple, b: Triple) -> Triple:
