@@ -116,7 +116,7 @@ class _Stock:
     @cached_property
     def smooth(self) -> Wardrobe:
         """What their meshes wear."""
-        return Wardrobe(calm(self.wardrobe.details, self.wardrobe.solids), self.wardrobe.solids)
+        return Wardrobe(calm(self.wardrobe), self.wardrobe.solids)
 
 
 _stocks: dict[tuple[str, str, bool, str], _Stock] = {}  # of the last program: trees are built once

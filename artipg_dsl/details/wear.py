@@ -55,7 +55,8 @@ class Wardrobe:
         self.long = is_long(*self.boxes)
         own = details.diagonal[details.owner]
         many = np.bincount(details.owner, minlength=len(details.names))
-        self._reach = np.maximum(_REACH, _LOOSE / np.sqrt(np.maximum(many, 1)))
+        self._spacing = _LOOSE / np.sqrt(np.maximum(many, 1))
+        self._reach = np.maximum(_REACH, self._spacing)
         self._tree = (
             Nearest(_features(self.frames.place, self.frames.normal, own), details.element, _APART)
             if len(details)
@@ -88,6 +89,15 @@ class Wardrobe:
         other = np.append(of, -1)[found]
         out[far] = np.where(other != element[far], other, -1)
         return out
+
+    def has(self, place: np.ndarray, normal: np.ndarray, element: np.ndarray) -> np.ndarray:
+        """(m,) whether there are bound points at places of elements, in their own frames: as near as points are to one another."""
+        if self._tree is None:
+            return np.zeros(len(element), dtype=bool)
+        donor = self.details.elements.owner[element]
+        near = np.maximum(_SEEN, self._spacing)
+        apart, _ = self._tree.find(_features(place, normal, self.details.diagonal[donor]), element, float(near.max()))
+        return np.asarray(apart < near[donor])
 
     def nearest(self, place: np.ndarray, normal: np.ndarray, element: np.ndarray) -> np.ndarray:
         """(m,) the bound point nearest to places of elements, in their own frames; -1 where none is near."""
@@ -220,8 +230,10 @@ def _found(
         bound[other] = wardrobe.on_map(at, mine)
         large, small = np.sort((high - low)[own], axis=1), np.sort(wardrobe.boxes[1] - wardrobe.boxes[0], axis=1)[mine]
         scale[other] = (large / np.maximum(small, 1e-9)).min(axis=1)[:, None]
-    offset, facing = details.offset[bound], details.facing[bound]
-    if len(other):
+    offset, facing = np.zeros((len(match), 3)), np.zeros((len(match), 3))
+    worn = np.flatnonzero(bound >= 0)
+    offset[worn], facing[worn] = details.offset[bound[worn]], details.facing[bound[worn]]
+    if len(other) and len(details):
         here, offset, facing = _mapped(wardrobe, points, other, here, bound, offset, facing, (low, high))
     return here, offset * np.clip(scale, 1.0 / _MOST, _MOST) * strength, facing, bound
 

@@ -12,6 +12,8 @@ from artipg_dsl.details.record import Details, join
 
 from .raised import PROGRAM, RAISED, surface
 
+MANY = 8000  # points of a surface
+
 
 @pytest.fixture(scope="module")
 def samples() -> Samples:
@@ -24,8 +26,10 @@ def details(samples: Samples) -> Details:
     made = []
     for number in range(2):
         batch = samples.job.batch([number])
-        found, mixed = surface(batch, 3000, 3), np.random.default_rng(1).permutation(3000)
+        found, mixed = surface(batch, MANY, 3), np.random.default_rng(1).permutation(MANY)
         normal = found.normal[0][mixed]
         points = found.position[0][mixed] + RAISED * normal
-        made.append(bind(batch, Real(f"rack{number}", points, normal, np.zeros(3000, dtype=np.int64), ("all",)), 1500))
+        made.append(
+            bind(batch, Real(f"rack{number}", points, normal, np.zeros(MANY, dtype=np.int64), ("all",)), MANY // 2)
+        )
     return join(made)
