@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -79,6 +80,24 @@ def fitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / "fits" / f"chest{k}.json").write_text(json.dumps(record))
         objects.append({"object": k, "name": f"chest{k}", "source": str(file), "verdict": "fits"})
     (folder / "fit.json").write_text(json.dumps({"category": "Chest", "objects": objects}))
+    return folder
+
+
+def raise_surfaces(fitted: Path, folder: Path) -> Path:
+    """The same fits, in a folder beside it, of files whose surface lies 8 mm off the structure."""
+    from artipg_dsl.run.fits import mark
+
+    shutil.copytree(fitted, folder)
+    for k in range(2):
+        file, path = folder / f"chest{k}.npz", folder / "fits" / f"chest{k}.json"
+        with np.load(file) as held:
+            points, normals = held["points"], held["normals"]
+        np.savez(file, points=points + 0.008 * normals, normals=normals)
+        path.write_text(json.dumps(json.loads(path.read_text()) | {"file": mark(file)}))
+    summary = json.loads((folder / "fit.json").read_text())
+    for one in summary["objects"]:
+        one["source"] = str(folder / Path(one["source"]).name)
+    (folder / "fit.json").write_text(json.dumps(summary))
     return folder
 
 
@@ -347,8 +366,8 @@ def test_meshes_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
 
 
 def test_pictures_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
-    bound = tmp_path / "bound"
-    assert apgc("bind", fitted, "-o", bound, "--points", 500)[0] == 0
+    fitted, bound = raise_surfaces(fitted, fitted.with_name(f"{tmp_path.name}-raised")), tmp_path / "bound"
+    assert apgc("bind", fitted, "-o", bound, "--points", 3000)[0] == 0
     asked = ("render", fitted, "-n", 1, "--tile", 48, "-o")
     assert apgc(*asked, tmp_path / "worn.png", "--details", bound)[0] == 0
     assert apgc(*asked, tmp_path / "none.png", "--details", bound, "--detail-strength", 0)[0] == 0
