@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from ..run.output import Output
 
 
+_REASONS = 3  # that are told unasked
+
+
 def refuse_file(folder: Place) -> None:
     """Refuse a folder whose name, or that of one above it, is a file's: before the work, not after."""
     for place in () if isinstance(folder, Remote) else (folder, *folder.parents):
@@ -62,6 +65,8 @@ def run(options: argparse.Namespace) -> int:
         dressing = borrow(options.details, strength, job.program)
         output = replace(output, content=replace(output.content, details=dressing))
     manifest, number = write(job, place_of(options.out), output, options)
+    if options.params is not None:
+        _tell_repairs(manifest)
     if options.stats:
         print(show_statistics(job, manifest))
     share = "" if options.shard[1] == 1 else f", part {options.shard[0]} of {options.shard[1]}"
@@ -163,6 +168,23 @@ def _warn_of_engine() -> None:
 
     if best_engine() != "embree":
         say("views: NumPy casts the rays, which is slow; pip install 'artipg_dsl[rays]' installs embree")
+
+
+def _tell_repairs(manifest: Manifest) -> None:
+    """Say that objects are not as their values were given, where that is so."""
+    counts = manifest.get("counts")
+    repaired = counts.get("repaired", {}) if counts else {}
+    if not counts or not repaired:
+        return
+    number, made = counts["objects"] - counts["first_valid"], counts["objects"]
+    say(
+        f"values of {number} of {plural(made, 'object')} were changed to make them valid: "
+        "see `repairs` in the annotation"
+    )
+    for reason, count in list(repaired.items())[:_REASONS]:
+        say(f"  {count} times: {reason}")
+    if len(repaired) > _REASONS:
+        say(f"  and {plural(len(repaired) - _REASONS, 'other reason')}: --stats lists them")
 
 
 def show_statistics(job: Job, manifest: Manifest) -> str:

@@ -256,8 +256,9 @@ def test_wild_values_are_repaired_and_told(apgc: Apgc, tmp_path: Path) -> None:
     )
     wild = tmp_path / "wild.json"
     wild.write_text('[{"a": 1e300, "b": NaN}, {"a": "2cm", "b": -Infinity}, {"a": 0.03, "b": 0.08}]')
-    code, out, _ = apgc("sample", program, "--params", wild, "-o", tmp_path / "o", *SMALL, "--stats")
+    code, out, err = apgc("sample", program, "--params", wild, "-o", tmp_path / "o", *SMALL, "--stats")
     assert code == 0 and "failed  repaired  rejected" in out
+    assert "values of 3 of 3 objects were changed" in err and "`a` lies outside" in err and "1 other reason" in err
     assert re.search(rf"1 +1 +0  {re.escape(str(program))}:6: b is too long", out)
     repairs = [a["repairs"] for a in annotations(tmp_path / "o")]
     assert [[(r["path"], r["from"], r["how"]) for r in found] for found in repairs] == [
