@@ -25,7 +25,8 @@ from .evidence import LARGE, Asked, Change, Clouds, Copies, Evidence, beside, we
 from .focus import differing
 from .model import Changes, Model, Placed
 from .refine import refine
-from .search import Effort, best_of, taken, united
+from .search import Effort, best_of, replaced, taken, united
+from .vary import varied
 
 _BLOCK = 96  # copies at a time
 _HOPE = 300.0  # what is less likely by more than this is not refined,
@@ -40,7 +41,7 @@ def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) ->
     own = targets.take(found.target)
     clouds = Clouds(own)
     now, still = replace(found, target=np.arange(len(found))), np.arange(len(found))
-    now = _replaced(model, now, rearranged(model, own, now, clouds, effort))
+    now = replaced(model, now, rearranged(model, own, now, clouds, effort))
     for number in range(effort.rounds):
         some = taken(model, now, still)
         base = weigh(some.batch, some.target, some.placed, clouds)
@@ -57,14 +58,8 @@ def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) ->
         still = np.sort(changed.target)
         if not len(still):
             break
-        now = _replaced(model, now, changed)
-    return replace(now, target=found.target)
-
-
-def _replaced(model: Model, old: Candidates, new: Candidates) -> Candidates:
-    """One candidate of each object, in their order: a new one where there is one."""
-    both = united(model, [taken(model, old, np.setdiff1d(old.target, new.target)), new])
-    return taken(model, both, np.argsort(both.target, kind="stable"))
+        now = replaced(model, now, changed)
+    return replace(varied(model, own, now, clouds), target=found.target)
 
 
 def settled(model: Model, own: Targets, found: Candidates, copies: Copies, told: Asked, effort: Effort) -> Copies:

@@ -26,10 +26,11 @@ def copied(found: Candidates, batch: Batch, of: np.ndarray) -> Copies:
     return Copies(batch, of, found.target[of], placed.moved(lifted(found.batch, batch, of)))
 
 
-def apart(found: Candidates, copies: Copies) -> Differing:
-    """Where copies differ from what they were made of, as both are placed."""
-    by = (copies.placed.shift - found.placed.shift[copies.of]) / copies.placed.scale[:, None]
-    return differing(found.batch, copies.batch, copies.of, by)
+def apart(found: Candidates, copies: Copies, within: np.ndarray | None = None) -> Differing:
+    """Where copies differ from what they were made of, as both are placed; by more than ``within`` (K,) metres of clouds, if that is given."""
+    scale = copies.placed.scale
+    by = (copies.placed.shift - found.placed.shift[copies.of]) / scale[:, None]
+    return differing(found.batch, copies.batch, copies.of, by, None if within is None else within / scale)
 
 
 def developed(

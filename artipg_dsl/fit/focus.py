@@ -75,9 +75,11 @@ class Differing:
         return found
 
 
-def differing(origins: Batch, copies: Batch, of: np.ndarray, lifted: np.ndarray | None = None) -> Differing:
+def differing(
+    origins: Batch, copies: Batch, of: np.ndarray, lifted: np.ndarray | None = None, within: np.ndarray | None = None
+) -> Differing:
     """The primitives of ``copies`` that are not those of the ``origins`` they were made of (``of`` (K,), places among them), by which
-    the copies are ``lifted`` (K, 3)."""
+    the copies are ``lifted`` (K, 3). Those that differ ``within`` (K,) metres are the same, if that is given."""
     lifted = np.zeros((len(of), 3)) if lifted is None else lifted
     new: list[np.ndarray] = []
     copy: list[np.ndarray] = [np.zeros(0, dtype=np.int64)]
@@ -90,10 +92,11 @@ def differing(origins: Batch, copies: Batch, of: np.ndarray, lifted: np.ndarray 
         base = first + other.rank
         there = base < last
         own = np.minimum(base, max(len(table) - 1, 0))
-        same = there & (_same(table, other, own) if len(table) else False)
+        close = None if within is None else within[other.owner]
+        same = there & (_same(table, other, own, close) if len(table) else False)
         if len(table):
             off = table.translation[own] - other.translation - lifted[other.owner]
-            same &= (np.abs(off) < _STILL).all(axis=1)
+            same &= (np.abs(off) < (_STILL if close is None else close[:, None])).all(axis=1)
         new.append(~same)
         low, high = (np.searchsorted(table.owner, of, side=side) for side in ("left", "right"))
         many = high - low
@@ -138,10 +141,18 @@ def lifted(origins: Batch, copies: Batch, of: np.ndarray) -> np.ndarray:
     return np.where(np.abs(found) < _STILL, 0.0, found)
 
 
-def _same(table: SiteTable, other: SiteTable, own: np.ndarray) -> np.ndarray:
-    same = (table.rotation[own] == other.rotation).all(axis=(1, 2)) & (table.mirror[own] == other.mirror)
+def _same(table: SiteTable, other: SiteTable, own: np.ndarray, close: np.ndarray | None = None) -> np.ndarray:
+    """(n,) bool for rows of ``other``: whether those ``own`` (n,) of a table have the same shape and are turned likewise; exactly, or to what
+    is ``close`` (n,): metres, and as much a metre away."""
+    same = table.mirror[own] == other.mirror
+    if close is None:
+        same &= (table.rotation[own] == other.rotation).all(axis=(1, 2))
+        for name, value in table.params.items():
+            same &= value[own] == other.params[name]
+        return np.asarray(same)
+    same &= (np.abs(table.rotation[own] - other.rotation) < close[:, None, None]).all(axis=(1, 2))
     for name, value in table.params.items():
-        same &= value[own] == other.params[name]
+        same &= np.abs(value[own] - other.params[name]) < close
     return np.asarray(same)
 
 

@@ -27,7 +27,7 @@ _LONGEST = 0.35  # a number moves so far at a time, in ranges
 _WEAK = 1e-6  # what holds numbers that nothing depends on where they are
 _DAMPING = 1e-2
 _OPPOSED = 0.1  # what a pair counts whose normals disagree
-_PLACE = 4  # how a candidate is placed: a shift along three axes and a scale, before its numbers
+PLACE = 4  # how a candidate is placed: a shift along three axes and a scale, before its numbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ def refine(
         width = first * (last / first) ** (step / max(schedule.steps - 1, 1))
         free = model.freedoms(batch)
         free = free if held is None else free.take(np.flatnonzero(~np.isin(free.names, held)))
-        ways = _derivatives(model, batch, now, free, ways, better)
+        ways = derivatives(model, batch, now, free, ways, better)
         moved, there = _step(model, targets, batch, target, placed, now, free, ways, damping, width, held is not None)
         then = compare(moved, target, there, targets, schedule.points, marked)
         better = (then.score < now.score) & ~moved.state.failed
@@ -90,9 +90,18 @@ def _step(
 ) -> tuple[Batch, Placed]:
     """Each candidate after one damped step towards smaller gaps; ``ways`` are the derivatives of its points. Its place stays if it is
     ``fixed``."""
+    matrix, slope = equations(targets, target, placed, now, free, ways, width)
+    return _solved(model, batch, placed, free, matrix, slope, damping, targets.diagonal[target], fixed)
+
+
+def equations(
+    targets: Targets, target: np.ndarray, placed: Placed, now: Compared, free: Freedoms, ways: np.ndarray, width: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The normal equations of candidates: matrix (K, P, P) and slope (K, P), of a shift along three axes (metres), a scale, and the
+    numbers of each (in ranges)."""
     diagonal, every = targets.diagonal[target], np.arange(len(target))[:, None]
     many = np.bincount(free.owner, minlength=len(target))
-    matrix = np.zeros((len(target), _PLACE + free.most, _PLACE + free.most))
+    matrix = np.zeros((len(target), PLACE + free.most, PLACE + free.most))
     slope = np.zeros(matrix.shape[:2])
     local = now.position - placed.shift[:, None, :]  # what a scale carries outwards
     grown = np.where(targets.known[target], 0.0, 1.0)
@@ -114,7 +123,7 @@ def _step(
             size = len(columns)
             matrix[k, :size, :size] += crossed(leaned, columns)
             slope[k, :size] += (leaned * gap.value[k]).sum(axis=1)
-    return _solved(model, batch, placed, free, matrix, slope, damping, diagonal, fixed)
+    return matrix, slope
 
 
 def _count(weight: np.ndarray) -> np.ndarray:
@@ -139,21 +148,21 @@ def _solved(
 ) -> tuple[Batch, Placed]:
     """The damped equations solved; numbers that would leave their range stay where they are, and the place if it is ``fixed``."""
     room = _LEAST_ROOM * free.width
-    number = free.owner, _PLACE + free.place
+    number = free.owner, PLACE + free.place
     pressed = np.zeros(slope.shape, dtype=bool)
     pressed[number] = np.where(slope[number] < 0, free.high - free.value < room, free.value - free.low < room)
-    pressed[:, :_PLACE] = fixed
+    pressed[:, :PLACE] = fixed
     matrix = np.where(pressed[:, :, None] | pressed[:, None, :], 0.0, matrix)
     slope = np.where(pressed, 0.0, slope)
     own = np.einsum("kii->ki", matrix)
     total = matrix + np.eye(matrix.shape[1]) * (own * damping[:, None] + _WEAK)[:, :, None]
-    way = -_roots(total, slope, _PLACE + np.bincount(free.owner, minlength=len(batch)))
+    way = -_roots(total, slope, PLACE + np.bincount(free.owner, minlength=len(batch)))
     numbers = np.clip(way[number], -_LONGEST, _LONGEST)
     value = np.clip(free.value + numbers * free.width, free.low, free.high)
     copies = np.arange(len(batch))
     moved = model.altered(batch, copies, Changes(free.owner, free.draw, free.row, value))
-    shift = np.clip(way[:, : _PLACE - 1], -_LONGEST * diagonal[:, None], _LONGEST * diagonal[:, None])
-    grown = np.clip(way[:, _PLACE - 1], -_LONGEST, _LONGEST)
+    shift = np.clip(way[:, : PLACE - 1], -_LONGEST * diagonal[:, None], _LONGEST * diagonal[:, None])
+    grown = np.clip(way[:, PLACE - 1], -_LONGEST, _LONGEST)
     return moved, Placed(placed.scale * np.exp(grown), placed.shift + shift)
 
 
@@ -190,7 +199,7 @@ def _moved(model: Model, batch: Batch, free: Freedoms) -> tuple[Batch, np.ndarra
     return model.altered(batch, free.owner, changes), reach
 
 
-def _derivatives(
+def derivatives(
     model: Model, batch: Batch, now: Compared, free: Freedoms, before: np.ndarray, changed: np.ndarray
 ) -> np.ndarray:
     """(K, P, 3, n): how the points of each candidate move as each of its numbers grows by the width of its range. They are those ``before``

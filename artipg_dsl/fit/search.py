@@ -65,6 +65,12 @@ def united(model: Model, several: list[Candidates]) -> Candidates:
     return Candidates(batch, target, placed, score)
 
 
+def replaced(model: Model, old: Candidates, new: Candidates) -> Candidates:
+    """One candidate of each object, in their order: a new one where there is one."""
+    both = united(model, [taken(model, old, np.setdiff1d(old.target, new.target)), new])
+    return taken(model, both, np.argsort(both.target, kind="stable"))
+
+
 def best(model: Model, found: Candidates, targets: Targets, count: int) -> Candidates:
     """The ``count`` best structures of each object, one candidate each, the best first."""
     return taken(model, found, best_of(model.structures(found.batch), targets.of[found.target], found.score, count))

@@ -58,3 +58,30 @@ category Sided {
   }
 }
 """
+# how long its feet are no point of them says
+FOOTED = """
+apg 1
+use primitives { Cuboid }
+category Footed {
+  param width  : length in 60cm .. 90cm = 75cm
+  param height : length in 50cm .. 120cm = 80cm
+  param lift   : length in 4cm .. 30cm = 15cm
+  root part body : Cuboid(size = [40cm, width, height - lift])
+  repeat foot[i] in 0 ..< 2 {
+    part stem : Cuboid(size = [4cm, 4cm, lift])
+    align stem.top = body.bottom
+    align stem.center.x = body.center.x
+    align stem.center.y = body.center.y + (width / 2 - 5cm if i == 0 else 5cm - width / 2)
+    connect stem to body
+  }
+}
+"""
+SIZELESS = """
+apg 1
+use primitives { Cuboid }
+category Sizeless {
+  root part body : Cuboid(size = [40cm, 50cm, 30cm])
+  part foot : Cuboid(size = [12cm, 20cm, 5cm]) | none
+  connect foot.top on body.bottom
+}
+"""

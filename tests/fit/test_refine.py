@@ -20,12 +20,12 @@ def test_derivatives_of_what_has_not_moved_are_kept(model: Model, samples: apg.S
     batch = model.assembled([(samples.batch, np.arange(N))])
     now = compare(batch, np.arange(N), still(N), clouds(samples).targets.first(256), 200)
     free, none = model.freedoms(batch), np.zeros((N, 0, 3, 200))
-    whole = steps._derivatives(model, batch, now, free, none, np.ones(N, dtype=bool))
+    whole = steps.derivatives(model, batch, now, free, none, np.ones(N, dtype=bool))
     assert all(np.abs(one).max() > 0.01 for one in whole)
     changed = np.arange(N) == 1
     before = np.where(changed[:, None, None, None], 7.0, whole)
     with mock.patch.object(steps, "_moved", side_effect=steps._moved) as moved:
-        again = steps._derivatives(model, batch, now, free, before, changed)
+        again = steps.derivatives(model, batch, now, free, before, changed)
     assert np.unique(moved.call_args.args[2].owner).tolist() == [1]
     assert again.tobytes() == whole.tobytes()
 
@@ -36,7 +36,7 @@ def test_rows_that_stand_still_are_left_out(model: Model, samples: apg.Samples) 
     free, none = model.freedoms(batch), np.zeros((N, 0, 3, 200))
     evaluate = geometry.evaluate_flat
     with mock.patch.object(geometry, "evaluate_flat", side_effect=evaluate) as asked:
-        whole = steps._derivatives(model, batch, now, free, none, np.ones(N, dtype=bool))
+        whole = steps.derivatives(model, batch, now, free, none, np.ones(N, dtype=bool))
     given, *bound = asked.call_args.args
     every = steps._moved(model, batch, free)[0].sites()
     assert 0 < sum(map(len, given)) < 0.8 * sum(map(len, every))
