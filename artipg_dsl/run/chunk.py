@@ -99,6 +99,12 @@ class Chunk:
                 details=self.content.details,
             )
 
+    def is_complete(self) -> bool:
+        """Whether there is nothing to write."""
+        shards = all(is_there(shard_path(self.out, entry, self.shard)) for entry in self.formats if entry.shard)
+        counted = not self.counts or is_there(self.out / self.counts)
+        return shards and counted and not (self.force and self.each) and not len(self.absent())
+
     def absent(self) -> np.ndarray:
         """The objects whose folders lack some of their files."""
         found = [n for n in self.numbers.tolist() if find_lacking(object_folder(self.out, n), self.each)]

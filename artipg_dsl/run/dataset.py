@@ -146,7 +146,8 @@ def _carry_out(
 
         made = write_on_cluster(job, cluster, workers or processors(), pieces, room)
     else:
-        pace = room.pace() * max((len(piece.numbers) for piece in pieces), default=0)
+        # of a run that goes on where another ended it is not known how much is left: its progress tells
+        pace = 0.0 if not pieces or pieces[0].is_complete() else room.pace() * len(pieces[0].numbers)
         made = share(pieces, workers, write, others, most=most_processes(memory), pace=pace)
     for piece in made:
         done += len(piece.numbers) if piece.each or not each else 0

@@ -17,7 +17,7 @@ import pytest
 from artipg_dsl.errors import NoObject, SettingError, UserError
 from artipg_dsl.export import objects
 from artipg_dsl.export.write import ExportError
-from artipg_dsl.run import sharing, workers
+from artipg_dsl.run import memory, sharing, workers
 from artipg_dsl.run.job import Job
 from artipg_dsl.run.workers import map_each
 
@@ -86,6 +86,29 @@ def test_the_same_files_where_others_go_on(apgc: Apgc, tmp_path: Path, monkeypat
     assert asked == [2]
     assert apgc(*arguments, tmp_path / "one", "--workers", 1)[:2] == (0, out)
     assert tree(tmp_path / "auto") == tree(tmp_path / "one")
+
+
+def test_what_is_known_to_take_long_is_shared_at_once(
+    apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From the first shard on, unless there is nothing left to do."""
+    asked: list[int] = []
+
+    def write_shared(job, many, chunks, room):
+        asked.append(len(chunks))
+        return shared(job, many, chunks, room)
+
+    shared = workers.write_shared
+    monkeypatch.setattr(workers, "write_shared", write_shared)
+    monkeypatch.setattr(sharing, "processors", lambda: 2)
+    monkeypatch.setattr(memory.Room, "pace", lambda room: 1.0)
+    arguments = ["sample", CHEST, "-n", 600, "--points", 8, "-o", tmp_path / "out"]
+    assert apgc(*arguments)[0] == 0 and asked == [3]
+    before = tree(tmp_path / "out")
+    assert apgc(*arguments)[0] == 0 and asked == [3], "all is there"
+    (tmp_path / "out" / "points-00000.npz").unlink()
+    assert apgc(*arguments)[0] == 0 and asked == [3, 3]
+    assert tree(tmp_path / "out") == before
 
 
 def test_what_a_worker_meets_is_told_in_words(apgc: Apgc, tmp_path: Path) -> None:
