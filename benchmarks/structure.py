@@ -62,10 +62,10 @@ def main() -> None:
     asked = parser.parse_args()
     truth = json.loads(TRUTH.read_text())
     truth.pop("about")
-    counted = truth.pop("counted")
+    counted, placed = truth.pop("counted"), truth.pop("placed")
     rows, kept, distances, times = [], {}, [], []
     for category in asked.categories or truth:
-        cases, seconds = real(asked.folder, category, NAMES.get(category, category), Frame())
+        cases, seconds = real(asked.folder, category, NAMES.get(category, category), Frame(**placed.get(category, {})))
         right, of, whole = 0, 0, 0
         for case in cases:
             facts = truth.get(category, {}).get(case.name, {})
