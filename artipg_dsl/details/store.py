@@ -31,6 +31,7 @@ from .trim import trim
 from .wear import Wardrobe, Worn, wear
 
 if TYPE_CHECKING:
+    from ..geometry.sites import SiteTable
     from ..graph.program import Program
     from ..runtime.batch import Batch
 
@@ -172,11 +173,35 @@ def dress(batch: Batch, points: PointSet, owner: np.ndarray, dressing: Dressing)
     return wear(batch, points, owner, wardrobe, _suits(batch, dressing, wardrobe.details), dressing.strength)
 
 
-def displaced(batch: Batch, grids: Sequence[Grid], scale: np.ndarray, dressing: Dressing) -> list[np.ndarray]:
-    """The vertices (k, V, 3) of meshes of the objects in the details of their donors; ``scale`` (B,): the diagonals of the objects.
-    Raises UserError."""
+@dataclass(frozen=True, slots=True, eq=False)
+class MeshDress:
+    """What the meshes of a batch wear: of a wardrobe, by ``suits``, which name no element that has nothing to wear."""
+
+    wardrobe: Wardrobe
+    suits: Suits
+    strength: float
+
+    @staticmethod
+    def of(wardrobe: Wardrobe, suits: Suits, strength: float) -> MeshDress:
+        """Suits of which some may name elements that have no details."""
+        held = np.bincount(wardrobe.details.element, minlength=len(wardrobe.details.elements)) > 0
+        match = np.where((suits.match >= 0) & held[suits.match], suits.match, -1)
+        return MeshDress(wardrobe, replace(suits, match=match), strength)
+
+    def wears(self, table: SiteTable) -> np.ndarray:
+        """(k,) which instances of a table of the batch wear details."""
+        site = np.full(len(table.owner), table.number)
+        return self.suits.match[self.suits.elements.find(table.owner, site, table.rank)] >= 0
+
+    def displaced(self, grids: Sequence[Grid], scale: np.ndarray) -> list[np.ndarray]:
+        """The vertices (k, V, 3) of meshes of the objects in details; ``scale`` (B,): the diagonals of the objects."""
+        return displace(grids, self.wardrobe, self.suits, scale, self.strength)
+
+
+def dress_meshes(batch: Batch, dressing: Dressing) -> MeshDress:
+    """What the meshes of a batch wear. Raises UserError."""
     wardrobe = _stock(batch, dressing).smooth
-    return displace(grids, wardrobe, _suits(batch, dressing, wardrobe.details), scale, dressing.strength)
+    return MeshDress.of(wardrobe, _suits(batch, dressing, wardrobe.details), dressing.strength)
 
 
 def origins(batch: Batch, bound: np.ndarray, dressing: Dressing) -> tuple[np.ndarray, np.ndarray]:

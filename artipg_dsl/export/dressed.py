@@ -25,19 +25,21 @@ BARE = "the structure, without the details that points wear"
 
 
 def build_dressed(batch: Batch, tables: list[SiteTable], resolution: Resolution, details: Dressing) -> list[SolidGroup]:
-    """Meshes of all instances of all sites of a batch, closed, in details. ``triangles`` of a resolution bounds how far they are refined.
-    Raises UserError where the details are not those of the objects."""
-    from ..details.store import displaced  # start-up: most objects wear none, and k-d trees load slowly
+    """Meshes of all instances of all sites of a batch, closed, in details; those that wear some are refined, as far as ``triangles``
+    of a resolution allows. Raises UserError where the details are not those of the objects."""
+    from ..details.store import dress_meshes  # start-up: most objects wear none, and k-d trees load slowly
 
-    scale = _diagonals(tables, len(batch))
+    dress = dress_meshes(batch, details)
+    scale, worn = _diagonals(tables, len(batch)), [dress.wears(table) for table in tables]
     edge = _EDGE * scale
     if resolution.triangles is not None:
-        edge = _within(tables, resolution.triangles, edge)
+        edge = _within(tables, worn, resolution.triangles, edge)
     steps = min(resolution.steps, STANDARD.steps)  # rods of many slivers fold, and look no rounder
-    groups = build_meshes(tables, Resolution(steps, resolution.tolerance), edge)
+    edges = [np.where(wears, edge[table.owner], np.inf) for table, wears in zip(tables, worn, strict=True)]
+    groups = build_meshes(tables, Resolution(steps, resolution.tolerance), edges)
     if not groups:
         return groups
-    moved = displaced(batch, groups, scale, details)
+    moved = dress.displaced(groups, scale)
     return [replace(group, vertices=vertices) for group, vertices in zip(groups, moved, strict=True)]
 
 
@@ -48,14 +50,14 @@ def _diagonals(tables: list[SiteTable], objects: int) -> np.ndarray:
     return np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2 + size[:, 2] ** 2)
 
 
-def _within(tables: list[SiteTable], triangles: int, edge: np.ndarray) -> np.ndarray:
-    """(objects,) the shortest edge from ``edge`` on at which an object keeps to its triangles."""
+def _within(tables: list[SiteTable], worn: list[np.ndarray], triangles: int, edge: np.ndarray) -> np.ndarray:
+    """(objects,) the shortest edge from ``edge`` on at which an object keeps to its triangles; instances that are not ``worn`` (k,)
+    take the same at any edge."""
     parts = []
-    for table in tables:
+    for table, wears in zip(tables, worn, strict=True):
         for variant, rows in mesh.group_rows(table.primitive, table.params) if len(table) else ():
             found = topology(table.primitive, variant)
             least = np.repeat(np.where(found.closed, 3, 1)[None], len(rows), axis=0)
-            parts.append(
-                (measure_spans(table.primitive, found, mesh.take(table.params, rows), least), table.owner[rows])
-            )
+            spans = measure_spans(table.primitive, found, mesh.take(table.params, rows), least)
+            parts.append((replace(spans, longest=spans.longest * wears[rows, None]), table.owner[rows]))
     return within_budget(parts, len(edge), triangles, edge)

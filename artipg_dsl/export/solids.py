@@ -104,13 +104,14 @@ class Item(Generic[Group]):
 
 
 def build_meshes(
-    tables: list[SiteTable], resolution: Resolution = STANDARD, edge: np.ndarray | None = None
+    tables: list[SiteTable], resolution: Resolution = STANDARD, edges: Sequence[np.ndarray] | None = None
 ) -> list[SolidGroup]:
-    """Meshes of all instances of all sites; ``edge`` (objects,): no step of those of an object is longer, metres."""
+    """Meshes of all instances of all sites; ``edges`` (k,) of each table: no step of an instance is longer, metres."""
     groups: list[SolidGroup] = []
-    tables = [table for table in tables if len(table.owner)]
-    for table, steps in zip(tables, _steps_of(tables, resolution), strict=True):
-        for part in mesh.build(table.primitive, table.params, steps, None if edge is None else edge[table.owner]):
+    there = [number for number, table in enumerate(tables) if len(table.owner)]
+    for number, steps in zip(there, _steps_of([tables[number] for number in there], resolution), strict=True):
+        table, edge = tables[number], None if edges is None else edges[number]
+        for part in mesh.build(table.primitive, table.params, steps, edge):
             rows = np.asarray(part.rows)
             vertices = _place_points(table, rows, part.vertices)
             for sign in (1.0, -1.0):

@@ -15,6 +15,7 @@ from artipg_dsl.details.displace import _met, displace
 from artipg_dsl.details.elements import Solids, elements_of
 from artipg_dsl.details.record import Details
 from artipg_dsl.details.skin import gather
+from artipg_dsl.details.store import MeshDress
 from artipg_dsl.details.suits import own_suits
 from artipg_dsl.details.unfold import find_folded, find_sheets, keep_apart, normals, unfold
 from artipg_dsl.details.wear import Wardrobe
@@ -28,7 +29,8 @@ EDGE = 0.02
 
 
 def grids(batch: Batch) -> list[SolidGroup]:
-    return build_meshes(batch.sites(), edge=np.full(len(batch), EDGE))
+    tables = batch.sites()
+    return build_meshes(tables, edges=[np.full(len(table), EDGE) for table in tables])
 
 
 def displaced(batch: Batch, details: Details, donors: np.ndarray) -> tuple[list[SolidGroup], list[np.ndarray]]:
@@ -44,6 +46,27 @@ def test_no_step_is_longer_than_asked(samples: Samples) -> None:
         sides = corners - np.roll(corners, 1, axis=2)
         length = np.sort(np.sqrt(dot(sides, sides)), axis=2)
         assert length[..., 1].max() <= EDGE * 1.001  # the longest side of a triangle is the diagonal of a step
+
+
+def test_instances_without_a_bound_are_not_refined(samples: Samples) -> None:
+    tables = samples.batch.sites()
+    edges = [np.where(np.arange(len(table)) == 0, EDGE, np.inf) for table in tables]
+    plain = {(g.table.number, row): len(g.faces) for g in build_meshes(tables) for row in g.rows.tolist()}
+    for group in build_meshes(tables, edges=edges):
+        for row in group.rows.tolist():
+            few = plain[group.table.number, row]
+            assert len(group.faces) > few if row == 0 else len(group.faces) == few
+
+
+def test_elements_with_nothing_to_wear_are_not_dressed(samples: Samples, details: Details) -> None:
+    """Of a wardrobe without the details of boards, boards wear none, and what else there is wears as before."""
+    solids, batch = Solids.of(samples.batch.sites()), samples.batch
+    tables = batch.sites()
+    board = next(table for table in tables if table.path == "board")
+    some = details.take(np.flatnonzero(details.elements.site[details.element] != board.number))
+    dress = MeshDress.of(Wardrobe(some, solids), own_suits(batch, details.elements, np.arange(2)), 1.0)
+    assert not dress.wears(board).any()
+    assert all(dress.wears(table).all() for table in tables if table is not board)
 
 
 @pytest.mark.parametrize("operations", ["cpa", "apa,dpa,cpa"])
