@@ -12,3 +12,9 @@ In: the words after ``apgc``. Out: text, files and an exit code. Begin with ``ma
     render, report, validate      pictures and figures
     categories, explain           what is shipped, and what errors mean
 """
+
+import gc
+
+gc.set_threshold(
+    1_000_000, 20, 50
+)  # objects between collections of garbage, of which hardly any is circular; before all else is loaded

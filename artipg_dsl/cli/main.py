@@ -11,7 +11,6 @@ import re
 import sys
 from collections.abc import Collection, Sequence
 from contextlib import suppress
-from difflib import get_close_matches
 from typing import Any, NoReturn
 
 from .messages import error, findings, say
@@ -20,7 +19,6 @@ from .stop import Stopped, heeding
 
 OK, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 _DESCRIPTION = "Compile structure programs of articulated objects (.apg), and sample annotated objects from them."
-_MADE = 1_000_000, 20, 50  # objects between collections of garbage, of which hardly any is circular
 _EPILOG = (
     "apgc COMMAND --help lists the options of a command. "
     "Exit codes: 0 success, 1 errors in a program or in data, 2 wrong usage, 130 interrupted (143 by SIGTERM)."
@@ -83,6 +81,8 @@ class Parser(argparse.ArgumentParser):
             self.exit(USAGE)
         options, unknown = self.parse_known_args(words)
         if unknown:
+            from difflib import get_close_matches  # start-up
+
             command = self.commands[options.command]
             known = {option.lstrip("-"): option for option in re.findall(r"--?[a-z][a-z-]*", command.format_usage())}
             close = get_close_matches(unknown[0].lstrip("-"), known, n=1, cutoff=0.7)  # dashes say nothing
@@ -120,7 +120,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit code."""
     from ..errors import InternalError, UsageError, UserError
 
-    gc.set_threshold(*_MADE)
     # no product of matrices gains by threads of BLAS: to start them takes as long as to load NumPy
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:

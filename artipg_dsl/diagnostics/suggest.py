@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
 
 
 def suggest(name: str, candidates: Iterable[str]) -> str | None:
     """The candidate that resembles ``name`` most, or None where none does."""
+    from difflib import get_close_matches  # start-up: most programs have no mistakes
+
     known = sorted(set(candidates) - {name})
     by_lower = {c.lower(): c for c in reversed(known)}
     if name.lower() in by_lower:
