@@ -3,7 +3,7 @@
 The elements of repeats are put together anew first. Then each other value of each choice and count is tried in copies of what was found,
 for which new parts are drawn. Copies are compared with their origin by the points of both, and of the cloud, that lie where they differ. The
 most promising ones move their new parts into place, the rest of the object being held, and the object takes all the changes for which the
-cloud speaks. Where it speaks for none, changes of much of the object are developed.
+cloud speaks. Where it gains little by them, changes of much of the object are developed.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from .search import Effort, best_of, replaced, taken, united
 from .vary import varied
 
 _BLOCK = 96  # copies at a time
+_LITTLE = 3.0 * SURE  # where changes make a cloud likelier by less, large ones are developed as well
 _HOPE = 300.0  # what is less likely by more than this is not refined,
 _HOPED = 0.6  # nor what is by more than this share of all that speaks against the object
 _COUNTED = 8  # a count changes by as much at a time, at most
@@ -51,9 +52,10 @@ def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) ->
         copies = settled(model, own, some, copies, told, effort)
         change = weigh_again(copies, _origins(model, some, copies), clouds, base, apart(some, copies))
         better, loss = _better(model, some, clouds, base, copies, change)
-        sure = np.flatnonzero(loss < -SURE)
-        rest = np.setdiff1d(np.arange(len(some)), sure)
-        grown = developed(model, own, taken(model, some, rest), clouds, copies, change, effort)
+        last = number + 1 == effort.rounds
+        rest = np.flatnonzero((loss > -_LITTLE) | last)
+        grown = developed(model, own, taken(model, better, rest), clouds, copies, change, effort)
+        sure = np.flatnonzero((loss < -SURE) & ~np.isin(better.target, grown.target))
         changed = united(model, [taken(model, better, sure), grown])
         still = np.sort(changed.target)
         if not len(still):

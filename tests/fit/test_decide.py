@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from unittest import mock
+
 import numpy as np
 import pytest
 
 import artipg_dsl as apg
+from artipg_dsl.fit import decide as decisions
 from artipg_dsl.fit.compare import Candidates
 from artipg_dsl.fit.decide import alternatives, decide, nested_sets, tries
 from artipg_dsl.fit.develop import apart
@@ -14,7 +17,7 @@ from artipg_dsl.fit.focus import differing, lifted
 from artipg_dsl.fit.model import Changes, Model, Placed
 from artipg_dsl.fit.pose import Frame, pose, targets
 from artipg_dsl.fit.reading import Cloud
-from artipg_dsl.fit.search import Effort
+from artipg_dsl.fit.search import Effort, taken
 from artipg_dsl.runtime.batch import Batch
 
 from .helpers import HOUSING, SIDED, N
@@ -60,6 +63,23 @@ def test_what_is_right_is_left_alone(model: Model, samples: apg.Samples) -> None
     found = decide(model, clouds(samples).targets, true, Effort())
     for number in (*model.discrete, *model.smooth):
         assert found.batch.state.values[number].tolist() == true.batch.state.values[number].tolist()
+
+
+def test_large_changes_are_developed_where_little_else_is_gained(model: Model, samples: apg.Samples) -> None:
+    _, wrong = with_another(model, samples)
+    asked: list[list[int]] = []
+    gains = np.array([-20.0, -500.0, 0.0])  # by target
+
+    def better(_: Model, found: Candidates, *others: object) -> tuple[Candidates, np.ndarray]:
+        return found, gains[found.target]
+
+    def developed(_: Model, own: object, found: Candidates, *others: object) -> Candidates:
+        asked.append(found.target.tolist())
+        return taken(model, found, np.zeros(0, dtype=np.int64))
+
+    with mock.patch.multiple(decisions, _better=better, developed=developed):
+        decide(model, clouds(samples).targets, wrong, Effort(rounds=3))
+    assert asked == [[0, 2], [0], [0, 1]]  # in the last round, all that are left
 
 
 def test_the_cloud_speaks_for_the_true_object(model: Model, samples: apg.Samples) -> None:
