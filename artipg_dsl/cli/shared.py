@@ -142,9 +142,9 @@ def add_real(to: argparse.ArgumentParser) -> None:
     axes = ("x", "-x", "y", "-y", "z", "-z")
     to.add_argument(
         "--up",
-        choices=("auto", *axes),
+        choices=("auto", "any", *axes),
         default="auto",
-        help="upward axis of the files (default: y for glb, otherwise z)",
+        help="upward axis of the files; any: try all, which takes longer (default: y for glb, otherwise z)",
     )
     to.add_argument(
         "--front",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,8 @@ from .states import Moved, carried, moved, tables
 
 TOGETHER = 6  # objects that are searched as one batch
 _NEARER = 0.8  # joints are moved where the distance becomes that of rest times this, or less
+_LIES = 0.75  # percent: what is farther off once it has been searched may lie otherwise than its format has it,
+_UPRIGHT = 0.5  # and does where the distance becomes that times this, or less
 _HOPELESS = 120.0 * FAR  # percent: what is farther off once it has been searched is not looked into further
 _USUAL = 256  # drawn objects that tell how large those of a category are
 
@@ -60,20 +63,27 @@ def fit(
 ) -> list[Fitted]:
     """The objects of a program that come nearest to some clouds, in their order. ``checked``: without links that collide.
     ``words``: which word of the vocabulary ``semantic`` a name of a cloud's labels means; points of different words do not belong
-    together. ``opened``: a model of the same program with joints anywhere, for clouds that nothing at rest fits."""
+    together. ``opened``: a model of the same program with joints anywhere, for clouds that nothing at rest fits. Where no
+    upward axis was given, clouds that fit less well than is usual are looked at with others."""
     effort = effort or Effort()
-    at_rest = _searched(model, several, seed, effort, words)
-    rough = [k for k, off in enumerate(at_rest.off) if verdict(off) != verdict(0.0)]
-    if opened is None or not rough:
-        return _finished(at_rest, np.arange(len(several)), checked, effort)
-    other = _searched(opened, [several[k] for k in rough], seed, effort, words)
-    nearer = np.flatnonzero(other.off < _NEARER * at_rest.off[rough])
-    moving = [rough[k] for k in nearer]
-    found = dict(zip(moving, _finished(other, nearer, checked, effort), strict=True))
-    still = [k for k in range(len(several)) if k not in found or not found[k].told["valid"]]
-    for k, one in zip(still, _finished(at_rest, np.array(still, dtype=np.int64), checked, effort), strict=True):
-        if k not in found or one.told["valid"]:
-            found[k] = one
+
+    def look(model: Model, asked: dict[int, Posed]) -> dict[int, _Look]:
+        found = _searched(model, list(asked.values()), seed, effort, words) if asked else None
+        return {} if found is None else {k: _Look(found, row) for row, k in enumerate(asked)}
+
+    def nearer(model: Model, asked: dict[int, Posed], share: float) -> dict[int, _Look]:
+        return {k: one for k, one in look(model, asked).items() if one.off < share * at_rest[k].off}
+
+    at_rest = look(model, dict(enumerate(several)))
+    lying = [k for k, one in at_rest.items() if one.off > _LIES and several[k].others]
+    at_rest |= nearer(model, {k: replace(several[k], turns=several[k].others) for k in lying}, _UPRIGHT)
+    rough = [k for k, one in at_rest.items() if verdict(one.off) != verdict(0.0)]
+    moving = nearer(opened, {k: at_rest[k].posed for k in rough}, _NEARER) if opened else {}
+    found = _all_finished(moving, checked, effort)
+    still = {k: one for k, one in at_rest.items() if k not in found or not found[k].told["valid"]}
+    for k, fitted in _all_finished(still, checked, effort).items():
+        if k not in found or fitted.told["valid"]:
+            found[k] = fitted
     return [found[k] for k in range(len(several))]
 
 
@@ -88,6 +98,35 @@ class _Searched:
     asked: Targets
     found: Candidates
     off: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Look:
+    """One of the objects of a search, that of a ``row``."""
+
+    searched: _Searched
+    row: int
+
+    @property
+    def off(self) -> float:
+        return float(self.searched.off[self.row])
+
+    @property
+    def posed(self) -> Posed:
+        """The cloud, to be looked at again with the same upward axis."""
+        one, posed = self.searched, self.searched.several[self.row]
+        up, _ = _stands(posed, one.asked, one.found, self.row, self.row)
+        return replace(posed, turns=[turn for turn in posed.turns if turn[0] == up])
+
+
+def _all_finished(looks: dict[int, _Look], checked: bool, effort: Effort) -> dict[int, Fitted]:
+    """What is found of the objects of several searches."""
+    made: dict[int, Fitted] = {}
+    for searched in {id(one.searched): one.searched for one in looks.values()}.values():
+        mine = [k for k, one in looks.items() if one.searched is searched]
+        rows = np.array([looks[k].row for k in mine], dtype=np.int64)
+        made |= dict(zip(mine, _finished(searched, rows, checked, effort), strict=True))
+    return made
 
 
 def _searched(

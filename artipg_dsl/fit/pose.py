@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import field
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -14,6 +15,7 @@ from .outer import outer, spacing, towards
 from .reading import Cloud
 
 AXES = ("x", "-x", "y", "-y", "z", "-z")
+_ANY = "any"  # upward axis
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 _COMPARED = 8192  # points of a target
 _NEIGHBOURS = 12, 24, 48  # that tell a normal: as few as lie in a plane
@@ -27,7 +29,8 @@ _FAR = 30.0  # times: then it is no object of the category
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """How files stand: ``up`` and ``front`` axes and ``unit``, or "auto"; ``normalised``: the scale says nothing."""
+    """How files stand: ``up`` and ``front`` axes and ``unit``, or "auto"; with "any" for ``up`` all are tried. ``normalised``: the scale
+    says nothing."""
 
     up: str = "auto"
     front: str = "auto"
@@ -35,7 +38,7 @@ class Frame:
     normalised: bool = False
 
     def __post_init__(self) -> None:
-        if self.up != "auto" and self.front != "auto" and self.up[-1] == self.front[-1]:
+        if self.up in AXES and self.front in AXES and self.up[-1] == self.front[-1]:
             raise UsageError(
                 f"--up {self.up} and --front {self.front} lie on one axis", "they are square to each other"
             )
@@ -44,11 +47,23 @@ class Frame:
 
     def turns(self, suffix: str) -> list[tuple[str, str]]:
         """The pairs of upward axis and front that are possible."""
+        if self.up == _ANY:
+            return [(up, front) for up in AXES for front in self._fronts(up)]
         up = ("y" if suffix in (".glb", ".gltf") else "z") if self.up == "auto" else self.up
-        if up[-1] == self.front[-1]:
+        if not self._fronts(up):
             up = "z" if up[-1] != "z" else "y"
-        fronts = [axis for axis in AXES if axis[-1] != up[-1]] if self.front == "auto" else [self.front]
-        return [(up, front) for front in fronts]
+        return [(up, front) for front in self._fronts(up)]
+
+    def others(self, suffix: str) -> list[tuple[str, str]]:
+        """Further pairs, for files that fit less well than is usual: those of other upward axes, where none is given."""
+        if self.up != "auto":
+            return []
+        first = self.turns(suffix)[0][0]
+        return [(up, front) for up in AXES if up != first for front in self._fronts(up)]
+
+    def _fronts(self, up: str) -> list[str]:
+        """The fronts that are possible with an upward axis."""
+        return [front for front in (AXES if self.front == "auto" else (self.front,)) if front[-1] != up[-1]]
 
 
 def axis(name: str) -> np.ndarray:
@@ -64,7 +79,7 @@ def turn(up: str, front: str) -> np.ndarray:
 @dataclass(frozen=True, slots=True, eq=False)
 class Posed:
     """A cloud's outer surface in metres, in the frame of its file: ``points``, ``normals`` (n, 3), ``label`` (n,); its ``unit`` in metres,
-    and which ``turns`` are tried."""
+    which ``turns`` are tried, and which ``others`` if nothing fits well in these."""
 
     points: np.ndarray
     normals: np.ndarray
@@ -73,6 +88,7 @@ class Posed:
     unit: str
     turns: list[tuple[str, str]]
     known: bool
+    others: list[tuple[str, str]] = field(default_factory=list)
 
 
 def pose(cloud: Cloud, frame: Frame, suffix: str, usual: float) -> Posed:
@@ -101,7 +117,8 @@ def pose(cloud: Cloud, frame: Frame, suffix: str, usual: float) -> Posed:
     if cloud.normals is not None:  # a group of a mesh may be inside out, as a whole
         facing = np.bincount(label + 1, facing)[label + 1]
     normals = np.where((facing < 0.0)[:, None], -normals, normals)
-    return Posed(points, normals, label, cloud.names, unit, frame.turns(suffix), not frame.normalised)
+    turns = frame.turns(suffix), not frame.normalised, frame.others(suffix)
+    return Posed(points, normals, label, cloud.names, unit, *turns)
 
 
 def _apart(points: np.ndarray) -> float:

@@ -12,7 +12,7 @@ from artipg_dsl.api import Samples
 from artipg_dsl.fit.fitting import Fitted, fit, usual_size
 from artipg_dsl.fit.measure import verdict
 from artipg_dsl.fit.model import Changes, Model
-from artipg_dsl.fit.pose import Frame, Posed, pose
+from artipg_dsl.fit.pose import Frame, Posed, pose, turn
 from artipg_dsl.fit.reading import Cloud
 from artipg_dsl.session import Session
 from tests.cli.helpers import CHEST
@@ -57,6 +57,20 @@ def test_samples_are_found_again(model: Model) -> None:
     assert max(one.told["distance"]["both"] for one in found) < 0.5
     alone = fit(model, several[1:2])[0]
     assert alone.values == found[1].values and alone.told == found[1].told
+
+
+def test_a_cloud_that_lies_is_set_upright(model: Model) -> None:
+    """A file whose upward axis is y, read as others are; unless it is said that z is up."""
+    samples = apg.load(LARGE_KNOBS, n=1, seed=5)
+    points = samples.points(8000)
+    lying, normals = (vectors[0] @ turn("y", "z") for vectors in (points.position, points.normal))
+    cloud = Cloud(lying, normals, np.full(len(lying), -1), ())
+    found = {}
+    for up in ("auto", "any", "z"):
+        (one,) = fit(model, [pose(cloud, Frame(up=up), ".npz", usual_size(model))])
+        found[up] = one.told["frame"]["up"], one.told["distance"]["both"]
+    assert found["auto"] == found["any"] and found["auto"][0] == "y" and found["auto"][1] < 0.1
+    assert found["z"][0] == "z" and found["z"][1] > 1.0
 
 
 @pytest.mark.slow

@@ -69,6 +69,14 @@ def test_axes_come_to_stand_where_programs_have_them() -> None:
         Frame(up="z", front="-z")
 
 
+def test_all_upward_axes_are_tried_where_that_is_asked_for_or_nothing_else_fits() -> None:
+    every = Frame(up="any").turns(".obj")
+    assert len(set(every)) == 24 and Frame(up="any").others(".obj") == []
+    assert set(Frame().turns(".obj") + Frame().others(".obj")) == set(every)
+    assert Frame(up="z").others(".obj") == []
+    assert Frame(up="any", front="x").turns(".obj") == [(up, "x") for up in ("y", "-y", "z", "-z")]
+
+
 def test_the_unit_is_what_the_sizes_of_the_category_suggest() -> None:
     points, normals = box([300.0, 400.0, 500.0])
     cloud = Cloud(points, normals, np.full(len(points), -1), ())
