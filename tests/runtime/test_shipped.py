@@ -10,6 +10,7 @@ import os
 import numpy as np
 import pytest
 
+from artipg_dsl.runtime.motion import apply
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session, categories
@@ -53,6 +54,34 @@ def test_the_arms_of_scissors_reach_around_the_pin() -> None:
     tight = {"boss": 6e-3, "pin_radius": 3e-3, "blade_width": 9e-3, "shank": 2e-2, "loop_width": 4e-2}
     batch = sampler.batch(np.arange(6), 1, given={index[name]: value for name, value in tight.items()})
     assert not len(find_faults(batch).objects())
+
+
+@pytest.mark.parametrize("name", ["door", "doorhandle"])
+def test_levers_go_down_when_they_are_operated(name: str) -> None:
+    """On both faces of a leaf, whichever way they point."""
+    batch = Session.of(name).sampler.batch(np.arange(60), 1)
+    joints, links = batch.joints(), batch.links()
+    levers = np.array([name.endswith("handle.work") for name in joints.name]) & (joints.low == 0.0)
+    levers &= np.array(joints.kind) == "revolute"  # neither a knob nor a bar that is pushed
+    moved = {(o, c) for o, c in zip(joints.owner[levers], joints.child[levers], strict=True)}
+    turn, shift = batch.pose(np.where(levers, joints.high, batch.rest()))
+    first = np.searchsorted(links.owner, np.arange(len(batch)))
+    seen = set()
+    for table in batch.sites():
+        if not table.path.endswith("handle.grip") or table.primitive.name not in ("RoundedCuboid", "LeverBlade"):
+            continue
+        rows = [r for r in range(len(table)) if (table.owner[r], table.link[r]) in moved]
+        blade = table.primitive.name == "LeverBlade"  # its heel is at y = 0
+        reach = table.params["long"] if blade else table.params["size.y"] / 2
+        link = (first[table.owner] + table.link)[rows]
+        end = (table.translation + reach[:, None] * table.rotation[:, :, 1])[rows]
+        sunk = end - apply(turn[link], end) - shift[link]
+        assert (sunk[:, 2] > 0.04).all(), (table.path, sunk[:, 2])
+        seen |= {(table.path, blade, float(np.sign(y))) for y in table.rotation[rows, 1, 1].round()}
+    if name == "door":
+        assert seen == {(f"wing.{face}.grip", False, way) for face in ("handle", "far_handle") for way in (-1.0, 1.0)}
+    else:
+        assert seen == {("handle.grip", blade, 1.0) for blade in (False, True)}
 
 
 @pytest.mark.parametrize("name", sorted(categories()) if EVERY else ["laptop", "washing_machine"])
