@@ -30,12 +30,10 @@ def chosen(sampler: Sampler, name: str, option: int) -> dict[int, float]:
 @pytest.mark.parametrize(("place", "part"), [(1, "end.boss"), (2, "side.ear")])
 def test_the_handle_of_a_kettle_hangs_on_both_sides(place: int, part: str) -> None:
     sampler = Session.of("kettle").sampler
-    given = chosen(sampler, "place", place) | chosen(
-        sampler, "body", 0
-    )  # a round one: over a square one it runs along x
-    (table,) = (
-        table for table in sampler.batch(np.arange(6), 1, given=given).sites() if table.path == part and len(table)
-    )
+    # a round body: over a square one, the handle runs along x
+    given = chosen(sampler, "place", place) | chosen(sampler, "body", 0)
+    sites = sampler.batch(np.arange(6), 1, given=given).sites()
+    (table,) = (table for table in sites if table.path == part and len(table))
     at = table.translation.reshape(6, 2, 3)
     assert (at[:, 0, 1] > 0.0).all() and np.allclose(at[:, 0] * (1, -1, 1), at[:, 1])
 
