@@ -62,10 +62,10 @@ def main() -> None:
     asked = parser.parse_args()
     truth = json.loads(TRUTH.read_text())
     truth.pop("about")
-    counted, placed = truth.pop("counted"), truth.pop("placed")
+    counted = truth.pop("counted")
     rows, kept, distances, times = [], {}, [], []
     for category in asked.categories or truth:
-        cases, seconds = real(asked.folder, category, NAMES.get(category, category), Frame(**placed.get(category, {})))
+        cases, seconds = real(asked.folder, category, NAMES.get(category, category), Frame())
         right, of, whole = 0, 0, 0
         for case in cases:
             facts = truth.get(category, {}).get(case.name, {})
