@@ -47,21 +47,20 @@ def map_each(
     count: int,
     begin: Callable[..., None] | None = None,
     *given: Any,
-    here: Callable[[T], R] | None = None,
+    here: Callable[[T], R],
 ) -> Iterator[R]:
-    """``function`` of each item, in their order, called in ``count`` processes that called ``begin(*given)`` first.
+    """``function`` of each item, in their order, called in ``count`` processes, all but this one of which called ``begin(*given)`` first.
+    This one does by ``here`` what no other has begun, as long as it would wait else.
 
-    With ``here`` this process is one of them: it does by ``here`` what no other has begun, as long as it would wait else.
     Raises what the first call that fails raises, and UserError where a process dies.
     """
     before = set(mp.active_children())
     with _task_file(begin, given) as task:
-        others = count - 1 if here else count
         # spawned, not forked: libraries that run threads do not outlive a fork, and it is the same on all systems
-        pool = ProcessPoolExecutor(others, mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(task,))
+        pool = ProcessPoolExecutor(count - 1, mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(task,))
         done = False
         try:
-            queue = _Queue(pool, others, function, items)
+            queue = _Queue(pool, count - 1, function, items)
             with _undisturbed():  # all processes are started with the first call
                 queue.give()
             yield from queue.results(here)
@@ -98,11 +97,10 @@ class _Queue(Generic[T, R]):
             self.ready.extend(islice(self.left, self.ahead - len(self.ready) - len(self.calls)))
             self._submit()
 
-    def results(self, here: Callable[[T], R] | None) -> Iterator[R]:
+    def results(self, here: Callable[[T], R]) -> Iterator[R]:
         """What the calls return, in their order."""
         while self.calls or self.ready:
-            first_is_there = self.calls and self.calls[0].done()
-            if first_is_there or here is None or not self._do(here):
+            if self.calls and self.calls[0].done() or not self._do(here):
                 yield self.calls.popleft().result()
             self.give()
 

@@ -176,7 +176,7 @@ def test_workers_that_die_before_they_read_their_task_end_the_run(
 
     def share() -> None:
         try:
-            list(map_each(len, ["one", "two"], 2, print, "x" * 1_000_000))
+            list(map_each(len, ["one", "two"], 2, print, "x" * 1_000_000, here=len))
         except UserError as error:
             told.append(error.message)
 
