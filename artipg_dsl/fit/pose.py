@@ -108,11 +108,11 @@ def pose(cloud: Cloud, frame: Frame, suffix: str, usual: float) -> Posed:
             f"its diagonal is {across * UNITS[unit]:.2g} m with {unit} as unit, that of usual objects {usual:.2g} m",
             "scale it, or say --normalised if its scale means nothing",
         )
-    points = cloud.points * UNITS[unit]
+    points = np.asarray(cloud.points, dtype=np.float64) * UNITS[unit]
     apart = _apart(points)
     seen = outer(points[None], np.array([apart]))[0]
     points, label = points[seen], cloud.label[seen]
-    normals = _estimated(points) if cloud.normals is None else cloud.normals[seen]
+    normals = _estimated(points) if cloud.normals is None else np.asarray(cloud.normals[seen], dtype=np.float64)
     facing = (towards(points, apart) * normals).sum(axis=1)
     if cloud.normals is not None:  # a group of a mesh may be inside out, as a whole
         facing = np.bincount(label + 1, facing)[label + 1]

@@ -12,7 +12,8 @@ import numpy as np
 
 def call(function: Callable[..., Any], *values: object) -> Any:
     """What ``function`` of a loaded library returns for ``values``: integers of 64 bits, doubles, arrays and structures by their
-    addresses; what ctypes knows already, and text, as it is. The arrays lie in memory row by row, with the types that the code expects."""
+    addresses; what ctypes knows already, and text, as it is. The arrays lie in memory row by row, with the types that the code expects;
+    for others, of which it would read what is beside them, TypeError."""
     return function(*map(_passed, values))
 
 
@@ -25,6 +26,8 @@ def integers(count: int) -> type[ctypes.Array[ctypes.c_int64]]:
 def _passed(value: object) -> object:
     match value:
         case np.ndarray():
+            if value.dtype.char in "fe" or not value.flags.c_contiguous:
+                raise TypeError(f"compiled code takes float64 row by row, not {value.dtype} with strides {value.strides}")
             return ctypes.c_void_p(value.ctypes.data)
         case bool() | int():
             return ctypes.c_int64(value)

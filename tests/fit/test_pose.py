@@ -37,6 +37,15 @@ def test_a_target_hides_what_few_points_of_a_candidate_do_not() -> None:
     assert seen[:, :300].mean() > 0.9 and seen[1, 300:].mean() > 0.9
 
 
+def test_clouds_of_single_precision_are_read_as_they_are() -> None:
+    points, normals = box([0.3, 0.4, 0.5])
+    told = points.astype(np.float32), normals.astype(np.float32), np.full(len(points), -1), ()
+    single = pose(Cloud(*told), Frame(), ".npz", 0.7)
+    double = pose(Cloud(told[0].astype(np.float64), told[1].astype(np.float64), *told[2:]), Frame(), ".npz", 0.7)
+    assert single.points.dtype == single.normals.dtype == np.float64
+    assert np.array_equal(single.points, double.points) and np.array_equal(single.normals, double.normals)
+
+
 @pytest.mark.parametrize("known", [True, False])
 def test_normals_face_outwards(known: bool) -> None:
     points, normals = box([0.3, 0.4, 0.5])
