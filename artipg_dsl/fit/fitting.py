@@ -24,7 +24,7 @@ from .states import Moved, carried, moved, tables
 
 TOGETHER = 6  # objects that are searched as one batch
 _NEARER = 0.8  # joints are moved where the distance becomes that of rest times this, or less
-_LIES = 0.75  # percent: what is farther off once it has been searched may lie otherwise than its format has it,
+_LIES = 1.25  # percent: what is farther off once it has been searched may lie otherwise than its format has it,
 _UPRIGHT = 0.5  # and does where the distance becomes that times this, or less
 _HOPELESS = 120.0 * FAR  # percent: what is farther off once it has been searched is not looked into further
 _USUAL = 256  # drawn objects that tell how large those of a category are
