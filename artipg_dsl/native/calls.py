@@ -27,7 +27,9 @@ def _passed(value: object) -> object:
     match value:
         case np.ndarray():
             if value.dtype.char in "fe" or not value.flags.c_contiguous:
-                raise TypeError(f"compiled code takes float64 row by row, not {value.dtype} with strides {value.strides}")
+                raise TypeError(
+                    f"compiled code takes float64 row by row, not {value.dtype} with strides {value.strides}"
+                )
             return ctypes.c_void_p(value.ctypes.data)
         case bool() | int():
             return ctypes.c_int64(value)
