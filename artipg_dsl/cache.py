@@ -23,9 +23,8 @@ MARK = b"apgc kept 1\n"
 MOST = 256 << 20  # bytes; the entries that were read longest ago go first
 _LEFT = 0.75  # of these bytes are left after that
 _STALE = 3600.0  # seconds after which an unfinished file is of a process that was killed
-_LOOKED = (
-    "00"  # one hash in 256 ends so: after its entry the folder is looked through, which takes 10 ms for 1,500 entries
-)
+# one hash in 256 ends so: after its entry the folder is looked through, which takes 10 ms for 1,500 entries
+_LOOKED = "00"
 SEAL = 32  # bytes of the hash before the data
 
 _told = False

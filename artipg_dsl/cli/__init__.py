@@ -15,6 +15,5 @@ In: the words after ``apgc``. Out: text, files and an exit code. Begin with ``ma
 
 import gc
 
-gc.set_threshold(
-    1_000_000, 20, 50
-)  # objects between collections of garbage, of which hardly any is circular; before all else is loaded
+# objects between collections of garbage, of which hardly any is circular; set before all else is loaded
+gc.set_threshold(1_000_000, 20, 50)

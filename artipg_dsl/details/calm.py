@@ -109,13 +109,9 @@ def _is_covered(found: Details, wardrobe: Wardrobe) -> np.ndarray:
     return (share >= _COVERED * open_)[own]
 
 
-def _square(vectors: np.ndarray) -> np.ndarray:
-    return dot(vectors, vectors)
-
-
 def _turned(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """1 - the cosine between vectors (m, 3)."""
-    return 1.0 - dot(one, other) / np.maximum(np.sqrt(_square(one) * _square(other)), 1e-12)
+    return 1.0 - dot(one, other) / np.maximum(np.sqrt(dot(one, one) * dot(other, other)), 1e-12)
 
 
 def _planes(

@@ -68,17 +68,25 @@ def test_the_same_command_twice_at_once(apgc: Apgc, tmp_path: Path, monkeypatch:
     assert tree(tmp_path / "one") == tree(tmp_path / "two")
 
 
-def test_the_same_files_where_others_go_on(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nobody says how many: the first shard is written here, the others are shared."""
-    asked: list[int] = []
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """On two processors: how many chunks were shared, each time that some were."""
+    found: list[int] = []
 
     def write_shared(job, many, chunks, room):
-        asked.append(len(chunks))
+        found.append(len(chunks))
         return shared(job, many, chunks, room)
 
     shared = workers.write_shared
     monkeypatch.setattr(workers, "write_shared", write_shared)
     monkeypatch.setattr(sharing, "processors", lambda: 2)
+    return found
+
+
+def test_the_same_files_where_others_go_on(
+    apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, asked: list[int]
+) -> None:
+    """Nobody says how many: the first shard is written here, the others are shared."""
     monkeypatch.setattr(sharing, "_WORTH", 0.0)
     monkeypatch.setattr(memory.Room, "pace", lambda room: 0.0)  # another test may have told
     arguments = ["sample", CHEST, "-n", 600, "--points", 8, "--stats", "-o"]
@@ -90,18 +98,9 @@ def test_the_same_files_where_others_go_on(apgc: Apgc, tmp_path: Path, monkeypat
 
 
 def test_what_is_known_to_take_long_is_shared_at_once(
-    apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, asked: list[int]
 ) -> None:
     """From the first shard on, unless there is nothing left to do."""
-    asked: list[int] = []
-
-    def write_shared(job, many, chunks, room):
-        asked.append(len(chunks))
-        return shared(job, many, chunks, room)
-
-    shared = workers.write_shared
-    monkeypatch.setattr(workers, "write_shared", write_shared)
-    monkeypatch.setattr(sharing, "processors", lambda: 2)
     monkeypatch.setattr(memory.Room, "pace", lambda room: 1.0)
     arguments = ["sample", CHEST, "-n", 600, "--points", 8, "-o", tmp_path / "out"]
     assert apgc(*arguments)[0] == 0 and asked == [3]

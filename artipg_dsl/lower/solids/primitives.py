@@ -27,10 +27,8 @@ from .probe import possible, test_ranges
 from .recalled import entry_of, keep, recall
 
 _MOST_COPIES = 64  # of an indexed surface
-_LONG, _BRIEF = (
-    0.03,
-    0.002,
-)  # seconds of lowering a primitive of the file itself, and one of another: what takes less is not kept
+# seconds of lowering a primitive of the file itself, and one of another: what takes less is not kept
+_LONG, _BRIEF = 0.03, 0.002
 
 
 def lower_primitive(context: Draft, symbol: Symbol, values: dict[str, Value] | None = None) -> Lowered:
