@@ -105,6 +105,9 @@ class Model:
         for site in self.program.sites:
             yield from (*site.parameters, *pose_cells(site.pose))
             yield from (scope.count for scope in site.scope.ancestors() if scope.count is not None)
+        if isinstance(self.program, Moved):  # where primitives stand as joints rest
+            drawn = self.program.states if isinstance(self.program, Opened) else {}
+            yield from (joint.rest for number, joint in enumerate(self.program.joints) if number not in drawn)
 
     # ------------------------------------------------------------ candidates
 

@@ -123,3 +123,14 @@ def test_what_rests_elsewhere_is_fitted_at_rest() -> None:
     (one,) = fit(model, [pose(cloud, Frame(front="x", unit="m"), ".npz", 1.0)], effort=LITTLE)
     assert one.told["verdict"] == "fits" and one.told["joints"]["open"] == pytest.approx(np.deg2rad(60.0))
     assert off(one, samples) < 0.02
+
+
+def test_where_a_joint_rests_is_fitted() -> None:
+    """A number that moves the surface only by the joint which rests there is a number like others."""
+    text = CASE.replace("  root part", "  param stand : angle in 20deg .. 100deg\n  root part").replace(
+        "110deg\n", "110deg rest stand\n"
+    )
+    model, (_, posed) = Model(Session.of_text(text).sampler), seen(1.1)
+    (one,) = fit(model, [posed], effort=LITTLE)
+    assert one.values["stand"] == pytest.approx(1.1, abs=0.005)
+    assert one.told["distance"]["both"] < 0.1
