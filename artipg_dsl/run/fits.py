@@ -185,13 +185,14 @@ def _fit_group(work: _Work, group: list[Item]) -> list[Item]:
     asked = work.asked
     options = asked.plain(work.model.program.hash)
     read: list[tuple[Item, Posed]] = []
+    marks = {item.name: mark(item.path) for item in group}  # of what is read: files may change while they are fitted
     for item in group:
         try:
             cloud = read_cloud(item.path)
             read.append((item, pose(cloud, asked.frame, item.path.suffix.lower(), work.usual)))
         except UserError as wrong:
             reason = wrong.message + (f" ({wrong.hint})" if wrong.hint else "")
-            _write(asked, item, {"failed": reason}, options)
+            _write(asked, item, {"failed": reason}, marks[item.name], options)
     if not read:
         return group
     found = fit(
@@ -207,7 +208,7 @@ def _fit_group(work: _Work, group: list[Item]) -> list[Item]:
             image = overlay(one.batch, one.row, one.cloud, work.painter, states=one.states)
             write_bytes(asked.out / PICTURES / f"{item.name}.png", png_bytes(image), force=True)
         labels = {"labels": sorted(set(posed.names))} if asked.words else {}
-        _write(asked, item, {**one.told, **labels, "drawn": one.values}, options)
+        _write(asked, item, {**one.told, **labels, "drawn": one.values}, marks[item.name], options)
     return group
 
 
@@ -226,8 +227,8 @@ def mark(path: Path) -> str:
     return digest.hexdigest()
 
 
-def _write(asked: Asked, item: Item, told: Mapping[str, Any], options: Mapping[str, Any]) -> None:
-    record = {"name": item.name, "source": str(item.path), **told, "file": mark(item.path), "options": options}
+def _write(asked: Asked, item: Item, told: Mapping[str, Any], file: str, options: Mapping[str, Any]) -> None:
+    record = {"name": item.name, "source": str(item.path), **told, "file": file, "options": options}
     write_bytes(asked.out / FITS / f"{item.name}.json", _to_text(record), force=True)
 
 

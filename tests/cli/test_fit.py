@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -125,3 +126,24 @@ def test_a_folder_of_nothing_but_bad_files(apgc: Apgc, tmp_path: Path) -> None:
     (tmp_path / "a.obj").write_text("")
     code, said, err = apgc("fit", CHEST, tmp_path / "a.obj", "-o", tmp_path / "out")
     assert code == 1 and "not read" in said
+
+
+def test_a_file_that_changes_while_it_is_fitted_is_fitted_again(
+    apgc: Apgc, real: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from artipg_dsl.run import fits
+
+    file, out = tmp_path / "chest.npz", tmp_path / "out"
+    file.write_bytes((real / "chest0.npz").read_bytes())
+    asked = ("fit", CHEST, file, "-o", out, "--front", "x", "--plain")
+    fit = fits.fit
+
+    def change(*given: Any, **more: Any) -> Any:
+        file.write_bytes((real / "chest1.npz").read_bytes())
+        return fit(*given, **more)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(fits, "fit", change)
+        assert apgc(*asked)[0] == 0
+    first = (out / "values.jsonl").read_text()
+    assert apgc(*asked)[0] == 0 and (out / "values.jsonl").read_text() != first
