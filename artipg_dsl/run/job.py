@@ -118,7 +118,7 @@ class Job:
         *before, step = mutations
         sources, variants = step.origins(numbers)
         stock, place = np.unique(sources, return_inverse=True)
-        made = self._made(stock, tuple(before))
+        made = self.fresh()._made(stock, tuple(before))  # not counted: once or often, as the work is divided
         if len(stock) != len(numbers) or (np.diff(place) != 1).any():
             made = evaluate_again(made, place)
         return step.apply(self.sampler, made, numbers, variants, statistics, request.checked)

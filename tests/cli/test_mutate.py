@@ -8,6 +8,7 @@ import pytest
 import artipg_dsl as apg
 from artipg_dsl.cli.main import main
 from artipg_dsl.errors import UsageError
+from artipg_dsl.sampling.mutation import Mutation
 
 from .helpers import CHEST, tree
 
@@ -200,6 +201,17 @@ def test_values_that_do_not_fit_are_told(apgc, tmp_path):
         assert code in (1, 2) and said in err
     assert apgc("mutate", "-o", tmp_path / "x")[0] == 2
     assert apgc("mutate", tmp_path, "-o", tmp_path / "x")[0] == 1
+
+
+def test_originals_do_not_count_however_the_work_is_divided(chest):
+    originals = apg.open_samples(chest).job
+    step = Mutation(("cpa",), each=4, sources=originals.request.numbers)
+    job = originals.mutated(step, np.arange(4 * len(originals.request.objects)))
+    whole, parts = job.fresh(), job.fresh()
+    whole.batch()
+    for number in job.request.objects:
+        parts.batch([number])
+    assert whole.counts() == parts.counts() and whole.counts()["objects"] == len(job.request.objects)
 
 
 def test_replay_in_python():
