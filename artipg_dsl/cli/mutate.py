@@ -16,7 +16,7 @@ from ..export.remote import is_same, place_of
 from ..run.settings import show_value
 from .messages import plural, say
 from .progress import Progress, took
-from .sample import refuse_file, show_statistics
+from .sample import refuse_file, show_statistics, tell_repairs
 from .sample import write as write_folder
 from .wanted import read_strength
 
@@ -111,6 +111,8 @@ def _write(options: argparse.Namespace) -> int:
     if options.distinct:
         job = _leave_out(options, job)
     made, number = write_folder(job, out, Output.of(formats, content, options.memory), options)
+    if options.params is not None:
+        tell_repairs(job, made)
     if options.stats:
         print(show_statistics(job, made))
     say(f"{plural(number, 'object')} in {out} {took(begun)}")

@@ -66,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
         output = replace(output, content=replace(output.content, details=dressing))
     manifest, number = write(job, place_of(options.out), output, options)
     if options.params is not None:
-        _tell_repairs(manifest)
+        tell_repairs(job, manifest)
     if options.stats:
         print(show_statistics(job, manifest))
     share = "" if options.shard[1] == 1 else f", part {options.shard[0]} of {options.shard[1]}"
@@ -170,17 +170,17 @@ def _warn_of_engine() -> None:
         say("views: NumPy casts the rays, which is slow; pip install 'artipg_dsl[rays]' installs embree")
 
 
-def _tell_repairs(manifest: Manifest) -> None:
-    """Say that objects are not as their values were given, where that is so."""
-    counts = manifest.get("counts")
+def tell_repairs(job: Job, manifest: Manifest) -> None:
+    """Say that objects, or the originals of mutants, are not as their values were given, where that is so."""
+    counts, where = manifest.get("counts"), "see `repairs` in the annotation"
+    if job.request.mutations:
+        counts, where = job.count_originals(), "`apgc sample --params` shows which"
     repaired = counts.get("repaired", {}) if counts else {}
     if not counts or not repaired:
         return
     number, made = counts["objects"] - counts["first_valid"], counts["objects"]
-    say(
-        f"values of {number} of {plural(made, 'object')} were changed to make them valid: "
-        "see `repairs` in the annotation"
-    )
+    what = plural(made, "original" if job.request.mutations else "object")
+    say(f"values of {number} of {what} were changed to make them valid: {where}")
     for reason, count in list(repaired.items())[:_REASONS]:
         say(f"  {count} times: {reason}")
     if len(repaired) > _REASONS:

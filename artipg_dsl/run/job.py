@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from ..graph.program import Program
     from ..runtime.batch import Batch
 
+_TOGETHER = 256  # objects that are made only to be counted, at a time
+
 
 class ProgramChanged(UserError):
     """Samples were made by another program than their source now compiles to; ``made`` and ``now`` are the hashes of both."""
@@ -123,6 +125,13 @@ class Job:
             made = evaluate_again(made, place)
         return step.apply(self.sampler, made, numbers, variants, statistics, request.checked)
 
+    def count_originals(self) -> Counts | None:
+        """The statistics of the objects that mutants were made from, which are made again for it. Raises NoObject."""
+        first = self.but(mutations=(), numbers=to_runs(self.originals))
+        for at in range(0, len(first.request.objects), _TOGETHER):
+            first.batch(first.request.objects[at : at + _TOGETHER])
+        return first.counts()
+
     def but(self, **changes: Any) -> Job:
         """The job of the same request but for some fields, with nothing counted yet. Raises as ``prepare`` does."""
         return _prepared(self.sampler, replace(self.request, **changes), "values")
@@ -176,7 +185,13 @@ def open_job(request: Request, *, values: str = "values") -> Job:
     for a compiled program that cannot be read.
     """
     sampler, source = open_program(request.source)
-    return prepare(sampler, replace(request, source=source), values=values)
+    job = prepare(sampler, replace(request, source=source), values=values)
+    if job.values is not None and not request.mutations:
+        try:
+            job.values.check(sampler, job.request.objects, request.seed)
+        except UserError as wrong:
+            raise UserError(f"{values}: {wrong.message}", wrong.hint) from None
+    return job
 
 
 def open_program(name: str | Path) -> tuple[Sampler, str]:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _TRIALS = 25  # attempts where a repair finds nothing
 _DRAWN = 5  # of these, so many draw what is not given alone; then what failed gives way, at last everything
 _EVERYTHING = 15
+_CHECKED = 256  # objects at a time
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,6 +46,12 @@ class Values:
         asked = self.asked(trial)
         found = repair(sampler, trial, asked, statistics=statistics, checked=checked)
         return self.redrawn(sampler, trial, asked, found, statistics, checked) if len(found.failed) else found.batch
+
+    def check(self, sampler: Sampler, numbers: np.ndarray, seed: int) -> None:
+        """Find values of what objects do not have before any object is made. Raises UserError."""
+        for first in range(0, len(numbers), _CHECKED):
+            some = numbers[first : first + _CHECKED]
+            self.tried(sampler, some, seed, np.zeros(len(some), dtype=np.int64))
 
     def redrawn(
         self, sampler: Sampler, trial: Batch, asked: Asked, found: RepairOutcome, statistics: Statistics, checked: bool

@@ -158,9 +158,11 @@ def test_pairs_that_differ_in_one_value(apgc, chest, tmp_path):
 def test_objects_given_by_their_values(apgc, chest, tmp_path):
     file, out = tmp_path / "values.json", tmp_path / "out"
     file.write_text(json.dumps([{"width": "70cm", "height": 0.5}, {"width": 0.58}]), encoding="utf-8")
-    assert apgc("mutate", CHEST, "--params", file, "--one", "width", "-o", out, "--points", 16)[0] == 0
+    code, _, err = apgc("mutate", CHEST, "--params", file, "--one", "width", "-o", out, "--points", 16)
+    assert code == 0
     drawn = [json.loads(line)["drawn"] for line in (out / "annotation-00000.jsonl").read_text().splitlines()]
     assert [d["width"] for d in drawn[0::2]] == [0.6, 0.58] and drawn[0]["height"] == drawn[1]["height"] == 0.4
+    assert "values of 1 of 2 originals were changed to make them valid" in err and "`width` lies outside" in err
     assert len(apg.open_samples(out)) == 4
     same = tmp_path / "same"
     from_annotation = ("--params", chest / "annotation-00000.jsonl", "--ops", "cpa", "--points", 16)

@@ -330,3 +330,16 @@ def test_values_of_what_an_object_does_not_have_are_errors(
     (tmp_path / "v.json").write_text(f'[{{"lid": "Cuboid", "edge": "2cm"}}, {values}]')
     code, _, err = apgc("sample", program, "--params", tmp_path / "v.json", "-o", tmp_path / "o", *SMALL)
     assert message in err and hint in err and (code == 0) == (tmp_path / "o").exists() == (not message)
+
+
+def test_values_are_looked_through_before_the_run(apgc: Apgc, tmp_path: Path) -> None:
+    program, file = tmp_path / "p.apg", tmp_path / "v.jsonl"
+    program.write_text(
+        "apg 1\nuse primitives { Cuboid }\ncategory P {\n  count n in 1 .. 3\n"
+        "  repeat row[i] in 0 ..< n {\n    param edge : length in 1cm .. 2cm\n  }\n"
+        "  root part body : Cuboid(size = [1cm, 1cm, n * 1cm])\n}\n"
+    )
+    file.write_text('{"n": 2}\n' * 300 + '{"n": 2, "row.edge": [0.01, 0.01, 0.01]}\n')
+    code, _, err = apgc("sample", program, "--params", file, "-o", tmp_path / "o", *SMALL)
+    assert code == 1 and f"{file}: object 300 gives 3 values of `row.edge`, but has 2" in err
+    assert not (tmp_path / "o").exists()
