@@ -23,7 +23,7 @@ from ..export.containers import npz_bytes
 from ..export.write import ensure_folder, is_there, sweep_unfinished, write_bytes
 from ..fit.real import check_record, closed, read_real
 from ..records import dataclass
-from .fits import FITS, SUMMARY, mark, read_record
+from .fits import FITS, SUMMARY, list_objects, mark, read_record
 from .job import Job, ProgramChanged
 from .resume import reopen
 from .sharing import share
@@ -32,6 +32,7 @@ from .workers import map_each
 _SUMMARY = "bind.json"
 _NAMED = 3  # files that a message names
 _HINT = "apgc fit CATEGORY FILES -o fitted writes such a folder"
+_AGAIN = "the command that fitted these objects writes it anew, and fits only what is missing"
 
 
 Item = tuple[int, Mapping[str, Any], Path]  # the number of an object, what was fitted, and its file
@@ -71,7 +72,7 @@ def write_bindings(
     summary = read_record(asked.fitted / SUMMARY)
     if summary is None:
         raise UserError(f"{asked.fitted} is not a folder of fitted objects", _HINT)
-    good = [one for one in summary["objects"] if one["object"] is not None]
+    good = [one for one in _fitted_objects(asked.fitted, summary) if one["object"] is not None]
     if not good:
         raise UserError(f"no object in {asked.fitted} fits its category", "see the verdicts in its fit.json")
     sweep_unfinished(ensure_folder(asked.out))
@@ -83,6 +84,9 @@ def write_bindings(
             f" (digest {changed.made[:8]} then, {changed.now[:8]} now), and with it what the fitted values mean",
             f"fit again: {_fit_again(changed.source, asked.fitted, summary)}",
         ) from None
+    strange = {one["object"] for one in good} - set(job.request.objects.tolist())
+    if strange:
+        raise UserError(f"{asked.fitted} has no object {min(strange)}, which its {SUMMARY} lists", _AGAIN)
     options = asked.plain(job.program.hash)
     marked = {mark(path): path for path in real}
     work: list[Item] = []
@@ -97,7 +101,7 @@ def write_bindings(
         )
     if not force:
         _refuse_others(asked.out, work)
-    left = [item for item in work if force or not _done(asked, options, item[1])]
+    left = [item for item in work if force or not _done(asked, options, item)]
     done = len(work) - len(left)
     if progress:
         progress(done, len(work))
@@ -108,13 +112,23 @@ def write_bindings(
     return _summarize(asked, summary, options, [record["name"] for _, record, _ in work])
 
 
+def _fitted_objects(folder: Path, summary: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """What the summary of a fit says of its objects. Raises UserError where it was changed so that it cannot be read."""
+    found = list_objects(summary, "name", "source", "verdict")
+    numbers = [one.get("object", "") for one in found]
+    whole = all(number is None or type(number) is int for number in numbers)
+    if not whole or found != summary.get("objects") or not isinstance(summary.get("category"), str):
+        raise UserError(f"{folder / SUMMARY} is damaged", _AGAIN)
+    return found
+
+
 def _refuse_others(out: Path, work: Sequence[Item]) -> None:
     """Refuse a folder of details of other files that are still there: they would be gone from its summary. Raises UserError."""
     files, sources = {record.get("file") for _, record, _ in work}, {path.resolve() for _, _, path in work}
     others = []
-    for one in (read_record(out / _SUMMARY) or {}).get("objects", ()):
+    for one in list_objects(read_record(out / _SUMMARY), "name"):
         record = read_record(out / f"{one['name']}.json") or {}
-        path = Path(record.get("source", ""))
+        path = Path(str(record.get("source", "")))
         if record.get("file") not in files and path.resolve() not in sources and path.is_file():
             others.append(str(path))
     if others:
@@ -188,22 +202,27 @@ def _bind_one(job: Job, asked: Binding, item: Item) -> str:
             raise UserError("none of its points has a counterpart on the structure", "give more of them: --points 8192")
         arrays = to_arrays(details, job.program.hash)
         told |= report(batch, real, arrays, asked.points)
-        write_bytes(asked.out / f"{name}.npz", npz_bytes(arrays), force=True)
     except UserError as wrong:
         told["failed"] = wrong.message + (f" ({wrong.hint})" if wrong.hint else "")
         (asked.out / f"{name}.npz").unlink(missing_ok=True)
-    told |= {"file": record.get("file"), "to_object": record.get("to_object"), "options": options}
-    told |= {"joints": record["joints"]} if record.get("joints") else {}
+    else:
+        write_bytes(asked.out / f"{name}.npz", npz_bytes(arrays), force=True)
+    told |= {key: record.get(key) for key in ("file", "to_object")} | {"options": options}
+    told |= {key: record[key] for key in ("joints", "drawn") if record.get(key)}
     write_bytes(asked.out / f"{name}.json", _to_text(told), force=True)
     return str(name)
 
 
-def _done(asked: Binding, options: Mapping[str, Any], record: Mapping[str, Any]) -> bool:
+def _done(asked: Binding, options: Mapping[str, Any], item: Item) -> bool:
+    number, record, _ = item
     found = read_record(asked.out / f"{record['name']}.json")
-    if found is None or "failed" in found or found.get("options") != options:
+    if found is None or "failed" in found or found.get("options") != options or found.get("object") != number:
         return False
-    same = all(found.get(key) == record.get(key) for key in ("file", "to_object", "joints"))
-    return same and is_there(asked.out / f"{record['name']}.npz")
+    whole = isinstance(found.get("figures"), dict) and {"points", "completed"} <= found.keys()
+    same = all(
+        (found.get(key) or None) == (record.get(key) or None) for key in ("file", "to_object", "joints", "drawn")
+    )
+    return whole and same and is_there(asked.out / f"{record['name']}.npz")
 
 
 def _summarize(

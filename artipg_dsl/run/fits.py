@@ -130,8 +130,8 @@ def write_fits(
 def _refuse_others(out: Path, paths: Sequence[Path]) -> None:
     """Refuse a folder of fits of other files that are still there: what it says of them would be gone; of those that could
     not be read it says nothing. Raises UserError."""
-    old, named = read_record(out / SUMMARY) or {}, {path.resolve() for path in paths}
-    sources = [Path(one["source"]) for one in old.get("objects", ())]
+    named = {path.resolve() for path in paths}
+    sources = [Path(one["source"]) for one in list_objects(read_record(out / SUMMARY), "source")]
     others = [str(path) for path in sources if path.exists() and path.resolve() not in named]
     if others:
         raise UserError(
@@ -245,8 +245,23 @@ def read_record(path: Path) -> dict[str, Any] | None:
     return found if isinstance(found, dict) else None
 
 
+def list_objects(summary: Mapping[str, Any] | None, *keys: str) -> list[Mapping[str, Any]]:
+    """What a summary says of its objects, as far as it has text under these keys: it may be missing, or edited by hand."""
+    found = (summary or {}).get("objects")
+    entries = found if isinstance(found, list) else []
+    return [one for one in entries if isinstance(one, dict) and all(isinstance(one.get(key), str) for key in keys)]
+
+
 def _record(asked: Asked, item: Item) -> dict[str, Any] | None:
-    return read_record(asked.out / FITS / f"{item.name}.json")
+    """The record of a file; None where it lacks what the summary tells, so that the file is fitted again."""
+    found = read_record(asked.out / FITS / f"{item.name}.json") or {}
+    kinds: dict[str, Any] = {"name": str, "source": str, "failed": str}
+    if "drawn" in found:
+        kinds |= {"drawn": dict, "verdict": str, "valid": bool, "distance": dict}
+        del kinds["failed"]
+    if not all(isinstance(found.get(key), kind) for key, kind in kinds.items()) or found["name"] != item.name:
+        return None
+    return found if "drawn" not in found or isinstance(found["distance"].get("both"), int | float) else None
 
 
 def _done(asked: Asked, options: Mapping[str, Any], item: Item) -> bool:
@@ -290,7 +305,7 @@ def _summarize(sampler: Sampler, asked: Asked, options: Mapping[str, Any], items
     if good:
         request = read_request(asked.source, seed=asked.seed, checked=asked.checked, values=[r["drawn"] for r in good])
         written = Output.of(choose_formats("annotation"), Content())
-        write_dataset(prepare(sampler, request), asked.out, written, force=True)
+        write_dataset(prepare(sampler, request, values=str(asked.out / VALUES)), asked.out, written, force=True)
     elif (old := manifests.read_manifest(asked.out)) is not None:
         clear(asked.out, old)
     return summary

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -127,6 +128,64 @@ def test_a_folder_of_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     summary = json.loads((out / "bind.json").read_text())
     assert code == 0 and [one["completed"] for one in summary["objects"]] == [0, 0]
     assert summary["options"]["completed"] is False
+
+
+def test_details_follow_objects_that_have_other_numbers_now(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
+    """A file was added to a fit, and all objects after it have moved up."""
+    from artipg_dsl.export.content import Content
+    from artipg_dsl.export.registry import choose_formats
+    from artipg_dsl.run.dataset import write_dataset
+    from artipg_dsl.run.output import Output
+
+    before, asked = tmp_path / "before", ("-o", tmp_path / "bound", "--points", 500)
+    shutil.copytree(fitted, before)
+    samples = apg.sample(CHEST, values=[apg.sample(CHEST, n=2, seed=4).object(1).drawn])
+    write_dataset(samples.job, before, Output.of(choose_formats("annotation"), Content()), force=True)
+    summary = json.loads((fitted / "fit.json").read_text())
+    alone = [one | {"object": 0} for one in summary["objects"] if one["name"] == "chest1"]
+    (before / "fit.json").write_text(json.dumps(summary | {"objects": alone}))
+    assert apgc("bind", before, *asked)[0] == 0
+    assert apgc("bind", fitted, *asked)[0] == 0
+    told = json.loads((tmp_path / "bound" / "bind.json").read_text())["objects"]
+    assert [(one["name"], one["object"]) for one in told] == [("chest0", 0), ("chest1", 1)]
+    assert apgc("bind", fitted, *asked[2:], "-o", tmp_path / "anew")[0] == 0
+    assert tree(tmp_path / "bound") == tree(tmp_path / "anew")
+
+
+@pytest.mark.parametrize("change", [{"object": "x"}, {"object": 7}, {"name": None}, {"source": 3}, None])
+def test_edited_summaries_of_fits(apgc: Apgc, fitted: Path, tmp_path: Path, change: dict[str, object] | None) -> None:
+    path = fitted / "fit.json"
+    kept = path.read_text()
+    summary = json.loads(kept)
+    if change is None:
+        del summary["objects"]
+    else:
+        summary["objects"][1] |= change
+    try:
+        path.write_text(json.dumps(summary))
+        code, _, err = apgc("bind", fitted, "-o", tmp_path / "bound", "--points", 200)
+        assert code == 1 and ("fit.json is damaged" in err or "has no object 7, which its fit.json lists" in err)
+        assert "fits only what is missing" in err
+    finally:
+        path.write_text(kept)
+
+
+def test_a_full_disk_is_no_fault_of_the_object(
+    apgc: Apgc, fitted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from artipg_dsl.export.write import ExportError
+    from artipg_dsl.run import bindings
+
+    write = bindings.write_bytes
+
+    def refuse(path: Path, data: bytes, **more: Any) -> None:
+        if path.suffix == ".npz":
+            raise ExportError(f"no space left while writing {path}")
+        write(path, data, **more)
+
+    monkeypatch.setattr(bindings, "write_bytes", refuse)
+    code, _, err = apgc("bind", fitted, "-o", tmp_path / "bound", "--points", 200, "--workers", 1)
+    assert code == 1 and "error: no space left while writing" in err
 
 
 def test_one_file_stops_no_other(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:

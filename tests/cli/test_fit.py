@@ -147,3 +147,23 @@ def test_a_file_that_changes_while_it_is_fitted_is_fitted_again(
         assert apgc(*asked)[0] == 0
     first = (out / "values.jsonl").read_text()
     assert apgc(*asked)[0] == 0 and (out / "values.jsonl").read_text() != first
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("drawn", None), ("distance", {}), ("valid", "yes"), ("name", "other"), ("source", None)]
+)
+def test_a_record_that_lacks_something_is_made_again(
+    apgc: Apgc, real: Path, tmp_path: Path, key: str, value: object
+) -> None:
+    out = tmp_path / "out"
+    asked = ("fit", CHEST, real / "chest0.npz", "-o", out, "--front", "x", "--plain")
+    assert apgc(*asked)[0] == 0
+    before, path = tree(out), out / "fits" / "chest0.json"
+    record = json.loads(path.read_text())
+    if value is None:
+        del record[key]
+    else:
+        record[key] = value
+    path.write_text(json.dumps(record))
+    (out / "fit.json").write_text('{"objects": [{"source": 3}, 5]}')
+    assert apgc(*asked)[0] == 0 and tree(out) == before
