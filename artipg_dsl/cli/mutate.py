@@ -18,7 +18,7 @@ from .messages import plural, say
 from .progress import Progress, took
 from .sample import refuse_file, show_statistics, tell_repairs
 from .sample import write as write_folder
-from .wanted import read_strength
+from .wanted import own_details, read_strength
 
 if TYPE_CHECKING:
     from ..run.job import Job
@@ -74,7 +74,6 @@ def _refuse_idle(options: argparse.Namespace, names: Iterable[str], why: str) ->
 
 def _write(options: argparse.Namespace) -> int:
     """Write the mutants of a folder to another one."""
-    from ..details.store import read_dressing, require_donors
     from ..export.registry import choose_formats, kinds
     from ..export.write import ExportError
     from ..run.output import Output
@@ -104,9 +103,7 @@ def _write(options: argparse.Namespace) -> int:
         content = replace(content, points=replace(content.points, count=options.points))
     strength = read_strength(options)
     if options.details is not None:
-        dressing = read_dressing(options.details, strength)
-        require_donors(dressing, job.program, job.originals)
-        content = replace(content, details=dressing)
+        content = replace(content, details=own_details(options.details, strength, job))
     job = _open_mutants(options, job)
     if options.distinct:
         job = _leave_out(options, job)

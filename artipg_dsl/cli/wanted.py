@@ -108,13 +108,26 @@ def choose_details(options: argparse.Namespace, job: Job) -> Dressing | None:
     worn = Output.from_manifest(read_folder_manifest(folder)["identity"], folder).content.details if folder else None
     if options.details is None:
         return worn
-    from ..details.store import borrow, read_dressing, require_donors  # start-up: k-d trees load slowly
+    from ..details.store import borrow  # start-up: k-d trees load slowly
 
     fitted = job.request.values is not None  # what details are bound to, and the mutants of that, wear their own
     if worn.borrowed if worn else not fitted:
         return borrow(options.details, strength, job.program)
-    dressing = read_dressing(options.details, strength)
+    return own_details(options.details, strength, job)
+
+
+def own_details(folder: str, strength: float, job: Job) -> Dressing:
+    """The details that objects, or the originals of mutants, have of their own; those that have none are told. Raises UserError."""
+    from ..details.store import find_bare, read_dressing, require_donors  # start-up: as above
+
+    dressing = read_dressing(folder, strength)
     require_donors(dressing, job.program, job.originals)
+    bare = find_bare(dressing, job.program, job.originals)
+    if len(bare):
+        say(
+            f"warning: {folder} has no details of {len(bare)} of {len(job.originals)} objects, "
+            f"of {bare[0]} for one: what is made of them is bare"
+        )
     return dressing
 
 

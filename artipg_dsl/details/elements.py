@@ -9,6 +9,7 @@ import numpy as np
 
 from ..geometry.box import bounds
 from ..geometry.frames import Frames, frames_at
+from ..geometry.patches import surfaces
 from ..geometry.sites import SiteTable
 from ..records import dataclass
 
@@ -101,6 +102,12 @@ class Solids:
         first: dict[int, int] = {}
         numbers = [first.setdefault(id(primitive), k) for k, primitive in enumerate(self.primitives)]
         return np.array([*numbers, -1])[site]
+
+    def have(self, elements: Elements, element: np.ndarray, patch: np.ndarray) -> bool:
+        """Whether these are patches that the elements have."""
+        counts = np.array([len(surfaces(primitive)) for primitive in self.primitives])
+        known = (elements.site >= 0) & (elements.site < len(counts))
+        return bool(known.all() and ((patch >= 0) & (patch < counts[elements.site][element])).all())
 
     def params(self, elements: Elements, number: int, at: np.ndarray) -> Mapping[str, np.ndarray]:
         """The parameters of the elements ``at``, which are of the primitive of that number, by name."""

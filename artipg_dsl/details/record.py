@@ -98,20 +98,36 @@ def of_arrays(held: Mapping[str, np.ndarray], place: str, program: str | None = 
     table = {
         name: held[f"element_{name}"].astype(np.int64 if kind == np.int32 else kind) for name, kind in _TABLE.items()
     }
-    count = len(table["site"])
     points = {n: held[n].astype(np.float64 if kind == np.float32 else np.int64) for n, kind in _POINTS.items()}
-    sizes = {len(column) for column in points.values()}
-    if len(sizes) != 1 or (points["element"] < 0).any() or (points["element"] >= count).any():
+    if not _belong_together(points, table, len(held["labels"])):
         raise UserError(f"{place} is damaged: its arrays do not belong together", "bind the details again")
     if not all(np.isfinite(points[name]).all() for name in ("u", "v", "offset", "facing")):
         raise UserError(f"{place} is damaged: it holds what is no number", "bind the details again")
     return Details(
-        Elements(np.zeros(count, dtype=np.int64), **table),
+        Elements(np.zeros(len(table["site"]), dtype=np.int64), **table),
         **points,
         names=(str(name),),
         labels=tuple(map(str, held["labels"])),
         diagonal=held["diagonal"].astype(np.float64),
     )
+
+
+def _belong_together(points: Mapping[str, np.ndarray], table: Mapping[str, np.ndarray], labels: int) -> bool:
+    """Whether the columns of points and of elements are as long as each other, and what indexes others lies in these."""
+    count, many = len(table["site"]), len(points["element"])
+    wide = {
+        "offset": (3,),
+        "facing": (3,),
+        "rotation": (3, 3),
+        "translation": (3,),
+        "params": table["params"].shape[1:],
+    }
+    if not all(column.shape == (many, *wide.get(name, ())) for name, column in points.items()):
+        return False
+    if not all(column.shape == (count, *wide.get(name, ())) for name, column in table.items()):
+        return False
+    within = {"element": (0, count - 1), "label": (-1, labels - 1), "how": (DIRECT, SHIFTED), "u": (0, 1), "v": (0, 1)}
+    return all(not ((points[n] < low) | (points[n] > high)).any() for n, (low, high) in within.items())
 
 
 def join(several: Sequence[Details]) -> Details:

@@ -58,6 +58,8 @@ def _summary(folder: Path) -> tuple[dict[str, Any], str]:
         text = (folder / SUMMARY).read_bytes()
         found = json.loads(text)
         objects = [(one["object"], one["details"]) for one in found["objects"]]
+        if not all(type(number) is int and isinstance(name, str) for number, name in objects):
+            raise TypeError
     except (OSError, ValueError, KeyError, TypeError):
         raise UserError(f"{folder} is not a folder of details", "apgc bind FITTED -o bound writes one") from None
     if not objects:
@@ -78,10 +80,14 @@ def _open(dressing: Dressing, program: str) -> tuple[Details, np.ndarray]:
     for one in found["objects"]:
         path = folder / one["details"]
         try:
-            with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as held:
+            data = path.read_bytes()
+            if not zipfile.is_zipfile(io.BytesIO(data)):  # NumPy would take it for pickled data
+                raise ValueError("it is no archive of arrays")
+            with np.load(io.BytesIO(data), allow_pickle=False) as held:
                 donors.append(of_arrays(dict(held), str(path), program))
         except (OSError, ValueError, zipfile.BadZipFile) as wrong:
-            raise UserError(f"{path} cannot be read: {wrong}", "bind the details again") from None
+            reason = getattr(wrong, "strerror", None) or wrong
+            raise UserError(f"{path} cannot be read: {reason}", "bind the details again") from None
         numbers.append(int(one["object"]))
     return join(donors), np.array(numbers, dtype=np.int64)
 
@@ -97,6 +103,11 @@ def require_donors(dressing: Dressing, program: Program, numbers: np.ndarray | N
     known = _open(dressing, program.hash)[1]
     if numbers is not None and not np.isin(known, numbers).any():
         raise UserError(f"none of the objects has details in {dressing.folder}", "bind the folder that is mutated")
+
+
+def find_bare(dressing: Dressing, program: Program, numbers: np.ndarray) -> np.ndarray:
+    """The objects of these numbers that have no details of their own. Raises UserError."""
+    return np.setdiff1d(numbers, _open(dressing, program.hash)[1])
 
 
 def borrow(folder: str | Path, strength: float, program: Program) -> Dressing:
@@ -129,6 +140,11 @@ def _stock(batch: Batch, dressing: Dressing) -> _Stock:
     if key not in _stocks:
         _stocks.clear()
         details, solids = _open(dressing, batch.program.hash)[0], Solids.of(batch.sites())
+        if not solids.have(details.elements, details.element, details.patch):
+            raise UserError(
+                f"the details in {dressing.folder} are damaged: {batch.program.name} has no such surfaces",
+                "bind the details again",
+            )
         worn = trim(details, solids) if dressing.borrowed else details
         _stocks[key] = _Stock(Wardrobe(worn, solids), *_surfaces(details, solids))
     return _stocks[key]

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import artipg_dsl as apg
+from artipg_dsl.cli.main import main
 
 from .helpers import CHEST, Apgc, tree
 
@@ -264,6 +265,58 @@ def test_mutants_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     assert code == 1 and "other options: the details" in err
     code, _, err = apgc("mutate", fitted, "--details", fitted, "-o", tmp_path / "others")
     assert code == 1 and "is not a folder of details" in err
+
+
+@pytest.fixture(scope="module")
+def bound(fitted: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("bound")
+    assert main(["bind", str(fitted), "-o", str(folder), "--points", "500"]) == 0
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "told"),
+    [
+        ("label", 7, "its arrays do not belong together"),
+        ("u", 3.0, "its arrays do not belong together"),
+        ("patch", 90, "are damaged: Chest has no such surfaces"),
+        ("element_site", 900, "are damaged: Chest has no such surfaces"),
+    ],
+)
+def test_edited_details(
+    apgc: Apgc, fitted: Path, bound: Path, tmp_path: Path, name: str, value: float, told: str
+) -> None:
+    folder = tmp_path / "bound"
+    shutil.copytree(bound, folder)
+    with np.load(folder / "chest0.npz") as held:
+        arrays = dict(held)
+    arrays[name] = np.full_like(arrays[name], value)
+    np.savez(folder / "chest0.npz", **arrays)
+    code, _, err = apgc("mutate", fitted, "--details", folder, "--points", 64, "-o", tmp_path / "mutants")
+    assert code == 1 and told in err and "bind the details again" in err
+
+
+@pytest.mark.parametrize("change", [{"object": "0"}, {"object": None}, {"details": 4}, {"details": "gone.npz"}])
+def test_edited_summaries_of_details(
+    apgc: Apgc, fitted: Path, bound: Path, tmp_path: Path, change: dict[str, object]
+) -> None:
+    folder = tmp_path / "bound"
+    shutil.copytree(bound, folder)
+    summary = json.loads((folder / "bind.json").read_text())
+    summary["objects"][0] |= change
+    (folder / "bind.json").write_text(json.dumps(summary))
+    code, _, err = apgc("mutate", fitted, "--details", folder, "--points", 64, "-o", tmp_path / "mutants")
+    assert code == 1 and ("is not a folder of details" in err or "gone.npz cannot be read: No such file" in err)
+
+
+def test_originals_without_details_are_told(apgc: Apgc, fitted: Path, bound: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "bound"
+    shutil.copytree(bound, folder)
+    summary = json.loads((folder / "bind.json").read_text())
+    summary["objects"] = summary["objects"][:1]
+    (folder / "bind.json").write_text(json.dumps(summary))
+    code, _, err = apgc("mutate", fitted, "--details", folder, "--points", 64, "-o", tmp_path / "mutants")
+    assert code == 0 and "has no details of 1 of 2 objects, of 1 for one: what is made of them is bare" in err
 
 
 def test_details_of_other_originals_are_refused(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
