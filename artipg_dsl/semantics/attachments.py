@@ -84,7 +84,12 @@ def _count(ck: Checker, entry: Entry, found: list[Attachment], needed: bool, roo
                     "two-attachments",
                     later.span,
                     f"`{entry.name}` is attached twice",
-                    hint="a part has only one attachment; `align` places without attaching",
+                    hint="a part has only one attachment; "
+                    + (
+                        "to tie a loop of joints, leave one out and write `close point on point`, or two lines"
+                        if earlier.word == later.word == "joint"
+                        else "`align` places without attaching"
+                    ),
                     notes=((earlier.span, "the first attachment"),),
                 )
                 return

@@ -221,7 +221,7 @@ class Draft:
         hint = "move it inside the one that contains both, or reduce one side with sum, min or max"
         if error.first.within(error.second):
             message = f"each element of {first} has a value of its own here, but the target lies outside"
-            hint = "name a part of the repeat, or reduce the values to one with sum, min or max"
+            hint = "name a part of the repeat, in its body without an index, or reduce the values to one with sum, min or max"
         elif "guard" in (error.first.kind, error.second.kind):
             hint = (
                 "write it separately in each `when` or template, or use what all alternatives share: ports and `size`"

@@ -11,7 +11,7 @@ parameters allow.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -26,8 +26,9 @@ from ...records import dataclass
 from ...syntax import ast
 from ..expressions.builtins import bound
 from ..expressions.evaluate import Evaluator
+from ..solve.feasible import plain
 from ..values.handed import Handed, Step
-from ..values.vectors import dot, minus, normalized, plus, times
+from ..values.vectors import cross, dot, minus, normalized, plus, times
 from .curves import OUTLINES, Curve
 from .probe import Probe
 from .profiles import V
@@ -38,6 +39,7 @@ _TESTS["formula"] = (0.05, 0.2)
 MOST_STEPS = 1024  # at which the turning of a path is looked at
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 _POSITIVE = ("length", "radius", "angle")
+_PARALLEL = 1e-9  # the sine of an angle that rounding leaves
 KINDS = {
     "from": ("at",) * 3 + ("along",) * 3,
     "line": ("length",),
@@ -208,12 +210,42 @@ def _handed(curve: Curve, name: str) -> Handed:
     context = curve.env.context
     known = Intervals(context.draws, context.program.definitions)
     steps = steps_of(curve)
+    _refuse_odd(curve, steps, known)
     numbers = {number: kind for step in steps for number, kind in zip(step.numbers, KINDS[step.word], strict=True)}
     found = _variables_of(numbers)
     variables = {node: E.var(f"{name}.{k}") for k, node in enumerate(found)}
     moved = tuple(Step(s.word, tuple(substitute(e, variables) for e in s.numbers)) for s in steps)
     names = tuple(str(v.value) for v in variables.values())
     return Handed(curve, moved, names, tuple(found), tuple(_test_range(kind, known.of(e)) for e, kind in found.items()))
+
+
+def _refuse_odd(curve: Curve, steps: Sequence[Step], known: Intervals) -> None:
+    """Refuse pieces of a chain that no object can have: a length below 0, an arc that turns to where it goes already. Raises Abort."""
+    if not isinstance(curve.value, ast.ChainExpr):
+        return
+    error, along = curve.env.context.error, triple(steps[0].numbers[3:])
+    for piece, step, rail in zip(curve.value.pieces[1:], steps[1:], stretches(steps), strict=True):
+        for expr, kind in zip(step.numbers, KINDS[step.word], strict=True):
+            most = known.of(expr)[1] if kind in _POSITIVE else 0.0
+            if most < 0.0:
+                said = f"the {kind} of this `{step.word}` is {plain(most, 'rad' if kind == 'angle' else 'm')} at most"
+                hint = (
+                    "turn the other way with the opposite `towards`"
+                    if kind == "angle"
+                    else "shorten what it is taken from"
+                )
+                raise error("bad-curve", piece.span, said + ": it must be above 0", hint=hint)
+        if step.word == "arc" and all(
+            c.constant is not None and abs(c.constant) < _PARALLEL for c in cross(along, triple(step.numbers[2:]))
+        ):
+            said = "this `arc` turns towards the direction in which the path runs there, or away from it"
+            raise error(
+                "bad-curve",
+                piece.span,
+                said,
+                hint="`towards` names a side of the path, such as x where it runs along z",
+            )
+        along = rail.towards(1.0)
 
 
 def _variables_of(numbers: dict[Expr, str]) -> dict[Expr, str]:
