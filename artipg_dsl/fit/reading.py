@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -45,7 +46,14 @@ def find_files(places: list[str], tell: Callable[[str], None] | None = None) -> 
         if place.is_dir():
             inside = sorted(p for p in place.rglob("*") if p.suffix.lower() in _SUFFIXES and p.is_file())
             robots = {p.parent for p in inside if p.suffix.lower() == ".urdf"}
-            inside = [p for p in inside if p.suffix.lower() == ".urdf" or not robots & {*p.parents}]
+            apart = [p for p in inside if p.suffix.lower() == ".urdf" or not robots & {*p.parents}]
+            stray = _strays(inside, apart) if tell is not None and robots else []
+            if tell is not None and stray:
+                tell(
+                    f"{len(stray)} of the files in {place} lie beside or below a URDF that does not name them, and are not read: "
+                    f"{stray[0]}, for example"
+                )
+            inside = apart
             inside = [p for p in inside if p.suffix.lower() not in _CLOUDS or not _doubled(p, inside)]
             variants = {p: of for p in inside if (of := _variant_of(p, inside)) is not None}
             if tell is not None and variants:
@@ -62,6 +70,16 @@ def find_files(places: list[str], tell: Callable[[str], None] | None = None) -> 
         else:
             raise UserError(f"there is no file or folder {place}")
     return list(dict.fromkeys(found))
+
+
+def _strays(inside: list[Path], apart: list[Path]) -> list[Path]:
+    """The files of a folder that are left to URDF files, and that none of these names."""
+    named: set[str] = set()
+    for robot in apart:
+        if robot.suffix.lower() == ".urdf":
+            text = robot.read_text(encoding="utf-8", errors="replace")
+            named.update(Path(name).name for name in re.findall(r"""filename\s*=\s*["']([^"']*)["']""", text))
+    return [p for p in inside if p not in set(apart) and p.name not in named]
 
 
 def _doubled(cloud: Path, others: list[Path]) -> bool:
@@ -87,6 +105,8 @@ def read_cloud(path: Path) -> Cloud:
     try:
         if path.stat().st_size > _MOST_BYTES:
             raise UserError(f"{path.name} is larger than 2 GB", "simplify it first")
+        if path.stat().st_size == 0:
+            raise UserError(f"{path.name} is empty")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             cloud = _read_points(path) if suffix in _CLOUDS else _read_solids(path)
@@ -254,16 +274,38 @@ def _shapes(visual: ElementTree.Element, path: Path, trimesh: Any) -> list[Any]:
             file = next(
                 (p for p in (path.parent / name, *(a / name for a in path.parents)) if p.is_file()), path.parent / name
             )
-            scale = np.array([float(x) for x in one.get("scale", "1 1 1").split()])
+            if not file.is_file():
+                raise UserError(f"{path.name} names a mesh that is not there: {name or 'without a name'}")
+            scale = _numbers(one, "scale", 3, (1.0, 1.0, 1.0))
             for _, mesh in _load(file):
                 mesh.apply_transform(np.diag([*scale, 1.0]))
                 found.append(mesh)
         elif one.tag == "box":
-            found.append(trimesh.creation.box([float(x) for x in one.get("size", "1 1 1").split()]))
+            found.append(trimesh.creation.box(_numbers(one, "size", 3)))
         elif one.tag == "cylinder":
-            found.append(trimesh.creation.cylinder(float(one.get("radius", 1)), float(one.get("length", 1))))
+            (radius,), (length,) = _numbers(one, "radius", 1), _numbers(one, "length", 1)
+            found.append(trimesh.creation.cylinder(radius, length))
         elif one.tag == "sphere":
-            found.append(trimesh.creation.icosphere(radius=float(one.get("radius", 1))))
+            found.append(trimesh.creation.icosphere(radius=_numbers(one, "radius", 1)[0]))
+    return found
+
+
+def _numbers(
+    of: ElementTree.Element, name: str, count: int, missing: tuple[float, ...] | None = None
+) -> tuple[float, ...]:
+    """The numbers of an attribute. Raises ValueError where there are not so many."""
+    text = of.get(name)
+    if text is None and missing is not None:
+        return missing
+    try:
+        found = tuple(float(x) for x in (text or "").split())
+    except ValueError:
+        found = ()
+    if len(found) != count or not all(map(math.isfinite, found)):
+        said = "is missing" if text is None else f"is `{text}`"
+        raise ValueError(
+            f"`{name}` of a <{of.tag}> {said}: {'a number is' if count == 1 else f'{count} numbers are'} needed"
+        )
     return found
 
 
@@ -271,12 +313,12 @@ def _origin(of: ElementTree.Element) -> np.ndarray:
     origin, matrix = of.find("origin"), np.eye(4)
     if origin is None:
         return matrix
-    r, p, y = (float(x) for x in origin.get("rpy", "0 0 0").split())
+    r, p, y = _numbers(origin, "rpy", 3, (0.0, 0.0, 0.0))
     (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a), math.sin(a)) for a in (r, p, y))
     matrix[:3, :3] = [
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
         [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
         [-sp, cp * sr, cp * cr],
     ]
-    matrix[:3, 3] = [float(x) for x in origin.get("xyz", "0 0 0").split()]
+    matrix[:3, 3] = _numbers(origin, "xyz", 3, (0.0, 0.0, 0.0))
     return matrix

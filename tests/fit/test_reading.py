@@ -70,7 +70,8 @@ def test_a_robot_stands_with_its_joints_at_zero(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "content", "told"),
     [
-        ("a.obj", b"", "a.obj"),
+        ("a.obj", b"", "a.obj is empty"),
+        ("a.gltf", b"", "a.gltf is empty"),
         ("a.stl", b"solid\x00nonsense", "a.stl"),
         ("a.glb", b"glTF", "a.glb cannot be read as glb"),
         ("a.xyz", b"1 2\n3 4\n", "2 numbers a line"),
@@ -91,6 +92,38 @@ def test_what_is_wrong_with_a_file(tmp_path: Path, name: str, content: bytes, to
     with pytest.raises(UserError) as wrong:
         read_cloud(tmp_path / name)
     assert told in wrong.value.message
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("lid.stl", "nothing.stl", "robot.urdf names a mesh that is not there: nothing.stl"),
+        ('"0.2 0.4 0.3"', '"0.2 0.4"', "`size` of a <box> is `0.2 0.4`: 3 numbers are needed"),
+        ('xyz="0 0 0.15"', 'xyz="0 0 high"', "`xyz` of a <origin> is `0 0 high`: 3 numbers are needed"),
+        (
+            '<box size="0.2 0.4 0.3"/>',
+            '<cylinder radius="1"/>',
+            "`length` of a <cylinder> is missing: a number is needed",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_robot(tmp_path: Path, old: str, new: str, told: str) -> None:
+    trimesh.creation.box([200, 400, 300]).export(tmp_path / "lid.stl")
+    assert old in ROBOT
+    (tmp_path / "robot.urdf").write_text(ROBOT.replace(old, new))
+    with pytest.raises(UserError) as error:
+        read_cloud(tmp_path / "robot.urdf")
+    assert told in error.value.message
+
+
+def test_files_that_no_robot_names_are_told(tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "robot.urdf").write_text(ROBOT)
+    for name in ("lid.stl", "mug.obj"):
+        (tmp_path / "meshes" / name).write_text("")
+    told: list[str] = []
+    assert find_files([str(tmp_path)], told.append) == [tmp_path / "robot.urdf"]
+    assert len(told) == 1 and told[0].startswith("1 of the files in") and "mug.obj, for example" in told[0]
 
 
 def test_a_file_that_went_away(tmp_path: Path) -> None:
