@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 _OBJECTS = 8  # that are drawn, to see what floats, what collides and what their check takes
 _NAMED = 6  # parts that a warning names
+_SLACK = 1e-6  # radians or metres, by which rounding takes a joint out of its range
 _RANKS = re.compile(r"\[\d+\]")  # of elements of repeats, in the name of a part
 
 Draw = Callable[[np.ndarray], "Batch"]
@@ -120,6 +121,7 @@ class _Looked:
             return
         self.warn_floating()
         self.warn_rigid()
+        self.warn_beyond()
         for look in (self.warn_of_cost, self.warn_untested, self.warn_invalid):
             try:
                 look()
@@ -207,6 +209,33 @@ class _Looked:
                     hint="a loop of four hinges with parallel axes moves, a triangle does not: add a joint, or `connect` the parts",
                 )
                 return
+
+    def warn_beyond(self) -> None:
+        """Name joints that what they follow takes out of their own range, in every object that has them."""
+        from .lower.solve.feasible import plain  # start-up
+
+        joints = self.batch.joints()
+        led = np.flatnonzero(joints.mimic >= 0)
+        leader = np.searchsorted(joints.owner, joints.owner)[led] + joints.mimic[led]
+        ends = [joints.multiplier[led] * end[leader] + joints.offset[led] for end in (joints.low, joints.high)]
+        least, most = np.minimum(*ends), np.maximum(*ends)
+        beyond = (least < joints.low[led] - _SLACK) | (most > joints.high[led] + _SLACK)
+        for number in np.unique(joints.definition[led]).tolist():
+            mine = joints.definition[led] == number
+            joint = self.batch.program.joints[number]
+            if joint.curve is not None or not beyond[mine].all():
+                continue
+            k, unit = int(np.flatnonzero(mine)[0]), "m" if joint.kind == "prismatic" else "rad"
+            taken, own = (
+                f"{plain(float(low), unit)} .. {plain(float(high), unit)}"
+                for low, high in ((least[k], most[k]), (joints.low[led][k], joints.high[led][k]))
+            )
+            self.report.warning(
+                "bad-mimic",
+                self._line(joint.where) or self.span,
+                f"`{joint.path}` is taken through {taken}, and its range is {own}",
+                hint="widen its range, narrow that of what it follows, or change the factor or the offset",
+            )
 
     def warn_of_cost(self) -> None:
         """Name the parts that the check of an object takes long for."""

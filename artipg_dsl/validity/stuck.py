@@ -11,7 +11,7 @@ from .apart import find_too_near
 from .bodies import Pieces
 from .contact import describe_contact
 from .fault import Fault
-from .floating import Solids
+from .floating import Solids, find_inverted
 from .loops import find_open
 from .tree import Tree
 from .validate import find_collisions_at_rest
@@ -43,7 +43,7 @@ def find_stuck(tree: Tree, body: Pieces) -> list[Stuck]:
 
 
 def find_never(tree: Tree, body: Pieces) -> list[Fault]:
-    """What is wrong with each of the objects: links that nothing holds, loops that do not close, and parts that come too near one
-    another."""
-    wrong = (*Solids(tree, body).find_unheld(), *find_open(tree), *find_too_near(tree, body))
+    """What is wrong with each of the objects: links that nothing holds, loops that do not close, parts that come too near one
+    another, and joints that rest outside their range."""
+    wrong = (*Solids(tree, body).find_unheld(), *find_open(tree), *find_too_near(tree, body), *find_inverted(tree))
     return [fault for fault in wrong if len(fault.objects) == len(tree.first)]

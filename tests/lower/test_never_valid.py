@@ -89,3 +89,39 @@ def test_an_equation_that_is_demanded_is_told_apart_from_a_range_that_is_too_nar
     session.advise()
     (found,) = [d for d in session.report.diagnostics if d.code == "none-drawn"]
     assert hint in str(found.hint) and demand in found.message
+
+
+FOLLOWER = """apg 1
+use primitives { Cuboid }
+category Pair {
+  root part body : Cuboid(size = [9cm, 9cm, 9cm])
+  part one : Cuboid(size = [1cm, 2cm, 2cm])
+  align one.back = body.front + 1mm
+  joint lead : prismatic body -> one along x range 0cm .. 2cm
+  part other : Cuboid(size = [1cm, 2cm, 2cm])
+  align other.front = body.back - 1mm
+  joint follow : prismatic body -> other along -x range 0cm .. 3cm mimic MIMIC
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("mimic", "code", "told"),
+    [
+        ("lead", None, ""),
+        ("1.5 * lead", None, ""),
+        ("3cm - lead", None, ""),
+        ("2 * lead", "bad-mimic", "`follow` is taken through 0mm .. 4cm, and its range is 0mm .. 3cm"),
+        ("lead + 2cm", "bad-mimic", "`follow` is taken through 2cm .. 4cm, and its range is 0mm .. 3cm"),
+        ("lead + 4cm", "never-valid", "the range of `follow` does not contain its rest value"),
+    ],
+)
+def test_followers_that_leave_their_range(mimic: str, code: str | None, told: str) -> None:
+    session = Session.of_text(FOLLOWER.replace("MIMIC", mimic), "programs/some.apg")
+    session.advise()
+    found = {d.code: (d.message, d.span.line) for d in session.report.diagnostics if d.span}
+    about = {c: at for c, at in found.items() if c in ("bad-mimic", "never-valid")}
+    if code is None:
+        assert not about
+    else:
+        assert told in about[code][0] and about[code][1] == 10

@@ -59,8 +59,9 @@ EQUATIONS = (
         "every object has the same fault",
         """
         `apgc check` draws a few objects. Nothing is near enough to hold a link in any of them, or a loop of joints does
-        not close, or a `clear` does not hold, so no object would be valid and `apgc sample` would stop. Often a face is
-        aligned with the wrong one, or a distance in `close` differs from the one that places the part.
+        not close, or a `clear` does not hold, or a joint rests outside its range, so no object would be valid and
+        `apgc sample` would stop. Often a face is aligned with the wrong one, or a distance in `close` differs from the one
+        that places the part.
         `apgc render --unchecked` shows the objects as they are, `apgc validate` all that is wrong with them.
         """,
         """

@@ -217,6 +217,8 @@ STRUCTURE = (
         that rises or falls throughout its range (`mimic 2cm * sin(turn)`). Such a formula needs a leader that moves
         independently; no other joint can follow the follower, and the object must have no closed loop. Write the
         formula in terms of the joint that leads the chain, or, for a linkage, close a loop of joints with `close`.
+        A follower that is taken out of its own range is a warning: checks and views go there, while simulators hold it
+        within.
         """,
         """
         apg 1
