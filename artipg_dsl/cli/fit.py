@@ -73,15 +73,18 @@ def tell_unmatched(name: str, words: Iterable[str], labels: Sequence[str]) -> No
 def read_words(name: str | None, known: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
     """The pairs of a map file: their name, our word. Raises UserError, UsageError."""
     from ..diagnostics.suggest import did_you_mean
+    from ..run.params import read_once
 
     if name is None:
         return ()
     try:
-        found = json.loads(Path(name).read_text(encoding="utf-8-sig"))
+        found = json.loads(Path(name).read_text(encoding="utf-8-sig"), object_pairs_hook=read_once)
     except OSError as wrong:
         raise UserError(f"{name} cannot be read: {wrong.strerror or wrong}") from None
-    except (ValueError, RecursionError):
+    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError):
         raise UserError(f"{name} is not JSON", 'write {"their_name": "our_word"}') from None
+    except ValueError as twice:
+        raise UserError(f"{name}: {twice}", "leave one of them out") from None
     if not isinstance(found, dict) or not all(isinstance(word, str) for word in found.values()):
         raise UserError(f"{name} maps no names to words", 'write {"their_name": "our_word"}')
     for theirs, word in found.items():

@@ -41,7 +41,7 @@ def _parse_entries(text: str, name: str) -> list[Mapping[str, Any]]:
     """The objects that a text holds as plain data: a list, one object, or one a line."""
     try:
         try:
-            whole = json.loads(text, object_pairs_hook=_once)
+            whole = json.loads(text, object_pairs_hook=read_once)
             found = whole if isinstance(whole, list) else [whole]
         except json.JSONDecodeError as error:
             lines = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip()]
@@ -58,7 +58,7 @@ def _parse_entries(text: str, name: str) -> list[Mapping[str, Any]]:
     return found
 
 
-def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+def read_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """A table of names and values; of a name that is given twice, it would not be told which value counts."""
     found = dict(pairs)
     if len(found) < len(pairs):
@@ -70,7 +70,7 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 def _parse_line(place: str, line: str) -> Any:
     try:
-        return json.loads(line, object_pairs_hook=_once)
+        return json.loads(line, object_pairs_hook=read_once)
     except json.JSONDecodeError as error:
         raise UserError(f"{place} is not JSON: {error.msg}", _FORM) from None
 

@@ -88,6 +88,16 @@ def test_a_word_that_is_none(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     assert code == 2 and "no word of `semantic`" in err and "did you mean `handle`?" in err
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [('{"Knob": "handle", "Knob": "body"}', "`Knob` is given twice"), ("{", "is not JSON"), ("[]", "maps no names")],
+)
+def test_a_map_that_cannot_be_meant(apgc: Apgc, real: Path, tmp_path: Path, text: str, told: str) -> None:
+    (tmp_path / "map.json").write_text(text)
+    code, _, err = apgc("fit", CHEST, real, "-o", tmp_path / "out", "--map", tmp_path / "map.json")
+    assert code == 1 and told in err
+
+
 def test_a_map_of_labels_that_no_file_has(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     (tmp_path / "map.json").write_text('{"Knob": "handle", "Lid": "door"}')
     asked = ("fit", CHEST, real / "chest0.npz", "-o", tmp_path / "out", "--front", "x", "--plain")
