@@ -11,7 +11,7 @@ from ..export.robot import Robots
 from ..records import dataclass
 
 COLOURINGS = ("part", "material", "affordance")
-# one colour per semantic class in the order of the vocabulary; the first word, as a rule the body, is neutral
+# hues of semantic classes in the order of the vocabulary; the first word, as a rule the body, is neutral
 _PALETTE = (
     "c4ccd5",
     "4a86cf",
@@ -30,6 +30,8 @@ _PALETTE = (
     "3f7f5c",
     "c98a1b",
 )
+# Words that are as many places apart as there are hues share one: below 0 a share of black in it, above 0 of white
+_SHADES = (0.0, -0.45, 0.25, -0.65, 0.45, -0.2, -0.85, 0.6)
 _UNSAID = "efece6"  # of what has no label
 
 
@@ -58,14 +60,16 @@ def hex_colour(text: str) -> np.ndarray:
     return to_linear(np.array([int(text[i : i + 2], 16) / 255 for i in (0, 2, 4)]))
 
 
-def _palette() -> np.ndarray:
-    return np.array([hex_colour(text) for text in _PALETTE])
+def part_colours() -> np.ndarray:
+    """Linear light (P, 3) of the first P words; from there on the colours come again."""
+    hues = np.array([hex_colour(text) for text in _PALETTE])
+    return np.concatenate([hues * (1.0 - abs(shade)) + max(shade, 0.0) for shade in _SHADES])
 
 
 def make_scene(robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], colouring: str = "part") -> Scene:
     """Object ``i`` of a batch with its links moved by ``pose``, what ``batch.pose`` returns for the whole batch."""
     turn, shift = pose
-    semantic = _palette()
+    semantic = part_colours()
     parts: dict[str, list[np.ndarray]] = {
         n: [] for n in ("vertices", "normals", "faces", "colour", "metalness", "gloss")
     }
@@ -91,4 +95,4 @@ def make_scene(robots: Robots, i: int, pose: tuple[np.ndarray, np.ndarray], colo
     return Scene(**{name: np.concatenate(arrays) for name, arrays in parts.items()})
 
 
-__all__ = ["COLOURINGS", "Scene", "hex_colour", "open_values", "make_scene"]
+__all__ = ["COLOURINGS", "Scene", "hex_colour", "open_values", "make_scene", "part_colours"]

@@ -23,7 +23,7 @@ from artipg_dsl.view.camera import look_at, place_lights
 from artipg_dsl.view.deferred import camera_rays
 from artipg_dsl.view.png import png_bytes, srgb, write_number
 from artipg_dsl.view.raster_cpu import barycentric, rasterise
-from artipg_dsl.view.scene import Scene, hex_colour, make_scene, open_values
+from artipg_dsl.view.scene import Scene, hex_colour, make_scene, open_values, part_colours
 
 BACKDROP = hex_colour(sheets.BACKDROP)
 
@@ -133,6 +133,14 @@ def test_colour_by_part_and_by_material_differ() -> None:
     part, material = (make_scene(robots, 0, batch.pose(), colouring) for colouring in ("part", "material"))
     assert (part.vertices == material.vertices).all() and np.abs(part.colour - material.colour).max() > 0.1
     assert sorted(set(material.colour[:, 3].tolist())) == pytest.approx([0.4, 1.0])
+
+
+def test_every_shipped_word_of_parts_has_a_colour_of_its_own() -> None:
+    words = Session.of("Keyboard").sampler.program.vocabularies["semantic"]
+    colours = srgb(part_colours())[: len(words)]
+    apart = np.abs(colours[:, None].astype(int) - colours[None]).max(axis=2) + 255 * np.eye(len(colours), dtype=int)
+    assert len(colours) == len(words)
+    assert apart.min() >= 6
 
 
 def test_regions_lie_where_labels_say() -> None:
