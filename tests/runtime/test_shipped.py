@@ -10,6 +10,7 @@ import os
 import numpy as np
 import pytest
 
+from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.runtime.motion import apply
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Statistics
@@ -93,3 +94,30 @@ def test_first_attempts_are_valid(name: str) -> None:
         numbers = np.arange(start, min(start + 100, ATTEMPTS))
         Session.of(name).sampler.batch(numbers, 3, checked=True, statistics=told)
     assert told.first_valid >= 0.99 * ATTEMPTS, told.failures()
+
+
+def test_both_sashes_of_a_pair_open() -> None:
+    joints = Session.of("window").sampler.batch(np.arange(150), 1).joints()
+    at = {(owner, name): k for k, (owner, name) in enumerate(zip(joints.owner, joints.name, strict=True))}
+    second = [(owner, name) for owner, name in at if name.endswith("sash.follow")]
+    first = [(owner, name.replace("follow", "motion")) for owner, name in second]
+    ends = joints.high[[at[key] for key in first + second]]
+    assert len(second) > 5 and ends.min() > np.radians(60.0) and np.median(ends) > np.radians(90.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "word", "on", "axis"),
+    [
+        ("mouse", "roll", "wheel", 2),
+        ("oven", "press", "button", 0),
+        ("switch", "insert", "outlet", 0),
+        ("coffee_machine", "contain", "tank", 2),
+        ("trash_can", "contain", "cavity", 2),
+    ],
+)
+def test_labels_of_parts_that_lie_along_an_axis_face_the_hand(name: str, word: str, on: str, axis: int) -> None:
+    """Their own axes are turned: z is along them."""
+    batch = Session.of(name).sampler.batch(np.arange(60), 3)
+    points = sample_points(batch, 20_000)
+    meant = points.labels[f"affordance.{word}"] & (points.semantic == batch.program.vocabularies["semantic"].index(on))
+    assert meant.any() and points.normal[meant][:, axis].min() > 0.2
