@@ -27,6 +27,7 @@ _NEARER = 0.8  # joints are moved where the distance becomes that of rest times 
 _LIES = 1.25  # percent: what is farther off once it has been searched may lie otherwise than its format has it,
 _UPRIGHT = 0.5  # and does where the distance becomes that times this, or less
 _HOPELESS = 120.0 * FAR  # percent: what is farther off once it has been searched is not looked into further
+_FINELY = 6144  # points of a cloud by which numbers are refined at last
 _USUAL = 256  # drawn objects that tell how large those of a category are
 
 
@@ -162,7 +163,7 @@ def _decided(one: _Searched, at: np.ndarray, effort: Effort) -> Candidates:
     if not hopeful.any():
         return found
     better = decide(model, one.asked, taken(model, found, np.flatnonzero(hopeful)), effort)
-    better = refine(model, one.asked.first(2048), better, effort.last)
+    better = refine(model, one.asked.first(_FINELY), better, effort.last)
     both = united(model, [better, taken(model, found, np.flatnonzero(~hopeful))])
     return taken(model, both, np.argsort(both.target, kind="stable"))
 

@@ -27,12 +27,14 @@ _LONGEST = 0.35  # a number moves so far at a time, in ranges
 _WEAK = 1e-6  # what holds numbers that nothing depends on where they are
 _DAMPING = 1e-2
 _OPPOSED = 0.1  # what a pair counts whose normals disagree
+_NOISY = 2.0  # times the noise of a cloud: gaps within count whole, since none of them is told from another
 PLACE = 4  # how a candidate is placed: a shift along three axes and a scale, before its numbers
 
 
 @dataclass(frozen=True, slots=True)
 class Schedule:
-    """``steps`` with ``points`` of each candidate; gaps count little beyond ``width`` (diagonals), the first and the last."""
+    """``steps`` with ``points`` of each candidate; gaps count little beyond ``width`` (diagonals), the first and the last, or beyond the
+    noise of the cloud where that is wider."""
 
     steps: int
     points: int
@@ -46,11 +48,11 @@ def refine(
     damping = np.full(len(found), _DAMPING)
     batch, target, placed = found.batch, found.target, found.placed
     now = compare(batch, target, placed, targets, schedule.points, marked)
-    first, last = schedule.width
+    (first, last), noise = schedule.width, _NOISY * targets.noise[target]
     held = None if marked is None else _held(model, batch, marked)
     ways, better = np.zeros((len(found), 0, 3, now.position.shape[1])), np.ones(len(found), dtype=bool)
     for step in range(schedule.steps):
-        width = first * (last / first) ** (step / max(schedule.steps - 1, 1))
+        width = np.maximum(first * (last / first) ** (step / max(schedule.steps - 1, 1)), noise)
         free = model.freedoms(batch)
         free = free if held is None else free.take(np.flatnonzero(~np.isin(free.names, held)))
         ways = derivatives(model, batch, now, free, ways, better)
@@ -85,7 +87,7 @@ def _step(
     free: Freedoms,
     ways: np.ndarray,
     damping: np.ndarray,
-    width: float,
+    width: np.ndarray,
     fixed: bool,
 ) -> tuple[Batch, Placed]:
     """Each candidate after one damped step towards smaller gaps; ``ways`` are the derivatives of its points. Its place stays if it is
@@ -95,10 +97,16 @@ def _step(
 
 
 def equations(
-    targets: Targets, target: np.ndarray, placed: Placed, now: Compared, free: Freedoms, ways: np.ndarray, width: float
+    targets: Targets,
+    target: np.ndarray,
+    placed: Placed,
+    now: Compared,
+    free: Freedoms,
+    ways: np.ndarray,
+    width: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """The normal equations of candidates: matrix (K, P, P) and slope (K, P), of a shift along three axes (metres), a scale, and the
-    numbers of each (in ranges)."""
+    numbers of each (in ranges). Gaps count little beyond the ``width`` (K,) of each."""
     diagonal, every = targets.diagonal[target], np.arange(len(target))[:, None]
     many = np.bincount(free.owner, minlength=len(target))
     matrix = np.zeros((len(target), PLACE + free.most, PLACE + free.most))
@@ -130,9 +138,9 @@ def _count(weight: np.ndarray) -> np.ndarray:
     return np.asarray((weight > 0.0).sum(axis=1))
 
 
-def _trust(gap: Gaps, width: float) -> np.ndarray:
-    """What gaps count: whole ones within ``width``, little beyond (Geman and McClure)."""
-    return 1.0 / (1.0 + (gap.value / width) ** 2) ** 2
+def _trust(gap: Gaps, width: np.ndarray) -> np.ndarray:
+    """What gaps (K, n) count: whole ones within ``width`` (K,), little beyond (Geman and McClure)."""
+    return np.asarray(1.0 / (1.0 + (gap.value / width[:, None]) ** 2) ** 2)
 
 
 def _solved(

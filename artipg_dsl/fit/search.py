@@ -39,7 +39,7 @@ class Effort:
     near: Schedule = Schedule(4, 1024, (0.012, 0.006))
     part: Schedule = Schedule(3, 576, (0.03, 0.008))
     whole: Schedule = Schedule(4, 1536, (0.012, 0.004))
-    last: Schedule = Schedule(8, 1536, (0.012, 0.004))
+    last: Schedule = Schedule(12, 3072, (0.006, 0.0015))
 
 
 def search(model: Model, targets: Targets, effort: Effort, seed: int = 0) -> Candidates:

@@ -112,7 +112,7 @@ class Ways:
         now = compare(found.batch, found.target, found.placed, targets, _POINTS)
         none, every = np.zeros((len(found), 0, 3, _POINTS)), np.ones(len(found), dtype=bool)
         steps = derivatives(model, found.batch, now, free, none, every)
-        matrix, _ = equations(targets, found.target, found.placed, now, free, steps, _WIDTH)
+        matrix, _ = equations(targets, found.target, found.placed, now, free, steps, np.full(len(found), _WIDTH))
         way, reach = (np.zeros((len(free), matrix.shape[1])) for _ in range(2))
         held, part = np.zeros(len(free)), np.zeros(len(free))
         many = np.bincount(free.owner, minlength=len(found))

@@ -1,19 +1,23 @@
-"""Steps of damped least squares: what has not changed is not asked again."""
+"""Steps of damped least squares: what has not changed is not asked again, and how near they come to the truth."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from unittest import mock
 
 import numpy as np
 
 import artipg_dsl as apg
 from artipg_dsl.fit import refine as steps
-from artipg_dsl.fit.compare import compare
-from artipg_dsl.fit.model import Model
+from artipg_dsl.fit.compare import Candidates, compare
+from artipg_dsl.fit.model import Changes, Model
+from artipg_dsl.fit.pose import targets
+from artipg_dsl.fit.search import Effort
 from artipg_dsl.geometry import points as geometry
 
 from .helpers import N
 from .test_decide import clouds, still
+from .test_fitting import clouds as posed
 
 
 def test_derivatives_of_what_has_not_moved_are_kept(model: Model, samples: apg.Samples) -> None:
@@ -57,3 +61,27 @@ def test_roots_are_the_same_whatever_is_solved_beside_them() -> None:
         alone = steps._roots(matrix[own, :size, :size], slope[own, :size], many[own])
         assert found[k, :size].tobytes() == alone[0].tobytes() and not found[k, size:].any()
         assert np.allclose(matrix[k, :size, :size] @ alone[0], slope[k, :size])
+
+
+def test_the_last_steps_find_numbers_to_a_thousandth_of_their_range() -> None:
+    samples, chance = apg.sample("Bottle", n=2, seed=3), np.random.default_rng(1)
+    model, every = Model(samples.job.sampler), np.arange(2)
+    true = model.assembled([(samples.batch, every)])
+    free = model.freedoms(true)
+    value = np.clip(free.value + 0.02 * chance.normal(size=len(free)) * free.width, free.low, free.high)
+    moved = model.altered(true, every, Changes(free.owner, free.draw, free.row, value))
+    asked = targets(posed(samples, model))
+    found = steps.refine(model, asked, Candidates(moved, every, still(2), np.zeros(2)), Effort().last)
+    off = np.abs(model.freedoms(found.batch).value - free.value) / free.width
+    assert np.median(np.abs(value - free.value) / free.width) > 0.005
+    assert np.median(off) < 0.0012
+
+
+def test_gaps_count_whole_within_the_noise_of_a_cloud(model: Model, samples: apg.Samples) -> None:
+    batch = model.assembled([(samples.batch, np.arange(N))])
+    asked = replace(clouds(samples).targets.first(256), noise=np.array([0.0, 0.002, 0.05]))
+    given = Candidates(batch, np.arange(N), still(N), np.zeros(N))
+    with mock.patch.object(steps, "_trust", side_effect=steps._trust) as trusted:
+        steps.refine(model, asked, given, steps.Schedule(2, 128, (0.03, 0.001)))
+    widths = np.unique([call.args[1] for call in trusted.call_args_list], axis=0)
+    assert widths.tolist() == [[0.001, 0.004, 0.1], [0.03, 0.03, 0.1]]
