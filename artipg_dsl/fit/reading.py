@@ -6,6 +6,7 @@ import math
 import re
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -76,7 +77,9 @@ def _strays(inside: list[Path], apart: list[Path]) -> list[Path]:
     """The files of a folder that are left to URDF files, and that none of these names."""
     named: set[str] = set()
     for robot in apart:
-        if robot.suffix.lower() == ".urdf":
+        if robot.suffix.lower() != ".urdf":
+            continue
+        with suppress(OSError):  # it is told where the file is read
             text = robot.read_text(encoding="utf-8", errors="replace")
             named.update(Path(name).name for name in re.findall(r"""filename\s*=\s*["']([^"']*)["']""", text))
     return [p for p in inside if p not in set(apart) and p.name not in named]

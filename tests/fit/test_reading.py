@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -124,6 +125,8 @@ def test_files_that_no_robot_names_are_told(tmp_path: Path) -> None:
     told: list[str] = []
     assert find_files([str(tmp_path)], told.append) == [tmp_path / "robot.urdf"]
     assert len(told) == 1 and told[0].startswith("1 of the files in") and "mug.obj, for example" in told[0]
+    with mock.patch.object(Path, "read_text", side_effect=PermissionError):
+        assert find_files([str(tmp_path)], told.append) == [tmp_path / "robot.urdf"]
 
 
 def test_a_file_that_went_away(tmp_path: Path) -> None:
