@@ -2,7 +2,7 @@
 
 ``.layout/<category>.json`` keeps how the objects of a category were made, so that others can be added, lists written anew and
 the folder checked. It is written last: a folder without it holds nothing of the category that counts. ``<category>.files`` are
-the names of its own files, which go when it is replaced.
+the names of its own files, which go when it is replaced, ``lists`` those of the files that tell of all categories.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from .sharing import share
 from .workers import map_each
 
 Progress = Callable[[int, int], None]
-_RECORDS = ".layout"
+_RECORDS, _LISTS = ".layout", "lists"
 
 
 def write_layout(
@@ -67,7 +67,7 @@ def write_layout(
     _clear(out, layout, entry.category, others)
     try:
         _carry_out(job, layout, entry, out, progress, workers)
-        lists = layout.index([*others, entry], out)
+        lists = _index(layout, [*others, entry], out)
     except UserError:
         _clear(out, layout, entry.category, others)
         if not there and out.is_dir() and not any(out.iterdir()):
@@ -97,16 +97,49 @@ def _check_alone(out: Path, layout: Layout, entry: Entry, others: Iterable[Entry
             )
 
 
+def _index(layout: Layout, known: list[Entry], out: Path) -> Mapping[str, Any]:
+    """The lists of all categories, as the ``index`` of the layout has them. Raises ExportError where files are missing of which
+    they are made."""
+    try:
+        return layout.index(known, out)
+    except (OSError, ValueError, KeyError) as wrong:
+        raise _missing(out, wrong) from None
+
+
+def _missing(out: Path, wrong: Exception) -> ExportError:
+    missing = wrong.filename if isinstance(wrong, FileNotFoundError) else None
+    told = f"{missing} is missing" if missing else str(wrong)
+    hint = "write its category again with --force, or choose another folder"
+    return ExportError(f"{out} is damaged: {told.replace(f'{out}/', '')}", hint)
+
+
 def _write_lists(out: Path, lists: Mapping[str, Any]) -> None:
-    """The lists of all categories, as the ``index`` of the layout has them."""
+    """Write the lists of all categories, and remove those of before that there are no more. Raises ExportError."""
+    record = out / _RECORDS / _LISTS
+    before, now = _names(record), [name for name in lists if not name.endswith("/")]
+    _keep(record, {*before, *now})  # whenever this ends, the next run knows what is there
+    _remove(out, set(before) - set(now))
     for name, data in lists.items():
         if name.endswith("/"):
             ensure_folder(out / name)
         elif callable(data):
             with replacing_file(out / name, force=True) as stream:
-                data(stream)
+                try:
+                    data(stream)
+                except (OSError, ValueError, KeyError) as wrong:
+                    raise _missing(out, wrong) from None
         else:
             write_bytes(out / name, data, force=True)
+    _keep(record, now)
+
+
+def _names(record: Path) -> list[str]:
+    """Names of files, one a line."""
+    return record.read_text(encoding="utf-8").splitlines() if record.exists() else []
+
+
+def _keep(record: Path, names: Iterable[str]) -> None:
+    write_bytes(record, "".join(f"{name}\n" for name in sorted(names)).encode(), force=True)
 
 
 def entries(folder: Path, layout: Layout | None = None, *, refuse: bool = False) -> list[Entry]:
@@ -184,13 +217,12 @@ class Piece:
 
 def _clear(out: Path, layout: Layout, category: str, others: list[Entry]) -> None:
     """Remove what the folder has of a category, from the lists first: whenever this ends, they name what is there."""
-    place, listed = (out / _RECORDS / f"{category}.{kind}" for kind in ("json", "files"))
-    names = listed.read_text(encoding="utf-8").splitlines() if listed.exists() else []
-    if place.exists():
-        if others:
-            _write_lists(out, layout.index(others, out))
-        else:
-            names += [name for name in layout.index([_entry(_read(place))], out) if not name.endswith("/")]
+    place, listed, lists = (out / _RECORDS / name for name in (f"{category}.json", f"{category}.files", _LISTS))
+    names = _names(listed)
+    if place.exists() and others:
+        _write_lists(out, _index(layout, others, out))
+    elif not others:
+        names += [*_names(lists), str(lists.relative_to(out))]
     place.unlink(missing_ok=True)
     _remove(out, [*names, str(listed.relative_to(out))])
 
