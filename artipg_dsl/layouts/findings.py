@@ -19,7 +19,7 @@ class Findings:
     def of(self, place: str, holds: bool, otherwise: str) -> bool:
         """Whether something holds; if not, ``otherwise`` is reported."""
         self.checked += 1
-        if not holds:
+        if not holds and (place, otherwise) not in self.faults:
             self.faults.append((place, otherwise))
         return bool(holds)
 

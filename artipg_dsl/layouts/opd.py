@@ -22,7 +22,7 @@ from ..export.robot import RobotJoint, Robots
 from ..records import dataclass
 from .clouds import partnet_axes
 from .entry import Entry
-from .hdf5 import pictures_h5
+from .hdf5 import rows_h5
 from .outlines import outlines
 from .pictures import Picture, pictures, turn_points
 from .pieces import Pieces, Shut
@@ -263,7 +263,7 @@ def files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]
     place = f"{OBJECTS}/{entry.category}-{shard}"
     if made:
         depth = np.stack([shot.depth for shot in made])[..., None]
-        yield f"{place}.h5", pictures_h5({"images": np.stack([shot.rgb for shot in made]), "depth": depth})
+        yield f"{place}.h5", rows_h5({"images": np.stack([shot.rgb for shot in made]), "depth": depth})
     known = {str(shot.subject.id): {"category": term.name, "box": short(shot.subject.box)} for shot in made}
     told = {"objects": known, "views": [{"name": shot.name} | shot.told for shot in made]}
     yield f"{place}.json", (json.dumps(told) + "\n").encode()

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from functools import partial
-from itertools import groupby
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -18,7 +17,7 @@ import numpy as np
 from ..errors import UserError
 from .clouds import norms
 from .entry import Entry
-from .hdf5 import join_pictures
+from .hdf5 import join_rows
 from .opd import CAMERAS, CLASSES, OBJECTS, columns, short
 
 FOLDERS = {"train": "train", "val": "valid", "test": "test"}
@@ -69,9 +68,8 @@ def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes | Callable[
 
 def _pictures(name: str, own: str, sources: Sequence[Source], ending: str, empty: np.ndarray, stream: BinaryIO) -> None:
     names = np.array([view["name"] + ending for *_, view in sources], dtype="S")
-    known = [(path, own, [row for _, row, _ in held]) for path, held in groupby(sources, lambda source: source[0])]
     more = {f"{name}_filenames": names if len(names) else np.zeros(0, "S1")}
-    join_pictures(stream, f"{name}_images", empty, known, more)
+    join_rows(stream, {f"{name}_images": (own, empty)}, [(path, row) for path, row, _ in sources], more)
 
 
 def _listed(views: Sequence[dict[str, Any]], objects: dict[str, Any], form: Any) -> dict[str, Any]:

@@ -136,6 +136,7 @@ LAYOUTS: dict[str, Layout] = {
             "shapenetpart:check_term",
             needs=_H5,
             divides=True,
+            gathers=True,
         ),
         Layout(
             "partnet-seg",
@@ -146,6 +147,7 @@ LAYOUTS: dict[str, Layout] = {
             words_by="partnet_seg:words",
             needs=_H5,
             chunk=32,
+            gathers=True,
             frame="partnet",
         ),
         Layout(

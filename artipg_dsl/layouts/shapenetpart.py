@@ -3,25 +3,34 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from colorsys import hsv_to_rgb
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
-from ..export.containers import hdf5_bytes
 from .clouds import classify, draw, fit_diagonal, shapenet_axes
 from .entry import SPLITS, Entry
 from .findings import Findings
-from .hdf5 import read_h5
+from .hdf5 import join_rows, open_h5, read_row, rows_h5, spread
 from .words import Term, vocabulary
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 POINTS, H5_POINTS = 2500, 2048
+_H5_MOST = 2048  # objects in one file of the data set
+_OBJECTS = "objects"
 _LISTS = "train_test_split/shuffled_{split}_file_list.json"
 _H5 = "hdf5_data"
+_SETS: dict[str, tuple[str, np.ndarray]] = {
+    "data": ("data", np.zeros((0, H5_POINTS, 3), np.float32)),
+    "normal": ("normal", np.zeros((0, H5_POINTS, 3), np.float32)),
+    "pid": ("pid", np.zeros((0, H5_POINTS), np.uint8)),
+}
+_Row = tuple[Path, int, str, int]  # where an object is: file and row; its name, and the number of its class
 
 
 def _part_number(term: Term, part: str) -> int:
@@ -66,38 +75,62 @@ def text_index(entries: Sequence[Entry]) -> dict[str, bytes]:
 
 
 def h5_files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
-    """A file per split: ``data``, ``normal`` (n, 2048, 3), ``label`` (n, 1) of the class, ``pid`` (n, 2048) of the parts."""
-    assert entry.term is not None
+    """A file of objects that are made together: ``data``, ``normal`` (n, 2048, 3), ``pid`` (n, 2048) of the parts."""
     place, normal, part = arrays(batch, entry, H5_POINTS)
-    label = list(vocabulary("shapenetpart").classes).index(entry.term.name)
-    for split, at in entry.splits(batch.numbers).items():
-        if len(at):
-            held = {
-                "data": place[at].astype(np.float32),
-                "normal": normal[at].astype(np.float32),
-                "label": np.full((len(at), 1), label, dtype=np.uint8),
-                "pid": part[at].astype(np.uint8),
-            }
-            yield f"{_H5}/{_h5_name(entry, split, shard)}", hdf5_bytes(held, pack=True)
+    held: dict[str, np.ndarray] = {
+        "data": place.astype(np.float32),
+        "normal": normal.astype(np.float32),
+        "pid": part.astype(np.uint8),
+    }
+    yield _piece(entry, shard), rows_h5(held)
 
 
-def _h5_name(entry: Entry, split: str, shard: int) -> str:
-    return f"ply_data_{split}_{entry.category.lower()}{shard}.h5"
+def _piece(entry: Entry, shard: int) -> str:
+    return f"{_OBJECTS}/{entry.category}-{shard}.h5"
 
 
-def h5_index(entries: Sequence[Entry]) -> dict[str, bytes]:
-    """Lists of the files, the classes, and which part of which class each number is."""
+def _label(entry: Entry) -> int:
+    """The number of the class."""
+    assert entry.term is not None
+    return list(vocabulary("shapenetpart").classes).index(entry.term.name)
+
+
+def h5_index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes | Callable[[BinaryIO], None]]:
+    """The files of each split, which hold objects of all classes; lists of them, the classes, their parts and colours for these.
+
+    Beside the arrays of the data set there is ``name`` (n,), the names of the objects.
+    """
     classes = vocabulary("shapenetpart").classes
     names = "".join(f"{name}\t{data['synset']}\n" for name, data in classes.items())
     every = [[data["synset"], k + 1] for data in classes.values() for k in range(len(data["parts"]))]
-    files = {
+    colours = [[round(float(c), 2) for c in hsv_to_rgb(0.618 * k % 1.0, 0.7, 0.9)] for k in range(len(every))]
+    files: dict[str, bytes | Callable[[BinaryIO], None]] = {
         f"{_H5}/all_object_categories.txt": names.encode(),
         f"{_H5}/overallid_to_catid_partid.json": json.dumps(every).encode(),
+        f"{_H5}/catid_partid_to_overallid.json": json.dumps({f"{c}_{k}": n for n, (c, k) in enumerate(every)}).encode(),
+        f"{_H5}/part_color_mapping.json": json.dumps(colours).encode(),
     }
-    for split in SPLITS:
-        listed = [_h5_name(e, split, shard) for e in entries for shard in e.shards(split)]
+    rows: dict[str, list[_Row]] = {split: [] for split in SPLITS}
+    for entry in entries:
+        for shard, numbers in enumerate(entry.chunks()):
+            for row, number in enumerate(numbers.tolist()):
+                at = folder / _piece(entry, shard), row, entry.token(number), _label(entry)
+                rows[entry.split(number)].append(at)
+    for split, own in rows.items():
+        listed = []
+        for k, held in enumerate(spread(own, _H5_MOST)):
+            listed.append(f"ply_data_{split}{k}.h5")
+            files[f"{_H5}/{listed[-1]}"] = partial(_join, held)
         files[f"{_H5}/{split}_hdf5_file_list.txt"] = "".join(f"{name}\n" for name in listed).encode()
     return files
+
+
+def _join(rows: Sequence[_Row], stream: BinaryIO) -> None:
+    more = {
+        "label": np.array([[label] for *_, label in rows], dtype=np.uint8),
+        "name": np.array([token for *_, token, _ in rows], dtype="S"),
+    }
+    join_rows(stream, _SETS, [(path, row) for path, row, *_ in rows], more)
 
 
 # ---------------------------------------------------------------- reading back
@@ -124,19 +157,33 @@ def check_text(folder: Path, entry: Entry, batch: Batch, shard: int, found: Find
 def check_h5(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings) -> None:
     assert entry.term is not None
     place, normal, part = arrays(batch, entry, H5_POINTS)
-    label = list(vocabulary("shapenetpart").classes).index(entry.term.name)
     for split, at in entry.splits(batch.numbers).items():
-        if not len(at):
-            continue
-        name = _h5_name(entry, split, shard)
-        listed = (folder / _H5 / f"{split}_hdf5_file_list.txt").read_text().split()
-        found.of(name, name in listed, "not in the list of its split")
-        held = read_h5(folder / _H5 / name)
-        found.of(name, set(np.unique(held["pid"])) <= _numbers(entry.term), "numbers of parts of another class")
-        found.near(name, "points", held["data"], place[at], 1e-6)
-        found.near(name, "normals", held["normal"], normal[at], 1e-6)
-        found.same(name, "numbers of parts", held["pid"], part[at])
-        found.same(name, "classes", held["label"], np.full((len(at), 1), label))
+        known = _places(folder / _H5, split, found)
+        for i in at.tolist():
+            token = entry.token(int(batch.numbers[i]))
+            if not found.of(token, token in known, f"not in the files of {split}"):
+                continue
+            path, row = known[token]
+            name, held = f"{_H5}/{path.name} {token}", read_row(path, row)
+            found.of(name, set(np.unique(held["pid"])) <= _numbers(entry.term), "numbers of parts of another class")
+            found.near(name, "points", held["data"], place[i], 1e-6)
+            found.near(name, "normals", held["normal"], normal[i], 1e-6)
+            found.same(name, "numbers of parts", held["pid"], part[i])
+            found.same(name, "classes", held["label"], np.array([_label(entry)]))
+
+
+def _places(folder: Path, split: str, found: Findings) -> dict[str, tuple[Path, int]]:
+    """Where the objects of a split are: file and row. Files that are in no list are found as well: some loaders read what there is."""
+    listed = (folder / f"{split}_hdf5_file_list.txt").read_text().split()
+    for path in sorted(folder.glob(f"*{split}*.h5")):
+        found.of(f"{_H5}/{path.name}", path.name in listed, "in no list, and some loaders read it all the same")
+    places: dict[str, tuple[Path, int]] = {}
+    for name in listed:
+        with open_h5(folder / name) as file:
+            own = file["name"][()].astype(str).tolist()
+        found.of(f"{_H5}/{name}", len(own) <= _H5_MOST, f"more than {_H5_MOST} objects")
+        places |= {token: (folder / name, row) for row, token in enumerate(own)}
+    return places
 
 
 def _numbers(term: Term) -> set[int]:

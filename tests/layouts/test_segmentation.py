@@ -80,6 +80,83 @@ def test_the_text_and_hdf5_say_the_same(text: Path, lay: Lay) -> None:
     assert back == pytest.approx(ours, abs=0.06)
 
 
+def test_files_hold_objects_of_all_classes(lay: Lay, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As those of the data set do: PointNet's training takes whole batches of each file, and divides by their number."""
+    monkeypatch.setattr("artipg_dsl.layouts.shapenetpart._H5_MOST", 5)
+    folder = lay("shapenetpart-h5", "Laptop", "Knife", n=8, shares=(7, 1, 0))
+    place = folder / "hdf5_data"
+    listed = [place / name for name in (place / "train_hdf5_file_list.txt").read_text().split()]
+    assert listed == sorted(place.glob("*train*.h5")) and len(listed) == 3
+    names: list[str] = []
+    for path in listed:
+        with h5py.File(path) as file:
+            assert 4 <= len(file["data"]) <= 5 and file["label"].shape == (len(file["data"]), 1)
+            assert set(file["label"][:, 0].tolist()) == {7, 9}
+            for name, label, part in zip(file["name"].asstr()[()], file["label"][:, 0], file["pid"], strict=True):
+                assert name.startswith("Knife" if label == 7 else "Laptop")
+                assert set(np.unique(part)) <= ({22, 23} if label == 7 else {28, 29})
+                names.append(name)
+    assert sorted(names) == [f"{name}7n{k:06d}" for name in ("Knife", "Laptop") for k in range(7)]
+    assert not list(place.glob("*test*.h5")) and not faults(folder)
+    lay("shapenetpart-h5", "Laptop", n=1, shares=(1, 0, 0), folder=folder, force=True)
+    assert len(list(place.glob("*train*.h5"))) == 2, (
+        "what is no longer listed goes: some loaders read all that there is"
+    )
+    assert not faults(folder)
+
+
+def test_colours_and_numbers_of_parts_are_there_for_pointnet(lay: Lay) -> None:
+    """Its scripts open these files before they do anything."""
+    place = lay("shapenetpart-h5", "Mug", n=1, shares=(1, 0, 0)) / "hdf5_data"
+    every = json.loads((place / "overallid_to_catid_partid.json").read_text())
+    number = json.loads((place / "catid_partid_to_overallid.json").read_text())
+    colours = json.loads((place / "part_color_mapping.json").read_text())
+    assert len(every) == len(colours) == 50 and len({tuple(colour) for colour in colours}) == 50
+    assert all(len(colour) == 3 and 0 <= min(colour) and max(colour) <= 1 for colour in colours)
+    assert [number[f"{synset}_{part}"] for synset, part in every] == list(range(50)) and number["03797390_2"] == 37
+
+
+def test_what_is_missing_of_another_category_is_told(lay: Lay) -> None:
+    """And ``force`` makes it anew, even where its own files cannot be read."""
+    folder = lay("shapenetpart-h5", "Laptop", "Mug", n=2, shares=(2, 0, 0))
+    (folder / "objects/Mug-0.h5").write_text("none")
+    with pytest.raises(ExportError, match="is damaged: objects/Mug-0.h5 is no HDF5 file") as wrong:
+        lay("shapenetpart-h5", "Knife", n=1, shares=(1, 0, 0), folder=folder)
+    assert "write its category again with --force" in (wrong.value.hint or "")
+    (folder / "objects/Mug-0.h5").unlink()
+    with pytest.raises(ExportError, match="is damaged: objects/Mug-0.h5 is missing"):
+        lay("shapenetpart-h5", "Laptop", n=2, folder=folder, force=True)
+    lay("shapenetpart-h5", "Mug", n=2, shares=(2, 0, 0), folder=folder, force=True)
+    lay("shapenetpart-h5", "Laptop", n=2, shares=(2, 0, 0), folder=folder, force=True)
+    assert not faults(folder)
+    stray = folder / "hdf5_data/ply_data_train7.h5"
+    stray.write_bytes((folder / "hdf5_data/ply_data_train0.h5").read_bytes())
+    assert faults(folder) == ["hdf5_data/ply_data_train7.h5: in no list, and some loaders read it all the same"]
+    stray.rename(folder / "hdf5_data/ply_data_train0.h5").write_bytes(stray.name.encode())
+    assert any("ply_data_train0.h5 is no HDF5 file, or not a whole one" in fault for fault in faults(folder))
+
+
+def test_shapes_of_partnet_are_together(lay: Lay, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its instance segmentation takes whole batches of each file, whatever is listed; rows of all files are the same shapes."""
+    monkeypatch.setattr("artipg_dsl.layouts.partnet_seg.MOST", 36)
+    folder = lay("partnet-seg", "Mug", n=40, shares=(39, 1, 0))
+    assert not faults(folder)
+    listed = (folder / "ins_seg_h5/Mug/train_files.txt").read_text().split()
+    assert listed == ["train-00.h5", "train-01.h5"]
+    assert listed == sorted(path.name for path in (folder / "ins_seg_h5/Mug").glob("train-*.h5"))
+    names = []
+    for file in listed:
+        told = json.loads((folder / "ins_seg_h5/Mug" / file).with_suffix(".json").read_text())
+        with h5py.File(folder / "ins_seg_h5/Mug" / file) as own, h5py.File(folder / "sem_seg_h5/Mug-1" / file) as sem:
+            assert len(own["pts"]) == len(sem["data"]) == len(told) in (19, 20)
+            assert (own["pts"][-1] == sem["data"][-1]).all() and (sem["data_num"][()] == 10000).all()
+        names += [shape["anno_id"] for shape in told]
+    assert sorted(names) == [f"Mug7n{k:06d}" for k in range(39)]
+    path = folder / "ins_seg_h5/Mug/train-01.json"
+    path.write_text(json.dumps(json.loads(path.read_text())[::-1]))
+    assert any("pts differ" in fault for fault in faults(folder))
+
+
 def test_a_folder_that_was_spoilt_is_found_out(lay: Lay) -> None:
     folder = lay("shapenetpart", "Laptop", n=2)
     path = folder / "03642806/Laptop7n000001.txt"
