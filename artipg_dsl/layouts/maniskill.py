@@ -3,7 +3,7 @@
 ``data/partnet_mobility/dataset/<id>/`` is where its loaders look below ``MS_ASSET_DIR``; ``assets/partnet_mobility/meta/`` has the lists in
 place of those in its package; ``objects/`` keeps what each object is in. A list takes a cabinet of which all links that move so are wanted:
 the task chooses among them without looking further, and fails at one without a handle. It sets all joints of a cabinet, the others too, to
-their lower limits, so each needs one, at which it is shut.
+their lower limits, so each needs one, at which it is shut, and none that is wanted may wait for another.
 """
 
 from __future__ import annotations
@@ -59,9 +59,15 @@ def told(pieces: Pieces, files: dict[str, bytes], id: int) -> dict[str, dict[str
             if wanted:
                 labels = {order.index(link): part for link, part in parts.items()}
                 found[kind] = _faucet(files, labels, frame)
-        elif wanted == joints and joints and shut and all(handled[joint.child] for joint in joints):
+        elif wanted == joints and joints and shut and all(handled[j.child] and _free(j, robot.joints) for j in joints):
             found[kind] = {"num_target_links": len(joints), "partnet_mobility_id": id, "scale": frame.unit}
     return found
+
+
+def _free(joint: RobotJoint, joints: Sequence[RobotJoint]) -> bool:
+    """Whether a joint moves while the others are at their lower limits: a drawer behind a door does not."""
+    low = {other.name: -np.inf if other.low is None else other.low for other in joints}
+    return all(start <= low[name] <= end for name, start, end in joint.gates)
 
 
 def _faucet(files: dict[str, bytes], labels: dict[int, str], frame: DatasetFrame) -> dict[str, Any]:
@@ -119,8 +125,8 @@ def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes]:
         if not taken:
             raise UserError(
                 f"no object of {entry.category} is one that ManiSkill's tasks take",
-                "all its drawers, or all its doors, need handles, nothing else may slide, or turn, and all joints open from a lower "
-                "limit on; more objects (-n), or a --map with other words",
+                "all its drawers, or all its doors, need handles and wait for no other joint, nothing else may slide, or turn, and all "
+                "joints open from a lower limit on; more objects (-n), or a --map with other words",
             )
     return {name: (json.dumps(held, indent=1) + "\n").encode() for name, held in lists.items()}
 

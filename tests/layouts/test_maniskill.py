@@ -71,6 +71,19 @@ def test_what_has_no_lower_limit_is_in_no_list() -> None:
         layout.term("WashingMachine")  # its drum turns without limits
 
 
+def test_drawers_behind_doors_are_in_no_list() -> None:
+    """The task shuts the doors of refrigerators, and nobody could open it."""
+    batch = sample("Refrigerator", n=20, seed=7, checked=False).batch
+    seen = set()
+    term = LAYOUTS["maniskill"].term("Refrigerator")
+    for i, _, _, told, robots in subjects(batch, Entry("Refrigerator", 7, batch.numbers, term=term)):
+        drawers = [joint for joint in robots.robot(i).joints if joint.traits.slides]
+        free = bool(drawers) and not any(joint.gates for joint in drawers)
+        assert ("cabinet_drawer" in told) == free and "cabinet_door" in told
+        seen.add((bool(drawers), free))
+    assert (True, False) in seen
+
+
 @pytest.mark.filterwarnings("ignore:Failed to find system libvulkan")
 def test_sapien_loads_a_cabinet_in_metres(cabinets: Path, tmp_path: Path) -> None:
     """By ``get_partnet_mobility_builder``: the scale of the list, several colliders a file, a fixed root. Without a render device
