@@ -73,7 +73,7 @@ def tell_unmatched(name: str, words: Iterable[str], labels: Sequence[str]) -> No
 def read_words(name: str | None, known: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
     """The pairs of a map file: their name, our word. Raises UserError, UsageError."""
     from ..diagnostics.suggest import did_you_mean
-    from ..run.params import read_once
+    from ..shapes import read_once
 
     if name is None:
         return ()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import field
+from pathlib import Path
 
 import numpy as np
 
@@ -40,3 +41,11 @@ class Findings:
             return False
         wrong = int((np.asarray(read) != model).sum())
         return self.of(place, not wrong, f"{wrong} {what} differ from the model")
+
+
+def read_table(path: Path, kind: type[np.generic]) -> np.ndarray:
+    """Numbers of a text. Raises ValueError, which names it."""
+    try:
+        return np.loadtxt(path, dtype=kind)
+    except ValueError as wrong:
+        raise ValueError(f"{path}: {wrong}") from None

@@ -15,7 +15,7 @@ from ..export.robot import Robots
 from ..records import dataclass
 from .clouds import norms, similarity_error
 from .entry import Entry
-from .findings import Findings
+from .findings import Findings, read_table
 from .gaparts import CLASSES, GAPart, gaparts, owners
 from .pictures import part_colours
 from .pth import pth_bytes, read_pth
@@ -135,7 +135,8 @@ def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings)
             _traps(name, place, kind, instance, npcs, found)
         else:
             found.of(name, False, f"{len(place)} points, where readers need {POINTS}")
-        meta, told = np.loadtxt(root / "meta" / f"{name}.txt"), np.loadtxt(root / "gt" / f"{name}.txt", dtype=np.int64)
+        meta = read_table(root / "meta" / f"{name}.txt", np.float64)
+        told = read_table(root / "gt" / f"{name}.txt", np.int64)
         found.near(name, "radius and centre", meta, np.array([shot.radius, *shot.center]), 1e-9)
         found.same(name, "numbers of gt", told, np.where(instance >= 0, 1000 * kind + instance, NONE))
 

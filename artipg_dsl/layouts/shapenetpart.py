@@ -13,7 +13,7 @@ import numpy as np
 
 from .clouds import classify, draw, fit_diagonal, shapenet_axes
 from .entry import SPLITS, Entry
-from .findings import Findings
+from .findings import Findings, read_table
 from .hdf5 import join_rows, open_h5, read_row, rows_h5, spread
 from .words import Term, vocabulary
 
@@ -143,7 +143,7 @@ def check_text(folder: Path, entry: Entry, batch: Batch, shard: int, found: Find
     listed = {s: set(json.loads((folder / _LISTS.format(split=s)).read_text())) for s in SPLITS}
     for i, number in enumerate(batch.numbers.tolist()):
         name = f"{entry.term.data['synset']}/{entry.token(number)}"
-        rows = np.loadtxt(folder / f"{name}.txt", dtype=np.float32)
+        rows = read_table(folder / f"{name}.txt", np.float32)
         if found.of(name, rows.shape == (POINTS, 7), f"{rows.shape} numbers, not {(POINTS, 7)}"):
             found.of(name, set(np.unique(rows[:, 6])) <= _numbers(entry.term), "numbers of parts of another class")
             found.near(name, "points", rows[:, :3], place[i], 1e-6)

@@ -19,6 +19,7 @@ from ..errors import UsageError, UserError
 from ..language.kinds import JOINTS
 from ..records import dataclass
 from ..resources import categories_dir
+from ..shapes import read_once
 
 if TYPE_CHECKING:
     from ..graph.program import Program
@@ -130,11 +131,13 @@ def vocabulary(name: str) -> Vocabulary:
 def read_map(path: str | Path) -> dict[str, dict[str, Any]]:
     """A map of the user's own: ``{"Kettle": {"class": "Mug", "parts": {"handle": ..., "*": ...}}}``. Raises UsageError."""
     try:
-        found = json.loads(Path(path).read_text(encoding="utf-8"))
+        found = json.loads(Path(path).read_text(encoding="utf-8-sig"), object_pairs_hook=read_once)
     except OSError as wrong:
         raise UsageError(f"cannot read {path}: {wrong.strerror}", "--map takes a JSON file") from None
-    except ValueError as wrong:
+    except (json.JSONDecodeError, UnicodeDecodeError) as wrong:
         raise UsageError(f"{path} is not JSON: {wrong}", f"a map is, say, {_EXAMPLE}") from None
+    except ValueError as wrong:
+        raise UsageError(f"{path}: {wrong}", "leave one of them out") from None
     return require_map(found, str(path))
 
 

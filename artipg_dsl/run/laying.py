@@ -60,7 +60,8 @@ def write_layout(
     require(layout)
     entry = layout.entry(job.program, job.request.seed, job.request.objects, shares, own)
     place = out / _RECORDS / f"{entry.category}.json"
-    others = [known for known in entries(out, layout, refuse=True) if known.category != entry.category]
+    known = entries(out, layout, refuse=True, but=entry.category if force else "")
+    others = [other for other in known if other.category != entry.category]
     if place.exists() and not force:
         raise ExportError(f"{out} already has {entry.category}", "use --force to write it again, or another folder")
     _check_alone(out, layout, entry, others)
@@ -142,10 +143,11 @@ def _keep(record: Path, names: Iterable[str]) -> None:
     write_bytes(record, "".join(f"{name}\n" for name in sorted(names)).encode(), force=True)
 
 
-def entries(folder: Path, layout: Layout | None = None, *, refuse: bool = False) -> list[Entry]:
-    """What a folder holds, by category. ``refuse``: in another layout than this. Raises ExportError."""
+def entries(folder: Path, layout: Layout | None = None, *, refuse: bool = False, but: str = "") -> list[Entry]:
+    """What a folder holds, by category. ``refuse``: in another layout than this; ``but``: of which category no record need be
+    readable. Raises ExportError."""
     found = []
-    for record in _records(folder):
+    for record in _records(folder, but):
         own = LAYOUTS[record["layout"]]
         if refuse and layout is not None and own is not layout:
             raise ExportError(f"{folder} is laid out as {own.name}", f"choose another folder for {layout.name}")
@@ -278,9 +280,16 @@ def _write(piece: Piece) -> list[str]:
 # ---------------------------------------------------------------- records
 
 
-def _records(folder: Path) -> list[dict[str, Any]]:
-    """The records of a folder, by category. Raises ExportError."""
-    return [_read(path) for path in sorted((folder / _RECORDS).glob("*.json"))]
+def _records(folder: Path, but: str = "") -> list[dict[str, Any]]:
+    """The records of a folder, by category, without that of ``but`` where it cannot be read. Raises ExportError."""
+    found = []
+    for path in sorted((folder / _RECORDS).glob("*.json")):
+        try:
+            found.append(_read(path))
+        except ExportError:
+            if path.stem != but:
+                raise
+    return found
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -290,9 +299,9 @@ def _read(path: Path) -> dict[str, Any]:
         fits = fits and len(record["shares"]) == 3 and isinstance(record["words"], dict)
         fit(record["request"], Drawn)
     except (OSError, ValueError, KeyError, TypeError, Misfit) as wrong:
-        raise ExportError(f"cannot read {path}: {wrong}", "write the category again with --force") from None
+        raise ExportError(f"cannot read {path}: {wrong}", f"write {path.stem} again with --force") from None
     if not fits:
-        raise ExportError(f"{path} is not the record of a layout", "write the category again with --force")
+        raise ExportError(f"{path} is not the record of a layout", f"write {path.stem} again with --force")
     return record
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import SettingError, UsageError, UserError
 from ..sampling.values import Values
+from ..shapes import read_once
 from .settings import read_setting, unknown_name
 
 if TYPE_CHECKING:
@@ -55,16 +56,6 @@ def _parse_entries(text: str, name: str) -> list[Mapping[str, Any]]:
     odd = next((k for k, entry in enumerate(found) if not isinstance(entry, dict)), None)
     if odd is not None:
         raise UserError(f"{name}, object {odd}: {json.dumps(found[odd])[:40]} is no table of names and values", _FORM)
-    return found
-
-
-def read_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """A table of names and values; of a name that is given twice, it would not be told which value counts."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for k, name in enumerate(names) if name in names[:k])
-        raise ValueError(f"`{twice}` is given twice in one object")
     return found
 
 

@@ -106,6 +106,32 @@ def test_a_folder_that_is_no_layout(apgc: Apgc, tmp_path: Path) -> None:
     assert code == 1 and "Laptop.json" in said and "--force" in said
 
 
+def test_a_word_that_a_map_has_twice(apgc: Apgc, tmp_path: Path) -> None:
+    """It would not be told which counts."""
+    text = '{"Kettle": {"class": "Mug", "parts": {"handle": "handle", "*": "cup", "handle": "cup"}}}'
+    (tmp_path / "map.json").write_text(text)
+    map = ("--map", tmp_path / "map.json")
+    code, _, said = apgc("export", "Kettle", "--format", "shapenetpart", *map, "-o", tmp_path / "o")
+    assert code == 2 and "map.json: `handle` is given twice in one object" in said
+
+
+def test_a_record_that_cannot_be_read_is_replaced(apgc: Apgc, tmp_path: Path) -> None:
+    """As the message advises."""
+    out = tmp_path / "out"
+    laid = ("-n", 2, "--format", "shapenetpart", "--split", "1,1,0", "-o", out)
+    for name in ("Laptop", "Knife"):
+        assert apgc("export", name, *laid)[0] == 0
+    record = out / ".layout/Laptop.json"
+    record.write_text(record.read_text()[:40])
+    assert "write Laptop again with --force" in apgc("export", "Knife", *laid, "--force")[2]
+    assert apgc("export", "Laptop", *laid)[0] == 1
+    assert apgc("export", "Laptop", *laid, "--force")[0] == 0
+    assert apgc("layout", out)[0] == 0
+    table = next(out.glob("03642806/*.txt"))
+    table.write_text("a b c\n")
+    assert f"cannot be read: 03642806/{table.name}: could not convert" in apgc("layout", out)[1]
+
+
 def test_a_category_that_no_list_takes_leaves_nothing(apgc: Apgc, tmp_path: Path) -> None:
     out = tmp_path / "maniskill"
     refused = ("export", "Microwave", "-n", 1, "--format", "maniskill", "-o", out)
