@@ -6,6 +6,7 @@ The entries name functions as ``module:function``, so that a list of layouts cos
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import field
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -37,7 +38,7 @@ class Layout:
     ``chunk``: objects that are made together. ``divides``: each point has a class of its own, so words that hold on some of a part
     count. ``alone``: names of objects say their class and no more, so two categories of one class need a folder each. ``frame``: the
     shipped one by which objects lie as in the data set, where they do not lie so by themselves. ``stumbles``: text in a path that its
-    loaders read as something else.
+    loaders read as something else. ``least``: by split, how many objects training needs, and why.
     """
 
     name: str
@@ -56,6 +57,7 @@ class Layout:
     alone: bool = False
     frame: str = ""
     stumbles: str = ""
+    least: Mapping[str, tuple[int, str]] = field(default_factory=dict)
 
     def entry(
         self, program: Program, seed: int, numbers: np.ndarray, shares: Shares, own: Mapping[str, Any] | None = None
@@ -113,6 +115,8 @@ def _function(place: str) -> Any:
 
 
 _H5 = ("h5py", "h5py", "hdf5")
+_BATCH = (32, "PointNet's script takes whole batches, of 32 unless --batch says otherwise, and divides by their number")
+_TENTH = (10, "PoinTr's training divides by a tenth of their number")
 LAYOUTS: dict[str, Layout] = {
     entry.name: entry
     for entry in (
@@ -137,6 +141,7 @@ LAYOUTS: dict[str, Layout] = {
             needs=_H5,
             divides=True,
             gathers=True,
+            least={"train": _BATCH, "val": _BATCH},
         ),
         Layout(
             "partnet-seg",
@@ -185,6 +190,12 @@ LAYOUTS: dict[str, Layout] = {
             gathers=True,
             alone=True,
             stumbles=".",
+            least={
+                "test": (
+                    2,
+                    "the training divides by the number of those that it calls unseen, and by that of all others",
+                )
+            },
         ),
         Layout(
             "cage",
@@ -264,6 +275,7 @@ LAYOUTS: dict[str, Layout] = {
             "shapenet",
             chunk=16,
             stumbles="complete",
+            least={"test": _TENTH},
         ),
         Layout(
             "shapenet55",
@@ -273,6 +285,7 @@ LAYOUTS: dict[str, Layout] = {
             "completion:check_55",
             "shapenet",
             chunk=32,
+            least={"test": _TENTH},
         ),
     )
 }

@@ -159,10 +159,16 @@ def find_cautions(folder: Path, layout: Layout) -> list[str]:
     """What loaders stumble over in a folder whose files are right: lists of splits without an object, names in its path."""
     known, found = entries(folder), []
     meant = [split for k, split in enumerate(SPLITS) if any(entry.shares[k] for entry in known)]
-    if empty := [split for split in meant if not any(len(entry.splits()[split]) for entry in known)]:
+    count = {split: sum(len(entry.splits()[split]) for entry in known) for split in SPLITS}
+    if empty := [split for split in meant if not count[split]]:
         found.append(
             f"no object is in {' or '.join(empty)}, and most loaders fail at an empty list: make more objects, or choose other --split"
         )
+    found += [
+        f"{split} has fewer than {least} objects, and {why}: make more, or choose other --split"
+        for split, (least, why) in layout.least.items()
+        if 0 < count[split] < least
+    ]
     odd = [name for name in folder.parts if layout.stumbles and layout.stumbles in name.strip(".")]
     if odd:
         found.append(

@@ -38,6 +38,24 @@ def test_what_loaders_stumble_over_is_told(apgc: Apgc, tmp_path: Path) -> None:
     assert "with `.` in it: rename all.v2" in laying.find_cautions(Path("../all.v2/x"), LAYOUTS["ancsh"])[0]
 
 
+@pytest.mark.parametrize(
+    ("name", "layout", "told", "enough"),
+    [
+        ("Mug", "shapenet55", "test has fewer than 10 objects, and PoinTr's training divides", "0,0,1"),
+        ("Laptop", "ancsh", "test has fewer than 2 objects, and the training divides", "8,0,2"),
+    ],
+)
+def test_too_few_for_the_training_is_told(
+    apgc: Apgc, tmp_path: Path, name: str, layout: str, told: str, enough: str
+) -> None:
+    """A division by zero otherwise, hours later."""
+    if layout == "ancsh":
+        pytest.importorskip("h5py", reason="h5py, of the extra hdf5, is not installed")
+    made = ("export", name, "-n", 10, "--format", layout, "-o", tmp_path / "out")
+    assert told in apgc(*made)[2]
+    assert told not in apgc(*made, "--split", enough, "--force")[2]
+
+
 @pytest.mark.slow
 def test_workers_write_the_same(apgc: Apgc, tmp_path: Path) -> None:
     for name, more in (("one", ()), ("two", ("--workers", 2))):
