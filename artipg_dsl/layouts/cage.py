@@ -159,11 +159,16 @@ def _described(made: Sequence[Node], category: str) -> dict[str, Any]:
     return {"meta": {"obj_cat": category, "tree_hash": tree_hash([node.parent for node in made])}, "diffuse_tree": tree}
 
 
+def _fits(made: Sequence[Node]) -> bool:
+    """Whether anything moves, as in all objects of the data set (metrics take the mean over what does), and loaders take the nodes."""
+    return 1 < len(made) <= MOST
+
+
 def files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
-    """``<category>/<object>/train.json``, the same as ``object.json``, and ``plys/``, of objects that have no more nodes than loaders take."""
+    """``<category>/<object>/train.json``, ``object.json``, which is the same, and ``plys/`` of the objects that fit."""
     assert entry.term is not None
     for number, made in zip(batch.numbers.tolist(), nodes(batch, entry.term), strict=True):
-        if len(made) > MOST:
+        if not _fits(made):
             continue
         root = f"{entry.term.name}/{entry.token(number)}"
         text = (json.dumps(_described(made, entry.term.name), indent=1) + "\n").encode()
@@ -175,7 +180,7 @@ def files(batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]
 
 def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes]:
     """``data_split.json``, the objects of each split, and ``hash_table.json``, by class and form of the tree. Raises UserError where
-    all objects of a category have more nodes than loaders take."""
+    no object of a category is fit."""
     listed: dict[str, list[str]] = {split: [] for split in SPLITS}
     forms: dict[str, dict[str, list[str]]] = {}
     for entry in entries:
@@ -190,8 +195,8 @@ def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes]:
                     own.setdefault(json.loads(path.read_bytes())["meta"]["tree_hash"], []).append(name)
         if sum(map(len, listed.values())) == before:
             raise UserError(
-                f"all objects of {entry.category} have more than {MOST} nodes",
-                "more objects (-n), or a --map with fewer parts",
+                f"no object of {entry.category} has 2 to {MOST} nodes: a base and what moves",
+                "more objects (-n), or a --map with other parts",
             )
     tables = {"data_split.json": listed, "hash_table.json": forms}
     return {name: (json.dumps(table, indent=1) + "\n").encode() for name, table in tables.items()}
@@ -214,8 +219,10 @@ def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings)
     listed, forms = (json.loads((folder / f"{name}.json").read_text()) for name in ("data_split", "hash_table"))
     for number, made in zip(batch.numbers.tolist(), nodes(batch, entry.term), strict=True):
         name = f"{entry.term.name}/{entry.token(number)}"
-        if len(made) > MOST:
-            found.of(name, name not in listed[entry.split(number)], f"in a list, with more than {MOST} nodes")
+        if not _fits(made):
+            found.of(
+                name, name not in listed[entry.split(number)], f"in a list, with {len(made)} nodes, not 2 to {MOST}"
+            )
             continue
         found.of(name, name in listed[entry.split(number)], "not in the list of its split")
         form = tree_hash([node.parent for node in made])

@@ -112,8 +112,19 @@ def test_what_has_too_many_nodes_is_left_out(lay: Lay, monkeypatch: pytest.Monke
     assert {name for names in json.loads((folder / "data_split.json").read_text()).values() for name in names} == left
     assert not faults(folder)
     monkeypatch.setattr("artipg_dsl.layouts.cage.MOST", 0)
-    with pytest.raises(UserError, match="all objects of StorageFurniture have more than 0 nodes"):
+    with pytest.raises(UserError, match="no object of StorageFurniture has 2 to 0 nodes"):
         lay("cage", "StorageFurniture", n=1)
+
+
+def test_what_does_not_move_is_left_out(lay: Lay) -> None:
+    """CAGE's metrics take the mean over what moves, and give the worst score where nothing does."""
+    folder = lay("cage", "Table", n=12)
+    left = {name for name, _ in _sized(folder)}
+    joints = sample("Table", n=12, seed=7, checked=False).joints()
+    assert left <= {f"Table/Table7n{i:06d}" for i in set(joints.owner.tolist())} and 0 < len(left) < 12
+    assert all(len(file["diffuse_tree"]) > 1 for _, file in _sized(folder))
+    assert {name for names in json.loads((folder / "data_split.json").read_text()).values() for name in names} == left
+    assert not faults(folder)
 
 
 def _sized(folder: Path) -> list[tuple[str, dict]]:
