@@ -7,6 +7,7 @@ the base is part 0 and what joint k moves part k + 1. Frame: the object's (z up)
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,42 +36,60 @@ _CAMERAS = Cameras(
 )
 _LEAST = {"revolute": np.radians(15.0), "prismatic": 0.02}  # radians; of the diagonal of the object
 _APART = 0.3  # of the range: how far the two states are apart, at least
+_SEEN = 0.005  # of the surface, of the points of each cloud and of the places within: less that moves teaches nothing
 _ROOM, _NEAR = 0.1, 0.02  # around the box, and beside the surface, of the diagonal
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """A joint of object ``i`` by its row in the table, ``index`` among those that its object has scenes of; ``low`` and ``high``
-    the values before and after."""
+    """A joint of object ``i`` by its row in the table, ``index`` among those that its object has scenes of, ``tried`` among those
+    that were tried; ``start`` and ``end`` the values before and after."""
 
     i: int
     joint: int
     index: int
+    tried: int
     start: float
     end: float
 
 
+@dataclass(frozen=True, slots=True)
+class _Held:
+    """What a scene was tried by: both clouds, which of their points and of the links move, places, and which link is around each."""
+
+    points: Sequence[np.ndarray]
+    masks: Sequence[np.ndarray]
+    moved: np.ndarray
+    probes: np.ndarray
+    around: np.ndarray
+
+
 def scenes(batch: Batch) -> list[list[Scene]]:
-    """The scenes of each object: of its first joints that turn or slide far enough and move nothing beside what they carry."""
+    """Those that are tried, of each object: its first joints that turn or slide far enough, carry enough and move nothing
+    beside it."""
     joints, rest = batch.joints(), rest_values(batch)
     key = random.key(batch.seed, "ditto")
-    corners = make_soup(batch, 0, len(batch))
+    made = make_soup(batch, 0, len(batch))
+    first = np.searchsorted(batch.links().owner, np.arange(len(batch) + 1))
     found: list[list[Scene]] = [[] for _ in range(len(batch))]
     for i in range(len(batch)):
-        own = corners.corner[corners.start[i] : corners.start[i + 1]].reshape(-1, 3)
-        diagonal = float(norms(own.max(axis=0) - own.min(axis=0)))
+        own = slice(int(made.start[i]), int(made.start[i + 1]))
+        corner, link = made.corner[own], made.link[own] - first[i]
+        diagonal = float(norms(np.ptp(corner.reshape(-1, 3), axis=0)))
+        area = norms(cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))
         for j in np.flatnonzero(np.asarray(joints.owner) == i).tolist():
             kind, reach = joints.kind[j], float(joints.high[j] - joints.low[j])
             unit = diagonal if kind == "prismatic" else 1.0
             if kind not in _LEAST or not reach >= _LEAST[kind] * unit or len(found[i]) == MOST:
                 continue
-            if _moves_others(batch, rest, j):
+            carried = _carried(batch, i, j, int(first[i + 1] - first[i]))
+            if area[carried[link]].sum() < _SEEN * area.sum() or _moves_others(batch, rest, j):
                 continue
             near, far, turn = random.uniform(key, int(batch.numbers[i]), np.arange(3) + 3 * len(found[i])).tolist()
             span = (1 - _APART) / 2
             ends = joints.low[j] + reach * np.array([near * span, 1 - far * span])
             start, end = ends if turn < 0.5 else ends[::-1]
-            found[i].append(Scene(i, j, len(found[i]), float(start), float(end)))
+            found[i].append(Scene(i, j, len(found[i]), len(found[i]), float(start), float(end)))
     return found
 
 
@@ -85,30 +104,36 @@ def _moves_others(batch: Batch, rest: np.ndarray, joint: int) -> bool:
 
 def arrays(batch: Batch) -> Iterator[tuple[Scene, dict[str, np.ndarray]]]:
     """Each scene with what its file holds."""
-    known, rest = scenes(batch), rest_values(batch)
-    every = max(map(len, known))
+    tried, rest = scenes(batch), rest_values(batch)
+    every = max(map(len, tried))
     if not every:
         return
     values = np.tile(rest, (2 * every, 1))
-    for scene in (scene for own in known for scene in own):
-        values[2 * scene.index, scene.joint], values[2 * scene.index + 1, scene.joint] = scene.start, scene.end
+    for scene in (scene for own in tried for scene in own):
+        values[2 * scene.tried, scene.joint], values[2 * scene.tried + 1, scene.joint] = scene.start, scene.end
     poses = [batch.pose(state) for state in values]
     cloud = make_views(batch, _CAMERAS, values).cloud
     made = make_soup(batch, 0, len(batch))
     first = np.searchsorted(batch.links().owner, np.arange(len(batch) + 1))
-    for own in known:
-        part = _parts(batch, own, int(first[own[0].i]), int(first[own[0].i + 1])) if own else np.zeros(0, np.int64)
-        for scene in own:
-            at = [(scene.i, 2 * scene.index + k) for k in range(2)]
+    for all_tried in tried:
+        kept: list[tuple[Scene, _Held]] = []
+        for scene in all_tried:
+            at = [(scene.i, 2 * scene.tried + k) for k in range(2)]
             points = [cloud["points"][a].reshape(-1, 3).astype(np.float64) for a in at]
-            links = [cloud["link"][a].reshape(-1).astype(np.int64) for a in at]
-            moved = _carried(batch, scene, len(part))
-            axis, pivot = _placed(batch, scene, poses[2 * scene.index], int(first[scene.i]))
+            moved = _carried(batch, scene.i, scene.joint, int(first[scene.i + 1] - first[scene.i]))
+            masks = [moved[cloud["link"][a].reshape(-1).astype(np.int64)] for a in at]
             probes = _probes(batch, scene, points[0])
-            around = links_around(made, scene.i, *poses[2 * scene.index], probes)[first[scene.i] : first[scene.i + 1]]
-            within = np.zeros((len(own) + 1, len(probes)), dtype=bool)
-            np.logical_or.at(within, np.where(moved, scene.index + 1, part), around)
-            yield scene, _file(batch, scene, points, [moved[link] for link in links], axis, pivot, probes, within)
+            around = links_around(made, scene.i, *poses[2 * scene.tried], probes)[first[scene.i] : first[scene.i + 1]]
+            inside = around[moved].any(axis=0)[around.any(axis=0)]
+            if len(inside) and min(mask.mean() for mask in (*masks, inside)) >= _SEEN:
+                kept.append((replace(scene, index=len(kept)), _Held(points, masks, moved, probes, around)))
+        own = [scene for scene, _ in kept]
+        for scene, held in kept:
+            part = _parts(batch, own, int(first[scene.i]), int(first[scene.i + 1]))
+            axis, pivot = _placed(batch, scene, poses[2 * scene.tried], int(first[scene.i]))
+            within = np.zeros((len(own) + 1, len(held.probes)), dtype=bool)
+            np.logical_or.at(within, np.where(held.moved, scene.index + 1, part), held.around)
+            yield scene, _file(batch, scene, held.points, held.masks, axis, pivot, held.probes, within)
 
 
 def _file(
@@ -164,13 +189,13 @@ def _parts(batch: Batch, own: Sequence[Scene], first: int, stop: int) -> np.ndar
     return found
 
 
-def _carried(batch: Batch, scene: Scene, count: int) -> np.ndarray:
+def _carried(batch: Batch, i: int, joint: int, count: int) -> np.ndarray:
     """(L,) bool: the links of an object that a joint carries, directly or not."""
-    above, joints = _above(batch, scene.i), batch.joints()
+    above, joints = _above(batch, i), batch.joints()
     found = np.zeros(count, dtype=bool)
     for link in range(count):
         at = link
-        while at in above and above[at] != scene.joint:
+        while at in above and above[at] != joint:
             at = int(joints.parent[above[at]])
         found[link] = at in above
     return found
@@ -189,7 +214,7 @@ def _placed(
 def _probes(batch: Batch, scene: Scene, points: np.ndarray) -> np.ndarray:
     """Places (m, 3): half of them anywhere in the box, half beside the surface."""
     key = random.key(batch.seed, "ditto", "probes")
-    address = random.mix(np.asarray(int(batch.numbers[scene.i]), dtype=np.uint64), scene.index)
+    address = random.mix(np.asarray(int(batch.numbers[scene.i]), dtype=np.uint64), scene.tried)
     share = random.uniform(key, address, np.arange(3)[None], np.arange(PROBES)[:, None])
     low, high = points.min(axis=0), points.max(axis=0)
     diagonal, half = float(norms(high - low)), PROBES // 2
@@ -214,7 +239,8 @@ def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes]:
         if not any((folder / ROOT).glob(f"{entry.category}_*/scenes/*.npz")):
             raise UserError(
                 f"no joint of {entry.category} is one that Ditto can learn",
-                "it takes joints with limits that turn 15 degrees or slide 2 % of the diagonal, and that no other follows",
+                "it takes joints with limits that turn 15 degrees or slide 2 % of the diagonal, that no other follows, "
+                "and that carry more than a sliver",
             )
     return {f"{ROOT}/{entry.category}_{split}/scenes/": b"" for entry in entries for split in SPLITS}
 

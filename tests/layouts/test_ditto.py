@@ -84,6 +84,20 @@ def test_the_folder_is_read_back_and_faults_are_found(ditto: Path) -> None:
         assert any(fault in line for line in found), fault
 
 
+def test_what_carries_too_little_is_not_used(lay: Lay) -> None:
+    """Handles of doors: their places are so few that Ditto would see none that moves. What is left is numbered without gaps."""
+    folder = lay("ditto", "Door", n=3)
+    scenes = {path.stem: dict(np.load(path)) for path in folder.glob("Shape2Motion/*/scenes/*.npz")}
+    assert len({name.rsplit("_", 1)[0] for name in scenes}) == 3, "each door turns or slides"
+    for name, held in scenes.items():
+        own = [other for other in scenes if other.startswith(name[:-1])]
+        assert int(held["joint_index"]) == int(name[-1]) < len(own) == len(held["start_occ_list"]) - 1
+        within = held["start_occ_list"]
+        assert within[int(held["joint_index"]) + 1].sum() >= 0.005 * within.any(axis=0).sum() > 0
+        assert min(held["pc_seg_start"].mean(), held["pc_seg_end"].mean()) >= 0.005
+    assert not faults(folder)
+
+
 def test_a_category_without_such_joints_is_refused(lay: Lay) -> None:
     with pytest.raises(UserError, match="no joint of Scissors is one that Ditto can learn"):
         lay("ditto", "Scissors", n=1)
