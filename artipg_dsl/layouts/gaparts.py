@@ -35,7 +35,7 @@ CLASSES = (
     "hinge_knob",
     "revolute_handle",
 )
-FINE = Resolution(tolerance=2e-4)
+FINE = Resolution(tolerance=2e-5)
 _LONG = 1.5  # a fixed handle this many times as long as wide is a line
 _BEHIND = 0.25  # of what carries it: a handle further than that behind its middle is on its back
 _HINGED = ("hinge_door", "hinge_lid")

@@ -68,6 +68,16 @@ def test_handles_beside_a_lid_face_as_it_does() -> None:
     assert found >= 4
 
 
+def test_the_box_of_a_round_button_is_as_long_as_wide() -> None:
+    """Also of a button of a few millimetres, whose mesh has few corners by the tolerance that the boxes of doors are found with."""
+    term = LAYOUTS["gapartnet"].term("Camera")
+    assert term is not None
+    parts = gaparts(sample("Camera", n=6, seed=0).batch, term)
+    sizes = np.array([part.size for own in parts for part in own if CLASSES[part.kind] == "slider_button"])
+    round_ones = sizes[sizes[:, 1] > 0.9 * sizes[:, 0]]
+    assert len(round_ones) >= 3 and (round_ones[:, 1] > 0.995 * round_ones[:, 0]).all()
+
+
 def test_categories_that_are_not_trained_on_are_inter(lay: Lay) -> None:
     """``on_validation_epoch_end`` takes the third of the lists of views, ``test_inter``."""
     folder = lay("gapartnet", "Laptop", n=1, shares=(0, 0, 1))
