@@ -8,7 +8,7 @@ from ..diagnostics.suggest import did_you_mean
 from ..source import Span
 from ..syntax import ast
 from . import conditions, paths
-from .declarations import check_default
+from .declarations import check_default, outside
 from .entries import of_alternative
 from .fold import constant
 from .guards import Not, conjunction
@@ -220,6 +220,7 @@ def _check_arguments(
                 break
             wanted = kind
             _stands(ck, ctx, symbol, argument, (*outer, *given))
+            _within_range(ck, ctx, symbol, argument)
         _argument(ck, ctx, argument, wanted)
 
 
@@ -234,6 +235,24 @@ def _stands(
     message, _ = guarded(entries[0], argument.span)
     hint = f"hand in what ensures that as well, or declare `{argument.name}` above the `when`"
     ck.demand(ctx.given(known), wanted, argument.span, message, hint, ((entries[0].span, "declared here"),), value=True)
+
+
+def _within_range(ck: Checker, ctx: Context, symbol: Symbol, argument: ast.Argument) -> None:
+    """A number that its template never draws is perhaps one with the wrong unit."""
+    assert argument.name is not None
+    ranges = []
+    for entry in ck.scope_of(symbol).table[argument.name]:
+        domain = entry.node.domain if isinstance(entry.node, ast.ParamDecl | ast.CountDecl) else None
+        if domain is None or not outside(argument.value, domain, ctx.module, ck.context(entry.scope).module):
+            return
+        ranges.append(domain.span)
+    ck.warning(
+        "argument-outside-range",
+        argument.span,
+        f"`{symbol.name}` has `{argument.name}` in {' or '.join(span.text for span in ranges)}",
+        hint="is the unit right? If the value is meant, widen the range",
+        notes=tuple((span, "declared here") for span in ranges),
+    )
 
 
 def _option(ck: Checker, ctx: Context, value: ast.Expr, wanted: ChoiceType, what: str) -> None:

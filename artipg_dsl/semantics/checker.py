@@ -107,10 +107,12 @@ class Checker:
         hint = f"name one: `{name}[0]` or `{name}[last]`"
         return self.error("many-elements", span, f"`{name}` means all elements of a repeat here", hint=hint)
 
-    def warning(self, code: str, span: Span, message: str, hint: str | None = None) -> None:
+    def warning(
+        self, code: str, span: Span, message: str, hint: str | None = None, notes: tuple[tuple[Span, str], ...] = ()
+    ) -> None:
         """Reports what is allowed and hardly meant."""
         if not self._muted:
-            self.report.warning(code, span, message, hint=hint)
+            self.report.warning(code, span, message, hint=hint, notes=notes)
 
     def unknown(self, module: ModuleScope, name: str, code: str, span: Span, message: str, hint: str | None) -> Type:
         """Reports a name that nothing declares, unless it is missing because its import failed."""

@@ -14,6 +14,7 @@ from .fold import components, constant
 from .guards import consistent
 from .meanings import Declared, Word
 from .scope import BodyScope, Entry
+from .symbols import ModuleScope
 from .types import (
     BOOL,
     COUNT,
@@ -304,27 +305,28 @@ def check_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, kind: Type, 
                 return
 
 
-def _inside(ck: Checker, ctx: Context, default: ast.Expr, domain: ast.RangeExpr | None, what: str) -> None:
+def _inside(ck: Checker, ctx: Context, value: ast.Expr, domain: ast.RangeExpr | None, what: str) -> None:
     """A constant default lies in the constant domain."""
-    if domain is None:
-        return
-    values = components(default, ctx.module)
-    ends = components(domain.low, ctx.module), components(domain.high, ctx.module)
+    if domain is not None and outside(value, domain, ctx.module):
+        message, notes = f"{what} lies outside its range {domain.span.text}", ((domain.span, "the range"),)
+        ck.error("default-outside-range", value.span, message, notes=notes)
+
+
+def outside(
+    value: ast.Expr, domain: ast.RangeExpr, module: ModuleScope, declared_in: ModuleScope | None = None
+) -> bool:
+    """Whether a value lies outside a range, as far as both are constant. The range may be declared in another module."""
+    values, home = components(value, module), declared_in or module
+    ends = components(domain.low, home), components(domain.high, home)
     if not len(values) == len(ends[0]) == len(ends[1]):
-        return
-    for value, low, high in zip(values, *ends, strict=True):
-        if value is None or (low is not None and high is not None and low > high):
+        return False
+    for value_of, low, high in zip(values, *ends, strict=True):
+        if value_of is None or (low is not None and high is not None and low > high):
             continue
-        slack = TOLERANCE * max(abs(value), abs(low or 0), abs(high or 0))
-        if (low is not None and value < low - slack) or (high is not None and value > high + slack):
-            text = domain.span.text
-            ck.error(
-                "default-outside-range",
-                default.span,
-                f"{what} lies outside its range {text}",
-                notes=((domain.span, "the range"),),
-            )
-            return
+        slack = TOLERANCE * max(abs(value_of), abs(low or 0), abs(high or 0))
+        if (low is not None and value_of < low - slack) or (high is not None and value_of > high + slack):
+            return True
+    return False
 
 
 def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type, domain: ast.RangeExpr | None) -> None:

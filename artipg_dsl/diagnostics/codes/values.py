@@ -95,6 +95,29 @@ VALUES = (
         """,
     ),
     Code(
+        "argument-outside-range",
+        "an argument lies outside the range of its parameter",
+        """
+        An argument replaces what the template would draw, and this one lies where the template never draws: the range
+        says for which values it is made. Often the unit is wrong, such as `m` for `mm`. Correct the argument. If the
+        value is meant, widen the range, and look whether the template still holds together. Only numbers and named
+        constants are compared.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        template Foot {
+          param height : length in 5mm .. 40mm
+          part block : Cuboid(size = [3cm, 3cm, height])
+        }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+          part foot : Foot(height = 20cm)
+          connect foot.top on seat.bottom
+        }
+        """,
+    ),
+    Code(
         "default-outside-range",
         "a default lies outside its range",
         """
