@@ -47,6 +47,8 @@ def run(options: argparse.Namespace) -> int:
                 cloud = read_cloud(path)
                 real.append(pose(cloud, frame, path.suffix.lower(), usual))
                 names.append(str(path))
+                if cloud.lost:
+                    say(f"{path}: {cloud.lost}, and were left out")
                 labels.update(cloud.names)
                 seen.append(frozenset(cloud.names[k] for k in np.unique(cloud.label).tolist() if k >= 0))
             except UserError as wrong:

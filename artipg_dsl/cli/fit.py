@@ -52,7 +52,9 @@ def run(options: argparse.Namespace) -> int:
 def _table(summary: dict[str, Any]) -> str:
     """A line per file: what is said of it, and how far it is off."""
     lines = [
-        f"{one['distance']:6.2f}%  {one['verdict']:<12}  {one['name']}" + ("" if one["valid"] else "  (not valid)")
+        f"{one['distance']:6.2f}%  {one['verdict']:<12}  {one['name']}"
+        + ("" if one["valid"] else "  (not valid)")
+        + (f"  ({one['lost']})" if "lost" in one else "")
         for one in summary["objects"]
     ]
     lines += [f"     -   {'not read':<12}  {one['name']}: {one['reason']}" for one in summary["failed"]]

@@ -29,12 +29,14 @@ _SEED = 1
 @dataclass(frozen=True, slots=True, eq=False)
 class Cloud:
     """``points`` (n, 3) of a surface, in random order; ``normals`` (n, 3) as the file has them, None where it has none; ``label`` (n,)
-    indexes ``names``, those of groups, links or classes that the file tells apart, -1 for none."""
+    indexes ``names``, those of groups, links or classes that the file tells apart, -1 for none. ``lost`` says what of the file was left
+    out, if anything was."""
 
     points: np.ndarray
     normals: np.ndarray | None
     label: np.ndarray
     names: tuple[str, ...]
+    lost: str = ""
 
 
 def find_files(places: list[str], tell: Callable[[str], None] | None = None) -> list[Path]:
@@ -131,9 +133,10 @@ def _checked(cloud: Cloud, name: str) -> Cloud:
     if cloud.normals is not None:
         length = np.sqrt((cloud.normals**2).sum(axis=1))
         good &= np.isfinite(length)
-    lost = len(good) - int(good.sum())
-    if lost > 0.5 * len(good):
-        raise UserError(f"{name}: {lost} of {len(good)} points are no numbers", "export it again")
+    missing = len(good) - int(good.sum())
+    lost = f"{missing} of {len(good)} points are no numbers" if missing else ""
+    if missing > 0.5 * len(good):
+        raise UserError(f"{name}: {lost}", "export it again")
     at = np.flatnonzero(good)
     if len(at) < _LEAST:
         raise UserError(f"{name} has {len(at)} points, too few to see a shape", f"at least {_LEAST} are needed")
@@ -148,7 +151,7 @@ def _checked(cloud: Cloud, name: str) -> Cloud:
     if normals is not None:
         length = np.sqrt((normals**2).sum(axis=1, keepdims=True))
         normals = None if (length < 1e-9).mean() > 0.01 else normals / np.maximum(length, 1e-12)
-    return Cloud(points, normals, cloud.label[at], cloud.names)
+    return Cloud(points, normals, cloud.label[at], cloud.names, lost)
 
 
 # ---------------------------------------------------------------- points
@@ -175,8 +178,16 @@ def _read_points(path: Path) -> Cloud:
         for ids, words in (("label", "label_names"), ("link_id", "link_names")):
             if ids in held and words in held:
                 label, names = np.asarray(held[ids]).astype(np.int64), tuple(map(str, held[words]))
-                if label.shape == (len(points),):
-                    return Cloud(points, normals, np.where(label < len(names), label, -1), names)
+                if label.shape != (len(points),):
+                    raise UserError(
+                        f"{path.name}: `{ids}` is of shape {label.shape}",
+                        f"one of ({len(points)},) is needed, as of the points",
+                    )
+                if label.max(initial=-1) >= len(names):
+                    raise UserError(
+                        f"{path.name}: `{ids}` has {label.max()}, and `{words}` names 0 to {len(names) - 1}"
+                    )
+                return Cloud(points, normals, label, names)
         return Cloud(points, normals, np.full(len(points), -1), ())
 
 

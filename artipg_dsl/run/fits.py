@@ -186,9 +186,11 @@ def _fit_group(work: _Work, group: list[Item]) -> list[Item]:
     options = asked.plain(work.model.program.hash)
     read: list[tuple[Item, Posed]] = []
     marks = {item.name: mark(item.path) for item in group}  # of what is read: files may change while they are fitted
+    left_out: dict[str, str] = {}
     for item in group:
         try:
             cloud = read_cloud(item.path)
+            left_out[item.name] = cloud.lost
             read.append((item, pose(cloud, asked.frame, item.path.suffix.lower(), work.usual)))
         except UserError as wrong:
             reason = wrong.message + (f" ({wrong.hint})" if wrong.hint else "")
@@ -208,7 +210,8 @@ def _fit_group(work: _Work, group: list[Item]) -> list[Item]:
             image = overlay(one.batch, one.row, one.cloud, work.painter, states=one.states)
             write_bytes(asked.out / PICTURES / f"{item.name}.png", png_bytes(image), force=True)
         labels = {"labels": sorted(set(posed.names))} if asked.words else {}
-        _write(asked, item, {**one.told, **labels, "drawn": one.values}, marks[item.name], options)
+        lost = {"lost": left_out[item.name]} if left_out[item.name] else {}
+        _write(asked, item, {**one.told, **labels, **lost, "drawn": one.values}, marks[item.name], options)
     return group
 
 
@@ -282,6 +285,7 @@ def _summarize(sampler: Sampler, asked: Asked, options: Mapping[str, Any], items
             "verdict": r["verdict"],
             "distance": r["distance"]["both"],
             "valid": r["valid"],
+            **({"lost": r["lost"]} if r.get("lost") else {}),
         }
         for r in records
         if "drawn" in r

@@ -82,6 +82,17 @@ def test_what_is_refused(apgc: Apgc, real: Path, tmp_path: Path, words: list[str
     assert code in (1, 2) and told in err
 
 
+def test_points_that_are_left_out_are_told(apgc: Apgc, real: Path, tmp_path: Path) -> None:
+    held = dict(np.load(real / "chest0.npz"))
+    held["points"][::10] = np.nan
+    np.savez(tmp_path / "torn.npz", **held)
+    code, said, _ = apgc("fit", CHEST, tmp_path / "torn.npz", "-o", tmp_path / "out", "--plain", "--front", "x")
+    assert code == 0 and "torn  (600 of 6000 points are no numbers)" in said
+    assert json.loads((tmp_path / "out" / "fit.json").read_text())["objects"][0]["lost"]
+    code, _, err = apgc("compare", CHEST, tmp_path / "torn.npz", "-n", 8, "--front", "x")
+    assert code == 0 and "torn.npz: 600 of 6000 points are no numbers, and were left out" in err
+
+
 def test_a_word_that_is_none(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     (tmp_path / "map.json").write_text('{"Knob": "handel"}')
     code, _, err = apgc("fit", CHEST, real, "-o", tmp_path / "out", "--map", tmp_path / "map.json")

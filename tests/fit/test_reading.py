@@ -141,3 +141,30 @@ def test_groups_and_objects_of_obj_are_labels(tmp_path: Path, word: str) -> None
     cloud = read_cloud(tmp_path / "a.obj")
     assert cloud.names == ("base", "upper")
     assert np.array_equal(cloud.points[:, 2] > 0.5, cloud.label == 1) and 0 < cloud.label.mean() < 1
+
+
+def test_points_that_are_no_numbers_are_left_out_and_told(tmp_path: Path) -> None:
+    points = np.random.default_rng(0).random((1000, 3))
+    points[::4, 1] = np.nan
+    np.savez(tmp_path / "a.npz", points=points)
+    cloud = read_cloud(tmp_path / "a.npz")
+    assert len(cloud.points) == 750 and np.isfinite(cloud.points).all()
+    assert cloud.lost == "250 of 1000 points are no numbers"
+    np.savez(tmp_path / "b.npz", points=points[1::4])
+    assert read_cloud(tmp_path / "b.npz").lost == ""
+
+
+@pytest.mark.parametrize(
+    ("label", "told"),
+    [
+        (np.zeros(999, dtype=int), r"`label` is of shape \(999,\)"),
+        (np.full(1000, 2), "`label` has 2, and `label_names` names 0 to 1"),
+    ],
+)
+def test_labels_that_mean_nothing(tmp_path: Path, label: np.ndarray, told: str) -> None:
+    points = np.random.default_rng(0).random((1000, 3))
+    np.savez(tmp_path / "a.npz", points=points, label=label, label_names=["door", "body"])
+    with pytest.raises(UserError, match=told):
+        read_cloud(tmp_path / "a.npz")
+    np.savez(tmp_path / "a.npz", points=points, label=np.full(1000, -1), label_names=["door", "body"])
+    assert set(read_cloud(tmp_path / "a.npz").label) == {-1}
