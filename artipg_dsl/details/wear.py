@@ -31,7 +31,7 @@ _SEEN = 0.012  # diagonals: farther from what was seen of its element a place wa
 _BEFORE = 0.06  # diagonals: so far from it what was seen of others may lie before it
 _LOOSE = 1.5  # times the square root of their share
 _ON_MAP = 0.35  # the same on a map
-_MOST = 4.0  # times larger or smaller: so far offsets are scaled
+_MOST = 4.0  # times: offsets grow no further; they shrink as far as their primitive does
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -235,7 +235,7 @@ def _found(
     offset[worn], facing[worn] = details.offset[bound[worn]], details.facing[bound[worn]]
     if len(other) and len(details):
         here, offset, facing = _mapped(wardrobe, points, other, here, bound, offset, facing, (low, high))
-    return here, offset * np.clip(scale, 1.0 / _MOST, _MOST) * strength, facing, bound
+    return here, offset * np.minimum(scale, _MOST) * strength, facing, bound
 
 
 def _scales(normal: np.ndarray, speed: np.ndarray, before: np.ndarray, size: np.ndarray, old: np.ndarray) -> np.ndarray:

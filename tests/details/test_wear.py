@@ -67,6 +67,23 @@ def test_what_is_all_larger_has_larger_details(samples: Samples, details: Detail
     assert np.allclose(thinner, [[0.5, 1.0, 1.0]])
 
 
+def test_what_is_much_thinner_has_reliefs_as_thin(samples: Samples, details: Details) -> None:
+    batch = samples.batch
+    points = surface(batch, 1500, 5)
+    wardrobe, suits = (
+        Wardrobe(details, Solids.of(batch.sites())),
+        own_suits(batch, details.elements, np.arange(len(batch))),
+    )
+    heights = []
+    for factor in (1.0, 10.0):
+        wardrobe.boxes = tuple(factor * corner for corner in wardrobe.boxes)  # of the donors
+        worn = wear(batch, points, np.arange(len(batch)), wardrobe, suits)
+        height = dot(worn.position - points.position, points.normal)[worn.bound >= 0]
+        heights.append(np.median(height))
+    assert heights[0] == pytest.approx(RAISED, rel=0.05)
+    assert heights[1] == pytest.approx(0.1 * RAISED, rel=0.05)
+
+
 def test_places_on_maps() -> None:
     low, high = np.array([[-1.0, -2.0, -10.0]]), -np.array([[-1.0, -2.0, -10.0]])
     assert is_long(low, high).all() and not is_long(low, np.array([[1.0, 2.0, -3.0]])).any()
