@@ -34,6 +34,12 @@ class UsageError(UserError, ValueError):
     """A wrong argument."""
 
 
+class MissingName(UsageError, KeyError):
+    """A name that nothing has, between brackets."""
+
+    __str__ = Exception.__str__  # that of a KeyError shows quotes
+
+
 class SettingError(UsageError):
     """A parameter that was to be set cannot be, or not to this value."""
 

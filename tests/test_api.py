@@ -26,8 +26,9 @@ def test_values_by_name(chests: apg.Samples) -> None:
     assert len(chests) == 12 and repr(chests) == "<Chest: 12 objects, seed 7>"
     assert chests["width"].shape == (12,) and ((chests["width"] >= 0.3) & (chests["width"] <= 0.6)).all()
     assert set(chests["wood"]) <= {"oak", "pine"} and set(chests["knobs"]) <= {1, 2, 3}
-    with pytest.raises(KeyError):
+    with pytest.raises(KeyError, match="^Chest draws no `wdith` "):
         chests["wdith"]
+    assert "width" in chests and "wdith" not in chests
 
 
 def test_an_object_is_one_of_the_samples(chests: apg.Samples) -> None:
@@ -142,6 +143,38 @@ def test_states_are_values_or_text_everywhere(chests: apg.Samples) -> None:
         one.points(64, "lid=20%")
 
 
+def test_joint_values_beyond_the_limits_are_refused(chests: apg.Samples) -> None:
+    for within in (chests.opened(), chests.joint_values("open=100%,random:3")):
+        assert (chests.points(4, within.astype(np.float32)).position - chests.points(4, within).position).max() < 1e-6
+    beyond = np.stack([chests.rest(), chests.rest()])
+    beyond[1, -1] = 9.0
+    joints = chests.joints()
+    told = f"joint `{joints.name[-1]}` of object {chests.numbers[joints.owner[-1]]} cannot be at 9: it moves from 0 to "
+    for ask in (chests.points, chests.annotations):
+        with pytest.raises(UsageError, match=re.escape(told)):
+            ask(states=beyond)
+    with pytest.raises(UsageError, match="cannot be at"):
+        chests.meshes(-1 - chests.opened())
+
+
+def test_what_is_taken_for_no_is_not_written_over(chests: apg.Samples, tmp_path: Path) -> None:
+    (made,) = chests.object(0).to_urdf(tmp_path)
+    before = made.stat().st_mtime_ns
+    with pytest.raises(UsageError, match="force is 'no'"):
+        chests.object(0).to_urdf(tmp_path, force="no")
+    assert made.stat().st_mtime_ns == before
+
+
+def test_arrays_of_numpy_are_numbers_everywhere(chests: apg.Samples) -> None:
+    given = {"poses": [{"eye": [2, 0.5, 0.8]}], "width": 8, "height": 8, "fov": 30}
+    arrays = given | {"poses": [{"eye": np.array([2, 0.5, 0.8])}], "fov": np.float32(30), "width": np.int64(8)}
+    assert (chests.views(arrays).images["depth"] == chests.views(given).images["depth"]).all()
+    ranged = [chests.views(1, width=8, height=8, azimuth=a).extrinsics for a in ([0, 90], np.array([0, 90]))]
+    assert (ranged[0] == ranged[1]).all()
+    drawn = [apg.sample(CHEST, 3, prior={"width": w})["width"] for w in ([0.4, 0.45], np.array([0.4, 0.45]))]
+    assert (drawn[0] == drawn[1]).all() and (drawn[0] <= 0.45).all()
+
+
 def test_meshes_are_closed_and_where_the_points_are(chests: apg.Samples) -> None:
     states = chests.opened()
     points = chests.points(64, states)
@@ -220,6 +253,7 @@ def test_points_and_views_in_several_states(chests: apg.Samples, tmp_path: Path)
         (lambda: apg.sample(None), "a category is a name or a file, not None"),
         (lambda: apg.sample(["Mug"]), "a category is a name or a file, not ['Mug']"),
         (lambda: apg.open_samples(None), "a folder is named by a text or a Path, not None"),
+        (lambda: apg.open_samples(""), "the name of a folder is empty text"),
         (lambda: apg.sample("Mug", 1).to(b"x"), "a folder is named by a text or a Path, not b'x'"),
         (lambda: apg.sample(""), "a category is a name or a file, not ''"),
         (lambda: apg.sample(CHEST, n=10**12), "n is 1000000000000 (give a number up to 100,000,000"),
@@ -231,9 +265,41 @@ def test_points_and_views_in_several_states(chests: apg.Samples, tmp_path: Path)
         (lambda: apg.sample(CHEST).mutate(None), "operations is None"),
         (lambda: apg.sample(CHEST).mutate("cpa", only=3), "only is 3"),
         (lambda: apg.sample(CHEST).replay(None), "records is None"),
-        (lambda: apg.sample(CHEST).to("", "tables"), "the folder is empty text"),
+        (lambda: apg.sample(CHEST).to("", "tables"), "the name of a folder is empty text"),
         (lambda: apg.sample(CHEST).object(-1), "number is -1"),
         (lambda: apg.sample(CHEST).object("1"), "number is '1'"),
+        (lambda: apg.sample(CHEST).object(2**63), "number is 9223372036854775808 (give a whole number up to"),
+        (lambda: apg.sample(CHEST, numbers=[2**63 - 1]), "there is no object 9223372036854775807"),
+        (lambda: apg.sample(CHEST, numbers=[2**64]), "there is no object 18446744073709551616"),
+        (lambda: apg.sample(CHEST, numbers=[4, -1]), "there is no object -1"),
+        (lambda: apg.sample(CHEST, numbers=[]), "`numbers` is empty"),
+        (lambda: apg.sample(CHEST, numbers=[[1, 2], [3]]), "one list, not a list of lists"),
+        (lambda: apg.sample(CHEST, numbers=range(10**12)), "1,000,000,000,000 object numbers"),
+        (lambda: apg.sample(CHEST, prior={"width": np.zeros(3)}), "the prior: `width` is a list"),
+        (lambda: 3 in apg.sample(CHEST), "37 in batch.numbers"),
+        (lambda: apg.sample(CHEST)["wdith"], "Chest draws no `wdith` (did you mean `width`?)"),
+        (lambda: apg.sample(CHEST).points(8, motion="no"), "motion is 'no'"),
+        (lambda: apg.sample(CHEST).points(8, details=3), "a folder of details is named by a text or a Path, not 3"),
+        (lambda: apg.sample(CHEST).points(8, details="x", detail_strength="1"), "the strength of details is '1'"),
+        (lambda: apg.sample(CHEST).grasps(10**6), "values is 1000000 (give a whole number up to 10,000)"),
+        (lambda: apg.sample(CHEST).to("unused", motion="no"), "motion is 'no'"),
+        (lambda: apg.sample(CHEST).to("unused", force="no"), "force is 'no'"),
+        (lambda: apg.sample(CHEST).to("unused", 3), "formats is 3"),
+        (lambda: apg.sample(CHEST).to("unused", states=None), "states is None: text is needed"),
+        (lambda: apg.sample(CHEST).export("unused", "urdf", force="no"), "force is 'no'"),
+        (lambda: apg.sample(CHEST).export("unused", [3]), "formats is [3]"),
+        (lambda: apg.sample(CHEST).export("", "urdf"), "the name of a folder is empty text"),
+        (lambda: apg.sample(CHEST).export("a\0b", "urdf"), "the name of a folder has a zero byte in it"),
+        (lambda: apg.sample(CHEST).export("s3://robots", "urdf"), "writes into folders of this machine"),
+        (lambda: apg.sample(CHEST).to_urdf(None), "a folder is named by a text or a Path, not None"),
+        (lambda: apg.sample(CHEST).lay_out("unused", "cage", force="no"), "force is 'no'"),
+        (lambda: apg.sample(CHEST).lay_out("", "cage"), "the name of a folder is empty text"),
+        (lambda: apg.sample(CHEST).lay_out("unused", None), "a layout is named by a text, not None"),
+        (lambda: apg.sample(CHEST).sheet(None), "a picture is named by a text or a Path, not None"),
+        (lambda: apg.sample(CHEST).sheet("x.png", color="part"), "a picture has no 'color' (did you mean `colour`?)"),
+        (lambda: apg.sample(CHEST).sheet("x.png", columns=0), "columns is 0"),
+        (lambda: apg.sample(CHEST).sheet("x.png", tile="64"), "tile is '64'"),
+        (lambda: apg.sample(CHEST).sheet("x.png", states=apg.sample(CHEST).rest()), "unknown states array"),
         (lambda: apg.sample(CHEST).states(open="60deg"), 'batch.points(2048, "open=60deg")'),
         (lambda: apg.sample(CHEST).states(open=np.nan), "open is nan (give a finite number)"),
         (lambda: apg.sample(CHEST).points(8, balance="link", weights=3), "weights is 3"),

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import read_whole
+from ..arguments import read_whole, to_plain
 from ..errors import UsageError, UserError
 from .cameras import Cameras
 
@@ -49,8 +49,7 @@ def cameras_of(views: int | str | Path | Mapping[str, Any], **more: Any) -> Came
             return found
         views = found.plain()
     described = dict(views) if isinstance(views, Mapping) else {"views": read_whole("the number of views", views)}
-    described |= {k: list(v) if isinstance(v, tuple) else v for k, v in more.items()}
-    return cameras_from({k: int(v) if isinstance(v, np.integer) else v for k, v in described.items()})
+    return cameras_from(to_plain(described | more))
 
 
 def cameras_from(described: Any, name: str = "the cameras") -> Cameras:
@@ -64,7 +63,7 @@ def cameras_from(described: Any, name: str = "the cameras") -> Cameras:
             raise UserError(f"{name}: `{key}` is not known", f"known are {', '.join(known)}")
         if key in ("views", "width", "height", "points"):
             if not isinstance(value, int) or isinstance(value, bool):
-                raise UserError(f"{name}: `{key}` is {json.dumps(value)}: a whole number is needed")
+                raise UserError(f"{name}: `{key}` is {_shown(value)}: a whole number is needed")
             made["count" if key == "views" else key] = value
         elif key == "fov":
             made[key] = _numbers([value], 1, f"{name}: `fov`", "degrees")[0]
@@ -85,9 +84,13 @@ def cameras_from(described: Any, name: str = "the cameras") -> Cameras:
 def _numbers(value: Any, count: int, what: str, wanted: str) -> tuple[float, ...]:
     fine = isinstance(value, list) and len(value) == count
     if not fine or not all(isinstance(v, int | float) and not isinstance(v, bool) and abs(v) < 1e300 for v in value):
-        shown = json.dumps(value[0] if isinstance(value, list) and count == 1 else value)
+        shown = _shown(value[0] if isinstance(value, list) and count == 1 else value)
         raise UserError(f"{what} is {shown}: {wanted} {'is' if count == 1 else 'are'} needed")
     return tuple(float(v) for v in value)
+
+
+def _shown(value: Any) -> str:
+    return json.dumps(value, default=repr)
 
 
 def _poses(value: Any, name: str) -> tuple[Any, ...]:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 _MOST = 10_000
+_SLACK = 1e-6  # of limits, in metres and radians: values may have been float32
 _FORMS = "`rest`, `open`, `random:K`, `joint=45deg`, or several of them with commas between"
 _CHOSEN = re.compile(r"([A-Za-z_][\w.]*)\s*=\s*([-+]?(?:\d+\.?\d*|\.\d+))\s*(deg|rad|turn|mm|cm|m|%)")
 _ANGLES = {"deg": np.pi / 180, "rad": 1.0, "turn": 2 * np.pi}
@@ -51,6 +52,8 @@ REST = States()
 
 def read_states(text: str) -> States:
     """``rest``, ``open``, ``random:4``, ``door=45deg+lid=20%``, or several with commas between. Raises UsageError."""
+    if not isinstance(text, str):
+        raise UsageError(f"states is {text!r}: text is needed", f"write {_FORMS}")
     wanted = []
     for piece in (p.strip() for p in text.split(",")):
         if all(_CHOSEN.fullmatch(one.strip()) for one in piece.split("+")):
@@ -116,7 +119,27 @@ def read_values(batch: Batch, states: str | np.ndarray | None, *, several: bool 
         raise UsageError(f"{len(found)} states, where one is shown at a time", "give the values (J,) of one of them")
     if not np.isfinite(found).all():
         raise UsageError("joint values are finite: some of the states are not", "`rest()` has a value for every joint")
+    if not isinstance(states, str):
+        _refuse_beyond(batch, found)
     return found
+
+
+def _refuse_beyond(batch: Batch, values: np.ndarray) -> None:
+    """Refuse joint values (..., J) beyond the limits of joints that follow no other. Raises UsageError."""
+    joints = batch.joints()
+    low = np.where(joints.that("tilts"), -joints.high, joints.low)  # a ball tilts to any side
+    beyond = (values < low - _SLACK) | (values > joints.high + _SLACK)  # a missing limit is nan: nothing is beyond it
+    beyond &= joints.mimic < 0
+    if batch.loops is not None:
+        beyond[..., batch.loops.variable[batch.loops.follows]] = False
+    if beyond.any():
+        place = np.argwhere(beyond)[0]
+        k = place[-1]
+        raise UsageError(
+            f"joint `{joints.name[k]}` of object {batch.numbers[joints.owner[k]]} cannot be at {values[tuple(place)]:g}: "
+            f"it moves from {low[k]:g} to {joints.high[k]:g} {'m' if JOINTS[joints.kind[k]].slides else 'rad'}",
+            "`states(...)` and text such as open=60deg keep within the limits",
+        )
 
 
 def rest_values(batch: Batch) -> np.ndarray:

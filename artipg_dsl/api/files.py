@@ -12,10 +12,22 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import read_flag, read_path
+from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError
 from ..run.job import Job
 
 _PICTURED = 8  # objects on the picture in a notebook
+_SHEET = {
+    "colour",
+    "columns",
+    "details",
+    "resolution",
+    "states",
+    "tile",
+    "view",
+    "which",
+}  # of what a picture may be told
 
 
 class Files:
@@ -79,9 +91,8 @@ class Files:
         from ..run.output import Output, read_content, refuse_idle
 
         refuse_idle_strength(details, detail_strength)
-        if isinstance(folder, str) and not folder.strip():
-            raise UsageError("the folder is empty text", 'give its name; "." is the current one')
-        names = formats if formats is None or isinstance(formats, str) else list(formats)
+        out, force = _read_folder(folder), read_flag("force", force)
+        names = None if formats is None else _read_names(formats)
         content = read_content(
             points=points,
             surface=surface,
@@ -90,7 +101,7 @@ class Files:
             balance=balance,
             weights=weights,
             states=states,
-            motion=motion,
+            motion=read_flag("motion", motion),
             views=views,
             tolerance=tolerance,
             triangles=triangles,
@@ -105,7 +116,7 @@ class Files:
             worn = borrow(details, detail_strength, self.batch.program)
             output = replace(output, content=replace(content, details=worn))
         write_dataset(self.job.fresh(), folder, output, force=force)
-        return Path(folder)
+        return out
 
     def export(
         self,
@@ -123,15 +134,20 @@ class Files:
         """
         from ..export.objects import object_folder, write_objects
         from ..export.registry import find_formats, object_formats
+        from ..export.remote import Remote, place_of
         from ..geometry.resolution import Resolution
 
-        chosen = find_formats(formats if isinstance(formats, str) else list(formats))
+        out, force, chosen = _read_folder(folder), read_flag("force", force), find_formats(_read_names(formats))
+        if isinstance(place_of(folder), Remote):
+            raise UsageError(
+                f"`export` writes into folders of this machine, not to {folder}", "`to` writes elsewhere, too"
+            )
         for entry in chosen:
             if not entry.per_object:
                 raise UsageError(f"{entry.name} is written by `to`", f"`export` writes {', '.join(object_formats())}")
         fine = Resolution(tolerance=tolerance, triangles=triangles)
-        write_objects(self.batch, Path(folder), chosen, force=force, resolution=fine)
-        return [Path(str(object_folder(Path(folder), n))) for n in self.numbers.tolist()]
+        write_objects(self.batch, out, chosen, force=force, resolution=fine)
+        return [Path(str(object_folder(out, n))) for n in self.numbers.tolist()]
 
     def lay_out(
         self,
@@ -151,12 +167,14 @@ class Files:
         Objects are turned to lie as those of the layout's data set, or, with ``frame``, as that says ("own": as declared).
         Raises UsageError, ExportError, UserError.
         """
-        from ..diagnostics.suggest import did_you_mean
         from ..layouts.entry import read_shares
         from ..layouts.registry import LAYOUTS
         from ..layouts.words import require_map
         from ..run.laying import write_layout
 
+        out, force = _read_folder(folder), read_flag("force", force)
+        if not isinstance(layout, str):
+            raise UsageError(f"a layout is named by a text, not {layout!r}", f"the layouts are {', '.join(LAYOUTS)}")
         if layout not in LAYOUTS:
             raise UsageError(
                 f"there is no layout {layout!r}",
@@ -164,7 +182,7 @@ class Files:
             )
         own = None if map is None else require_map(map, "map")
         write_layout(self.job, folder, LAYOUTS[layout], shares=read_shares(split), own=own, force=force, frame=frame)
-        return Path(folder)
+        return out
 
     def to_urdf(self, folder: str | Path, *, force: bool = False) -> list[Path]:
         """A robot description with its meshes per object; returns the paths of ``object.urdf``."""
@@ -205,10 +223,14 @@ class Files:
         """Draw all objects to a PNG; the options are those of ``view.sheet.draw_sheet`` (colour, tile, columns, states, view)."""
         from ..view.sheet import write_sheet
 
-        if Path(path).suffix.lower() != ".png":
+        file = read_path("a picture", path, '"sheet.png"')
+        if file.suffix.lower() != ".png":
             raise UsageError(f"pictures are written as PNG, not as {path}", "choose a name that ends in .png")
+        if unknown := sorted(options.keys() - _SHEET):
+            known = ", ".join(sorted(_SHEET))
+            raise UsageError(f"a picture has no {unknown[0]!r}", did_you_mean(unknown[0], _SHEET) or f"give {known}")
         write_sheet(self.batch, path, force=True, **options)
-        return Path(path)
+        return file
 
     @cached_property
     def _picture(self) -> bytes:
@@ -225,3 +247,17 @@ class Files:
         more = f", the first {_PICTURED} shown" if len(self) > _PICTURED else ""
         title = escape(self._title())
         return f'<img alt="{title}" src="data:image/png;base64,{picture}"><p>{title}{more}</p>'
+
+
+def _read_folder(folder: str | Path) -> Path:
+    return read_path("a folder", folder, '"microwaves"')
+
+
+def _read_names(formats: str | Iterable[str]) -> str | list[str]:
+    """Names of formats as text or as a list. Raises UsageError."""
+    if isinstance(formats, str):
+        return formats
+    names = list(formats) if isinstance(formats, Iterable) else [formats]
+    if not all(isinstance(name, str) for name in names):
+        raise UsageError(f"formats is {formats!r}", 'it is text or a list: "points,urdf" or ["points", "urdf"]')
+    return names

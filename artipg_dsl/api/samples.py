@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from ..arguments import read_amount, read_whole
+from ..arguments import read_amount, read_flag, read_whole
 from ..diagnostics.suggest import did_you_mean
-from ..errors import UsageError
+from ..errors import MissingName, UsageError
+from ..run.schema import LARGEST
 from .files import Files
 
 if TYPE_CHECKING:
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
 JointStates: TypeAlias = "str | np.ndarray | None"  # such as "open=60deg", or joint values; None is at rest
 
 
+_MOST_GRASPS = 10_000  # of a family; each is tested against the whole object
+
+
 class Samples(Files):
     """Objects of one category as columns. Rows of all tables and arrays are in the order of ``numbers``.
 
@@ -41,7 +45,7 @@ class Samples(Files):
 
     def object(self, number: int) -> Object:
         """The object with the given number, which need not be among these."""
-        return Object(self.job.of([read_whole("number", number, 0)]))
+        return Object(self.job.of([read_whole("number", number, 0, LARGEST - 1)]))
 
     @cached_property
     def words(self) -> dict[str, list[str]]:
@@ -127,10 +131,16 @@ class Samples(Files):
         values = self._values(states)
         return annotate(self.batch, None if values is None else np.atleast_2d(values), read_gripper(gripper))
 
+    def __contains__(self, name: Any) -> bool:
+        """Whether the program draws a value of this name: ``"width" in batch``. Raises UsageError for anything but a name."""
+        if not isinstance(name, str):
+            raise UsageError(f"`in` looks for the name of a value, not for {name!r}", "37 in batch.numbers")
+        return any(draw.column.name == name for draw in self.batch.program.draws)
+
     def __getitem__(self, name: str) -> np.ndarray:
         """A drawn value, one per object: ``batch["width"]`` (B,) float64, nan for objects without it.
 
-        Choices are names, "" for objects without it. Raises KeyError, also if a repeat draws several values.
+        Choices are names, "" for objects without it. Raises MissingName, a KeyError, also if a repeat draws several values.
         """
         draws = [(k, d) for k, d in enumerate(self.batch.program.draws) if d.column.name == name]
         if not draws or any(s.kind == "repeat" for _, d in draws for s in d.column.scope.ancestors()):
@@ -140,8 +150,10 @@ class Samples(Files):
                     'a value is batch["width"], an object batch.object(37), in turn `for one in batch`',
                 )
             known = sorted({d.column.name for d in self.batch.program.draws})
-            why = "an object has several of it; see the annotation" if draws else did_you_mean(name, known)
-            raise KeyError(f"{name}: " + (why or f"there is no such value; there are {', '.join(known)}"))
+            if draws:
+                raise MissingName(f"an object has several of {name}", "see `drawn` of an object")
+            hint = did_you_mean(name, known) or f"there are {', '.join(known)}"
+            raise MissingName(f"{self.category} draws no `{name}`", hint)
         words = draws[0][1].kind == "choice"
         found = np.full(len(self), "" if words else np.nan, dtype=object if words else np.float64)
         for k, draw in draws:
@@ -224,6 +236,7 @@ class Samples(Files):
         from ..details.dressing import refuse_idle_strength
 
         refuse_idle_strength(details, detail_strength)
+        motion = read_flag("motion", motion)
         how, values = Sampling(n, surface, spread, per, balance, read_weights(weights)), self._values(states)
         if details is None:
             return sample_points(self.batch, how, values, motion=motion)
@@ -242,7 +255,7 @@ class Samples(Files):
         """
         from ..annotate.rebind import rebind
 
-        return rebind(self.batch, points, self._values(states), motion=motion)
+        return rebind(self.batch, points, self._values(states), motion=read_flag("motion", motion))
 
     def views(
         self,
@@ -286,7 +299,7 @@ class Samples(Files):
         from ..annotate.grasps import sample_grasps
         from ..annotate.gripper import judge, read_gripper
 
-        found, hand = sample_grasps(self.batch, read_whole("values", values, 1)), read_gripper(gripper)
+        found, hand = sample_grasps(self.batch, read_whole("values", values, 1, _MOST_GRASPS)), read_gripper(gripper)
         shown = self._values(states, several=False)
         return found if hand is None else found.take(np.flatnonzero(judge(self.batch, found, hand, shown) == 0))
 

@@ -13,7 +13,8 @@ from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from ..errors import UsageError, UserError
+from ..arguments import read_path
+from ..errors import UserError
 
 MARK = ".partial-"
 _ADDRESS = re.compile(r"([a-z][a-z0-9+.-]+)://(.*)", re.IGNORECASE | re.DOTALL)
@@ -139,8 +140,8 @@ def is_same(one: Place, other: Place) -> bool:
 
 def place_of(name: str | Path | Remote) -> Place:
     """A folder by its name or address; ``file://`` is one here. Raises UsageError for what is neither."""
-    if not isinstance(name, str | Path | Remote):
-        raise UsageError(f"a folder is named by a text or a Path, not {name!r}", 'for example "microwaves"')
+    if not isinstance(name, Remote):
+        read_path("a folder", name, '"microwaves"')
     match = _ADDRESS.fullmatch(str(name))
     if match is None or isinstance(name, Path):
         return name if isinstance(name, Remote) else Path(name)

@@ -12,6 +12,7 @@ from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NotRequired, TypedDict
 
+from ..arguments import to_plain
 from ..diagnostics.suggest import did_you_mean
 from ..errors import SettingError, UsageError, UserError
 from ..graph.feasible import find_conflicts
@@ -104,8 +105,8 @@ def read_prior(given: str | Path | Mapping[str, Any]) -> Prior | PriorFile:
     """
     if isinstance(given, Mapping):
         if "draws" in given and isinstance(given["draws"], Mapping):
-            return PriorFile(_GIVEN, _checked(_plain(given), _GIVEN)["draws"])
-        return Prior(_plain(given))
+            return PriorFile(_GIVEN, _checked(to_plain(given), _GIVEN)["draws"])
+        return Prior(to_plain(given))
     if not isinstance(given, str | Path):
         raise UsageError(f"a prior is a name, a file or what is said of each draw, not {given!r}", _FORM)
     if not str(given).strip():
@@ -150,15 +151,6 @@ def _checked(found: Any, name: str) -> dict[str, Any]:
         raise UserError(f"{name}: {wrong}", _FORM) from None
     made: dict[str, Any] = found
     return made
-
-
-def _plain(given: Any) -> Any:
-    """What Python gives as JSON has it, so that it is the same when it comes back from a manifest."""
-    if isinstance(given, Mapping):
-        return {str(key): _plain(value) for key, value in given.items()}
-    if isinstance(given, Sequence) and not isinstance(given, str):
-        return [_plain(item) for item in given]
-    return given.item() if hasattr(given, "item") else given  # a number of NumPy's
 
 
 def apply_prior(program: Program, prior: Prior) -> Program:

@@ -22,7 +22,7 @@ from ..shapes import Rule
 from .frame import TURNS, Frame, read_frame
 from .params import read_params
 from .prior import Prior, PriorFile, read_prior
-from .schema import MOST, RUNS, FirstAndLast, Runs, Title, expand, one_of, to_runs, within
+from .schema import LARGEST, MOST, RUNS, FirstAndLast, Runs, Title, expand, one_of, to_runs, within
 from .settings import Value
 from .traces import gather_traces
 
@@ -244,6 +244,9 @@ def _candidates(text: str) -> int | None:
     return int(counted[1]) if counted and 2 <= int(counted[1]) <= MOST_CANDIDATES else None
 
 
+_NUMBERS = "numbers=[3, 7], or range(100)"
+
+
 def read_numbers(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> Runs:
     """The numbers 0 .. n - 1 (``n`` is 1 by default), or the ones given. Raises UsageError."""
     if numbers is None:
@@ -257,13 +260,24 @@ def read_numbers(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> R
         return ((0, count - 1),)
     if n is not None:
         raise UsageError("both n and numbers are given", "n objects are the numbers 0 .. n - 1")
-    asked = np.asarray(numbers)
+    if isinstance(numbers, Sequence) and len(numbers) > MOST:  # a range, of which no array would fit into memory
+        raise UsageError(f"{len(numbers):,} object numbers are given", f"give up to {MOST:,}")
+    try:
+        asked = np.asarray(numbers)
+    except ValueError:  # lists of different lengths
+        raise UsageError("object numbers are one list, not a list of lists", _NUMBERS) from None
     if asked.ndim > 1:
-        raise UsageError(f"object numbers are a list, not an array of shape {asked.shape}")
-    asked = asked.reshape(-1)
-    if len(asked) and asked.dtype.kind not in "iu":
-        raise UsageError(f"object numbers are whole numbers, not {asked[0]!r}")
-    found = np.unique(asked.astype(np.int64))
-    if not len(found) or found[0] < 0:
-        raise UsageError("object numbers are whole numbers from 0 on, at least one of them")
-    return to_runs(found)
+        raise UsageError(f"object numbers are a list, not an array of shape {asked.shape}", _NUMBERS)
+    if asked.size and asked.dtype.kind not in "iu":
+        first = asked.reshape(-1).tolist()[0]
+        large = isinstance(first, int) and not isinstance(
+            first, bool
+        )  # of so many digits that NumPy takes it for an object
+        raise UsageError(
+            f"there is no object {first}" if large else f"object numbers are whole numbers, not {first!r}", _NUMBERS
+        )
+    if not asked.size:
+        raise UsageError("no object is asked for: `numbers` is empty", _NUMBERS)
+    if (wrong := asked[(asked < 0) | (asked >= LARGEST)]).size:
+        raise UsageError(f"there is no object {wrong.flat[0]}", f"they count from 0 to {LARGEST - 1:,}")
+    return to_runs(np.unique(asked.astype(np.int64)))

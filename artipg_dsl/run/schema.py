@@ -13,7 +13,7 @@ from ..records import dataclass
 from ..shapes import Misfit, Rule, hints
 
 MOST = 100_000_000  # objects
-_LARGE = 2**63
+LARGEST = 2**63 - 1  # numbers of objects are below: runs of them end one behind the last
 
 Runs = tuple[tuple[int, int], ...]
 """Numbers of objects as runs ``(first, last)``, ascending."""
@@ -52,11 +52,11 @@ def _is_ordered(value: Sequence[Sequence[int]]) -> bool:
     """Whether runs ``[first, last]`` ascend, do not meet, and hold no more objects than a folder may."""
     ends = [end for run in value for end in run]
     ascending = all(a <= b if k % 2 == 0 else a < b for k, (a, b) in enumerate(zip(ends, ends[1:], strict=False)))
-    bounded = not ends or 0 <= ends[0] and ends[-1] < _LARGE
+    bounded = not ends or 0 <= ends[0] and ends[-1] < LARGEST
     return ascending and bounded and count_numbers(value) <= MOST
 
 
-Count = Annotated[int, Rule("a whole number from 0 on", lambda value: 0 <= value < _LARGE)]
+Count = Annotated[int, Rule("a whole number from 0 on", lambda value: 0 <= value < LARGEST)]
 FirstAndLast = Annotated[list[int], Rule("a first and a last number", lambda value: len(value) == 2)]
 RUNS = Rule("runs of object numbers [first, last], ascending", _is_ordered)
 

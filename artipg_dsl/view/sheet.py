@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..annotate.frames import rotate
+from ..arguments import read_whole
 from ..errors import UsageError
 from ..export.robot import Robots
 from ..export.write import ExportError, write_bytes
@@ -121,10 +122,11 @@ def draw_sheet(
     ``VIEWS`` or (azimuth, elevation) in degrees; None for "iso", from the side on which one sees into what opens.
     ``resolution`` of the meshes, by default as fine as the pixels, but for those of affordances; ``details`` that they wear.
     """
-    if colour not in COLOURINGS:
+    if not isinstance(colour, str) or colour not in COLOURINGS:
         raise UsageError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
-    if states not in _STATES:
+    if not isinstance(states, str) or states not in _STATES:
         raise UsageError(f"unknown states {states!r}", f"objects are drawn {', '.join(_STATES)}")
+    tile, columns = read_whole("tile", tile), None if columns is None else read_whole("columns", columns, 1)
     if not _TILES[0] <= tile <= _TILES[1]:
         raise UsageError(f"a tile is {tile} pixels wide", f"give a number from {_TILES[0]} to {_TILES[1]}")
     if not len(batch):
