@@ -13,14 +13,14 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from ..arguments import read_whole
+from ..arguments import read_paths, read_whole
 from ..errors import UsageError, UserError
 from ..run.manifest import Manifest
 from ..run.resume import read_folder_manifest
 from .classes import find_classes
 from .draws import Draws
 from .tasks import DTYPES, Arrays, find_task, stack_words
-from .transforms import Transform, read_transforms
+from .transforms import Transform, apply_transform, read_transforms
 
 _WORD = "affordance."
 _MOVED = ("points", "normals", "motion")  # these differ from state to state
@@ -43,7 +43,7 @@ class Stored:
         classes: Mapping[str, str] | None = None,
         transforms: Iterable[Transform] = (),
     ):
-        self.folders = [Path(f) for f in ([folders] if isinstance(folders, str | Path) else folders)]
+        self.folders = [Path(f) for f in read_paths("folders", folders, 'Stored(["microwaves", "doors"])')]
         self.task, self.seed, self.transforms = find_task(task), read_whole("seed", seed), read_transforms(transforms)
         if not self.folders:
             raise UsageError("there is no folder to read", "name one that `apgc sample` has written")
@@ -60,6 +60,8 @@ class Stored:
 
         Raises IndexError, UsageError, UserError.
         """
+        if not isinstance(items, Sequence | np.ndarray) or np.ndim(items) != 1:
+            raise UsageError(f"items is {items!r}", "give their numbers: take([0, 3]), or range(32)")
         item = np.asarray([read_whole("an item", number) for number in items], dtype=np.int64)
         read_whole("epoch", epoch, 0)
         if item.size and not (0 <= item.min() and item.max() < len(self)):
@@ -73,7 +75,7 @@ class Stored:
         known = {"object": found.pop("object"), "category": found.pop("category")}
         found = {name: found[name] for name in ("points", *self.task.points, "partial") if name in found}
         for rank, transform in enumerate(self.transforms):
-            found = transform(found, Draws(self.seed, str(rank), item, epoch))
+            found = apply_transform(transform, found, Draws(self.seed, str(rank), item, epoch))
         return known | found
 
     @cached_property

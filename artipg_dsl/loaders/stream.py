@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..annotate.cloud import Dress
-from ..arguments import read_flag, read_whole
+from ..arguments import read_flag, read_paths, read_whole
 from ..details.dressing import refuse_idle_strength
 from ..errors import SettingError, UsageError
 from ..run.job import Job, open_job, open_program, prepare
@@ -25,7 +25,7 @@ from ..run.settings import Value
 from .classes import find_classes
 from .draws import Draws
 from .tasks import Arrays, find_task, make_arrays, state_of
-from .transforms import Transform, read_transforms
+from .transforms import Transform, apply_transform, read_transforms
 
 if TYPE_CHECKING:
     from ..graph.program import Program
@@ -68,10 +68,14 @@ class Stream:
         details: str | Path | Mapping[str, str | Path] | None = None,
         detail_strength: float = 1.0,
     ):
-        self.sources = [str(c) for c in ([categories] if isinstance(categories, str | Path) else categories)]
+        self.sources = read_paths("categories", categories, 'Stream(["Microwave", "Door"])')
         self.task = find_task(task)
         if not self.sources:
             raise UsageError("there is no category to make objects of", 'name one, such as Stream("Microwave")')
+        if twice := next((s for k, s in enumerate(self.sources) if s in self.sources[:k]), None):
+            raise UsageError(f"{twice} is named twice: each of its objects would come twice", "name it once")
+        if view is not None and not isinstance(view, Mapping):
+            raise UsageError(f"view is {view!r}", 'it says what a camera file says: view={"width": 320}')
         if view is not None and not self.task.partial:
             raise UsageError(f"{self.task.name} has no camera to look through", "leave out `view`, or take completion")
         refuse_idle_strength(details, detail_strength)
@@ -79,7 +83,7 @@ class Stream:
         self.size, self.each, self.points = (read_whole(name, number, 1) for name, number in counts.items())
         self.seed = read_whole("seed", seed)
         self.states, self.fresh, self.view = states, read_flag("fresh", fresh), dict(view or {})
-        self.transforms, self._chosen = read_transforms(transforms), None if classes is None else dict(classes)
+        self.transforms, self._chosen = read_transforms(transforms), classes
         self._nested, self._checked = (
             isinstance(set, Mapping) and any(isinstance(v, Mapping) for v in set.values()),
             checked,
@@ -88,7 +92,7 @@ class Stream:
             self._by_source("settings", set or {}) if self._nested else dict.fromkeys(self.sources, set)
         )
         self._settings = each
-        self._details, self._strength = self._read_details(details), float(detail_strength)
+        self._details, self._strength = self._read_details(details), detail_strength
         self._prior = None if prior is None else read_prior(prior)
         self._frame = frame
         self.words  # noqa: B018  # what is wrong with the arguments is told here, not in a worker
@@ -187,7 +191,7 @@ class Stream:
 
         Raises NoObject, IndexError, UsageError, UserError.
         """
-        read_whole("epoch", epoch, 0)
+        k, epoch = read_whole("the number of a batch", k), read_whole("epoch", epoch, 0)
         if not 0 <= k < len(self):
             raise IndexError(f"there are {len(self)} batches, no batch {k}")
         item = np.arange(k * self.each, min((k + 1) * self.each, self.size))
@@ -201,7 +205,7 @@ class Stream:
             for name, array in self._arrays(c, made, state).items():
                 found.setdefault(name, np.empty((len(item), *array.shape[1:]), array.dtype))[mine] = array
         for rank, transform in enumerate(self.transforms):
-            found = transform(found, Draws(self.seed, str(rank), place, epoch))
+            found = apply_transform(transform, found, Draws(self.seed, str(rank), place, epoch))
         return {"object": number, "category": category} | found
 
     def _arrays(self, category: int, made: Batch, state: np.ndarray) -> Arrays:

@@ -46,6 +46,8 @@ _AFFORDANCE = "affordance."
 
 def find_task(name: str) -> Task:
     """Raises UsageError."""
+    if not isinstance(name, str):
+        raise UsageError(f"a task is named by a text, not {name!r}", f"the tasks are {', '.join(TASKS)}")
     if name not in TASKS:
         raise UsageError(f"there is no task {name!r}", did_you_mean(name, TASKS) or f"the tasks are {', '.join(TASKS)}")
     return TASKS[name]

@@ -36,6 +36,22 @@ def read_transforms(given: Iterable[Transform]) -> list[Transform]:
     return found
 
 
+def apply_transform(transform: Transform, arrays: Arrays, draws: Draws) -> Arrays:
+    """What a transform makes of the arrays of a batch. Raises UsageError where it is not as many objects, or no arrays at all."""
+    made = transform(arrays, draws)
+    if not isinstance(made, dict) or not all(isinstance(array, np.ndarray) for array in made.values()):
+        shown = type(made).__name__ if not isinstance(made, dict) else "a dictionary of something else"
+        raise UsageError(f"the transform {transform!r} gives {shown}", "it returns the arrays: arrays | {...}")
+    count = len(arrays["points"])
+    if wrong := [name for name, array in made.items() if array.shape[:1] != (count,)]:
+        shape = made[wrong[0]].shape
+        raise UsageError(
+            f"the transform {transform!r} makes {wrong[0]!r} of shape {shape}",
+            f"the first axis is that of the {count} objects",
+        )
+    return made
+
+
 @dataclass(frozen=True, slots=True)
 class Normalise:
     """Moves the middle of the box of ``points`` to 0 and scales to a radius of 1; ``by="partial"`` measures what is seen."""
@@ -68,7 +84,9 @@ class Turn:
 
     def __post_init__(self) -> None:
         read_amount("degrees", self.degrees)
-        _check(self.axis in _AXES, f"there is no axis {self.axis!r}", "the axes are x, y, z")
+        _check(
+            isinstance(self.axis, str) and self.axis in _AXES, f"there is no axis {self.axis!r}", "the axes are x, y, z"
+        )
 
     def __call__(self, arrays: Arrays, draws: Draws) -> Arrays:
         angle = np.radians(self.degrees) * (2 * draws.uniform() - 1)[:, None]

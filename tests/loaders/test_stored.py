@@ -58,8 +58,13 @@ def test_items_are_whole_numbers_of_some_folder(folders: list[Path]) -> None:
     for items, epoch, told in (([1.5], 0, "an item is 1.5"), ([0], -1, "epoch is -1")):
         with pytest.raises(UserError, match=told):
             stored.take(items, epoch)  # type: ignore[arg-type]
+    for wrong in (0, slice(0, 2), np.zeros((1, 1), dtype=int)):
+        with pytest.raises(UserError, match="give their numbers"):
+            stored.take(wrong)  # type: ignore[arg-type]
     with pytest.raises(UserError, match="no folder to read"):
         Stored([])
+    with pytest.raises(UserError, match="folders is None"):
+        Stored(None)  # type: ignore[arg-type]
 
 
 def test_what_is_missing_is_named(folders: list[Path], chest: Path, tmp_path: Path) -> None:

@@ -105,11 +105,41 @@ def test_it_travels_to_another_process(stream: Stream) -> None:
         ({"prior": {"knbos": {"1": 1}}}, "knobs"),
         ({"prior": {"draws": {"Box": {"knobs": {"1": 1}}}}}, "says nothing of Chest"),
         ({"prior": "partnot"}, "there is no prior partnot"),
+        ({"task": None}, "a task is named by a text, not None"),
+        ({"states": None}, "states is None: text is needed"),
+        ({"classes": 3}, "classes is 3"),
+        ({"task": "completion", "view": 3}, "view is 3"),
     ],
 )
 def test_what_is_wrong_is_said_at_once(chest: Path, options: dict[str, object], message: str) -> None:
     with pytest.raises(UserError, match=message):
         Stream(chest, **options)  # type: ignore[arg-type]
+
+
+def test_categories_are_names_each_once(chest: Path) -> None:
+    for categories, message in (
+        (None, "categories is None"),
+        ([3], r"categories is \[3\]"),
+        ([chest, chest], "named twice"),
+    ):
+        with pytest.raises(UserError, match=message):
+            Stream(categories)  # type: ignore[arg-type]
+    with pytest.raises(UserError, match="the number of a batch is 0.5"):
+        Stream(chest, size=2, batch=1, points=8).batch(0.5)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("transform", "message"),
+    [
+        (lambda arrays, draws: None, "gives NoneType"),
+        (lambda arrays, draws: arrays | {"extra": 3}, "gives a dictionary of something else"),
+        (lambda arrays, draws: {"points": arrays["points"][0]}, r"makes 'points' of shape \(8, 3\)"),
+    ],
+)
+def test_a_transform_gives_arrays_of_as_many_objects(chest: Path, transform: object, message: str) -> None:
+    data = Stream(chest, size=2, batch=2, points=8, transforms=[transform])  # type: ignore[list-item]
+    with pytest.raises(UserError, match=message):
+        data.batch(0)
 
 
 def test_what_is_wrong_with_any_category_is_said_at_once(chest: Path, tmp_path: Path) -> None:

@@ -131,6 +131,7 @@ def test_wrong_measures() -> None:
         lambda: Turn(axis="w"),
         lambda: Scale(2, 1),
         lambda: View(0),
+        lambda: Turn(axis=[0, 0, 1]),  # type: ignore[arg-type]
         *WRONG,
     ):
         with pytest.raises(UsageError):
