@@ -157,6 +157,19 @@ def test_joint_values_beyond_the_limits_are_refused(chests: apg.Samples) -> None
         chests.meshes(-1 - chests.opened())
 
 
+def test_what_everything_is_computed_from_is_not_changed_by_accident(chests: apg.Samples) -> None:
+    before = chests.points(8).position
+    rest = chests.rest()
+    rest[:] = chests.opened()  # as one does who sets a joint
+    assert (chests.rest() != rest).any() and (chests.points(8).position == before).all()
+    assert (chests.points(8, rest).position != before).any()
+    for array in (chests.numbers, chests.links().translation, chests.joints().high, chests.parts().low):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 0
+    chests.links().name.clear()
+    assert len(chests.links().name) == len(chests.links().owner)
+
+
 def test_what_is_taken_for_no_is_not_written_over(chests: apg.Samples, tmp_path: Path) -> None:
     (made,) = chests.object(0).to_urdf(tmp_path)
     before = made.stat().st_mtime_ns

@@ -57,8 +57,10 @@ class Files:
 
     @property
     def numbers(self) -> np.ndarray:
-        """(B,) object numbers, ascending."""
-        return self.batch.numbers
+        """(B,) int64, the object numbers, ascending and each once, in whatever order they were asked for; read-only."""
+        numbers = self.batch.numbers.view()
+        numbers.flags.writeable = False
+        return numbers
 
     def to(
         self,

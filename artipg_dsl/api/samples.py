@@ -13,6 +13,7 @@ from ..arguments import read_amount, read_flag, read_whole
 from ..diagnostics.suggest import did_you_mean
 from ..errors import MissingName, UsageError
 from ..run.schema import LARGEST
+from ..runtime.columns import read_only
 from .files import Files
 
 if TYPE_CHECKING:
@@ -36,7 +37,8 @@ _MOST_GRASPS = 10_000  # of a family; each is tested against the whole object
 class Samples(Files):
     """Objects of one category as columns. Rows of all tables and arrays are in the order of ``numbers``.
 
-    Frames are right-handed, x to the front, y to the left, z up; metres and radians.
+    Frames are right-handed, x to the front, y to the left, z up; metres and radians. ``numbers`` and the columns of ``links``,
+    ``joints`` and ``parts`` are read-only, since everything else is computed from them: ``column.copy()`` can be changed.
     """
 
     def __iter__(self) -> Iterator[Object]:
@@ -109,15 +111,15 @@ class Samples(Files):
 
     def links(self) -> LinkTable:
         """The rigid links of all objects in one table; ``owner`` is the index of the object."""
-        return self.batch.links()
+        return read_only(self.batch.links())
 
     def joints(self) -> JointTable:
         """The joints; origin and axis in the object's frame at joint values 0."""
-        return self.batch.joints()
+        return read_only(self.batch.joints())
 
     def parts(self) -> PartTable:
         """The parts with their boxes and poses."""
-        return self.batch.parts()
+        return read_only(self.batch.parts())
 
     def annotations(self, states: JointStates = None, *, gripper: Gripper | str = "standard") -> list[dict[str, Any]]:
         """The annotation of each object as plain data: joints, parts, grasps, keypoints, drawn values.
@@ -164,8 +166,8 @@ class Samples(Files):
     # ------------------------------------------------------------ joint values
 
     def rest(self) -> np.ndarray:
-        """Joint values (J,) at rest, in the order of ``joints()``."""
-        return self.batch.rest()
+        """Joint values (J,) float64 at rest, in the order of ``joints()``; radians and metres. The array is yours to change."""
+        return self.batch.rest().copy()
 
     def opened(self) -> np.ndarray:
         """Joint values (J,) with every limited joint 80 % of the way from rest to its farther end."""

@@ -1,10 +1,11 @@
-"""How tables and sets of arrays show themselves: what they hold, not all of it."""
+"""Tables and sets of arrays: how they show what they hold, and how they are handed out to be read alone."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import fields
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -20,6 +21,23 @@ class Columns:
             told |= _tell(field.name, getattr(self, field.name))
         width = max(map(len, told), default=0)
         return "\n".join([type(self).__name__, *(f"    {name:{width}}  {what}" for name, what in told.items())])
+
+
+Table = TypeVar("Table", bound=Columns)
+
+
+def read_only(table: Table) -> Table:
+    """The same columns, of which arrays cannot be written to and lists are copies: a table that others read, too."""
+    found = copy(table)
+    for name in (field.name for field in fields(table)):  # type: ignore[arg-type]
+        value = getattr(table, name)
+        if isinstance(value, np.ndarray):
+            value = value.view()
+            value.flags.writeable = False
+        elif isinstance(value, list):
+            value = list(value)
+        object.__setattr__(found, name, value)
+    return found
 
 
 def _tell(name: str, value: Any) -> dict[str, str]:
