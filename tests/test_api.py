@@ -170,6 +170,22 @@ def test_what_everything_is_computed_from_is_not_changed_by_accident(chests: apg
     assert len(chests.links().name) == len(chests.links().owner)
 
 
+def test_a_folder_of_a_program_given_as_text_says_so(tmp_path: Path) -> None:
+    text = "apg 1\nuse primitives { Cuboid }\ncategory Slab { root part body : Cuboid(size = [1m, 1m, 1m]) }\n"
+    slab = apg.load(text)
+    folder = slab.to(tmp_path / "out", points=4)
+    with pytest.raises(UserError, match="a program `Slab` that is neither shipped nor in a file"):
+        apg.open_samples(folder)
+    with pytest.raises(KeyError, match="it draws nothing"):
+        slab["width"]
+    with pytest.raises(UsageError, match="it has none at all"):
+        slab.states(open=1)
+
+
+def test_an_array_without_axes_is_a_number() -> None:
+    assert apg.sample(CHEST, set={"width": np.array(0.5), "knobs": np.array(2)})["width"] == [0.5]
+
+
 def test_what_is_taken_for_no_is_not_written_over(chests: apg.Samples, tmp_path: Path) -> None:
     (made,) = chests.object(0).to_urdf(tmp_path)
     before = made.stat().st_mtime_ns

@@ -174,7 +174,7 @@ def name_values(batch: Batch, named: Iterable[tuple[str, float, str]]) -> np.nda
     defined = {name for joint in batch.program.joints for name in (joint.name, joint.path)} | set(joints.name)
     for name, number, unit in named:
         if name not in defined:
-            known = f"its joints are {', '.join(every)}" if every else ""
+            known = f"its joints are {', '.join(every)}" if every else "it has none at all"
             raise UsageError(f"{batch.program.name} has no joint `{name}`", did_you_mean(name, every) or known)
         for row in [k for k, names in enumerate(zip(joints.name, own, strict=True)) if name in names]:
             units = _LENGTHS if JOINTS[joints.kind[row]].slides else _ANGLES

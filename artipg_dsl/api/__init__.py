@@ -40,8 +40,9 @@ def sample(
 ) -> Samples:
     """Sample objects of a category, which is a shipped one (by name) or a file.
 
-    Makes ``n`` objects, 0 .. n - 1 (default 1), or those of the given ``numbers``: for one seed, a number always means
-    the same object. ``set`` fixes parameters: text with a unit, ``{"width": "45cm", "handle": "none"}``, or
+    Makes ``n`` objects, 0 .. n - 1 (default 1), or those of the given ``numbers``, a sequence or an array of whole numbers from 0
+    on, which the result has ascending and each once. For one ``seed``, a whole number, a number always means the same object,
+    whatever else is made with it. ``set`` fixes parameters: text with a unit, ``{"width": "45cm", "handle": "none"}``, or
     numbers in metres and radians. Objects whose links collide, at rest or while a joint moves, are drawn again unless
     ``checked`` is false. ``sampling="prior"`` resamples to the declared distributions, which sequential drawing
     shifts (``"prior:128"``: from 128 attempts per object). With ``repair``, invalid objects are corrected by the
@@ -50,7 +51,7 @@ def sample(
     ``repairs`` lists the changed values. ``prior`` draws by other weights and narrower ranges: the name of a shipped one
     ("partnet"), a file, or a dictionary, ``{"tray": 0.23, "handle": {"BarHandle": 3, "none": 1}}``. ``frame`` turns the objects
     to lie as those of another collection: the name of a shipped one ("partnet"), or a file. Raises CompileError, SettingError,
-    NoObject, UserError.
+    NoObject, UsageError, UserError.
     """
     request = read_request(
         category,
@@ -78,7 +79,12 @@ def load(
     prior: str | Path | Mapping[str, Any] | None = None,
     frame: str | Path | None = None,
 ) -> Samples:
-    """Sample objects of a category given as program text. Raises CompileError, SettingError, NoObject."""
+    """Sample objects of a category given as program text; the arguments are those of ``sample``.
+
+    What is wrong with the text is told with its line and column in ``<text>``. A folder that ``to`` writes keeps the objects, but
+    not the text: ``open_samples`` can read folders of programs in files only. Raises CompileError, SettingError, NoObject,
+    UsageError, UserError.
+    """
     if not isinstance(text, str):
         raise UsageError(f"`load` takes the text of a program, not {text!r}", "a name or a file goes to `sample`")
     name = text.strip()

@@ -154,7 +154,7 @@ class Samples(Files):
             known = sorted({d.column.name for d in self.batch.program.draws})
             if draws:
                 raise MissingName(f"an object has several of {name}", "see `drawn` of an object")
-            hint = did_you_mean(name, known) or f"there are {', '.join(known)}"
+            hint = did_you_mean(name, known) or (f"there are {', '.join(known)}" if known else "it draws nothing")
             raise MissingName(f"{self.category} draws no `{name}`", hint)
         words = draws[0][1].kind == "choice"
         found = np.full(len(self), "" if words else np.nan, dtype=object if words else np.float64)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from dataclasses import replace
 
+from ..diagnostics import CompileError
 from ..errors import UsageError, UserError
 from ..export.objects import OBJECTS
 from ..export.registry import FORMATS, TABLES
@@ -13,7 +14,7 @@ from ..export.write import ExportError, ensure_folder, explain, sweep_unfinished
 from . import manifest as manifests
 from .job import Job, open_job
 from .manifest import Manifest
-from .request import Request
+from .request import Request, is_file
 from .tables import Tables
 
 
@@ -35,6 +36,13 @@ def remake(folder: Place | str, manifest: Manifest) -> Job:
     identity = manifest["identity"]
     try:
         job = open_job(Request.from_manifest(identity, manifest["source"], place_of(folder)))
+    except CompileError:
+        if is_file(manifest["source"]):
+            raise
+        raise UserError(
+            f"{folder} was made by a program `{manifest['source']}` that is neither shipped nor in a file",
+            "text given to `load` is not kept: write it to a file, and make the folder by `sample`",
+        ) from None
     except UsageError as error:  # what the manifest says, nobody has typed
         raise UserError(f"{place_of(folder) / manifests.NAME}: {error.message}", error.hint) from None
     if TABLES not in identity["formats"] or job.request.mutations:  # mutants are told by what made them, too

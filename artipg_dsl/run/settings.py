@@ -8,6 +8,8 @@ from collections.abc import Iterable, Mapping
 from numbers import Real
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ..diagnostics.suggest import did_you_mean
 from ..errors import SettingError
 from ..graph import expr as E
@@ -92,6 +94,8 @@ def read_setting(draw: Draw, value: Value, *, anywhere: bool = False) -> tuple[f
 
     ``anywhere``: outside its domain, too.
     """
+    if isinstance(value, np.ndarray) and not value.ndim:
+        value = value.item()
     if draw.kind == "choice":
         return _option(draw, value)
     number = float(value) if isinstance(value, Real) and not isinstance(value, bool) else _number(draw, str(value))
