@@ -13,7 +13,6 @@ from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from ..arguments import read_path
 from ..errors import UserError
 
 MARK = ".partial-"
@@ -141,6 +140,8 @@ def is_same(one: Place, other: Place) -> bool:
 def place_of(name: str | Path | Remote) -> Place:
     """A folder by its name or address; ``file://`` is one here. Raises UsageError for what is neither."""
     if not isinstance(name, Remote):
+        from ..arguments import read_path  # start-up: NumPy
+
         read_path("a folder", name, '"microwaves"')
     match = _ADDRESS.fullmatch(str(name))
     if match is None or isinstance(name, Path):
