@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
 from html import escape
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -18,16 +19,6 @@ from ..errors import UsageError
 from ..run.job import Job
 
 _PICTURED = 8  # objects on the picture in a notebook
-_SHEET = {
-    "colour",
-    "columns",
-    "details",
-    "resolution",
-    "states",
-    "tile",
-    "view",
-    "which",
-}  # of what a picture may be told
 
 
 class Files:
@@ -223,14 +214,15 @@ class Files:
 
     def sheet(self, path: str | Path, **options: Any) -> Path:
         """Draw all objects to a PNG; the options are those of ``view.sheet.draw_sheet`` (colour, tile, columns, states, view)."""
-        from ..view.sheet import write_sheet
+        from ..view.sheet import draw_sheet, write_sheet
 
         file = read_path("a picture", path, '"sheet.png"')
         if file.suffix.lower() != ".png":
             raise UsageError(f"pictures are written as PNG, not as {path}", "choose a name that ends in .png")
-        if unknown := sorted(options.keys() - _SHEET):
-            known = ", ".join(sorted(_SHEET))
-            raise UsageError(f"a picture has no {unknown[0]!r}", did_you_mean(unknown[0], _SHEET) or f"give {known}")
+        known = [name for name, one in signature(draw_sheet).parameters.items() if one.kind is one.KEYWORD_ONLY]
+        if unknown := sorted(options.keys() - known):
+            hint = did_you_mean(unknown[0], known) or f"give {', '.join(known)}"
+            raise UsageError(f"a picture has no {unknown[0]!r}", hint)
         write_sheet(self.batch, path, force=True, **options)
         return file
 

@@ -9,15 +9,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from hashlib import blake2b
-from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import random
-from ..arguments import read_path
-from ..errors import UsageError, UserError
+from ..arguments import read_amount, read_path
+from ..errors import UserError
 from ..geometry import points as geometry
 from ..geometry.nearest import Nearest
 from ..geometry.pointset import PointSet
@@ -44,10 +43,9 @@ _APART = 100.0  # diagonals between objects that are compared together
 
 def read_dressing(folder: str | Path, strength: float = 1.0) -> Dressing:
     """The details in a folder. Raises UserError, UsageError."""
-    if not isinstance(strength, Real) or isinstance(strength, bool) or not 0.0 <= strength <= 1.0:
-        raise UsageError(f"the strength of details is {strength!r}", "give a number from 0 (the structure) to 1")
+    strength = read_amount("the strength of details", strength, 0.0, 1.0)
     _, mark = _summary(read_path("a folder of details", folder, '"bound"'))
-    return Dressing(str(folder), mark, float(strength))
+    return Dressing(str(folder), mark, strength)
 
 
 def _summary(folder: Path) -> tuple[dict[str, Any], str]:
