@@ -67,7 +67,3 @@ class Entry:
     def chunks(self) -> list[np.ndarray]:
         """The numbers of objects that are made together."""
         return [self.numbers[at : at + self.chunk] for at in range(0, len(self.numbers), self.chunk)]
-
-    def shards(self, split: str) -> list[int]:
-        """The chunks that hold any object of a split."""
-        return [k for k, numbers in enumerate(self.chunks()) if len(self.splits(numbers)[split])]

@@ -32,6 +32,7 @@ _EMPTY: dict[str, np.ndarray] = {
     "opacity": np.zeros((0, POINTS), np.float32),
     "label": np.zeros((0, POINTS), np.int32),
 }
+_NAMED = {name: (name, empty) for name, empty in _EMPTY.items()}
 _CLASSES = np.zeros((0, POINTS), np.uint8)
 
 
@@ -116,11 +117,11 @@ def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes | Callable[
             groups = spread(_rows(entry, split, folder), MOST)
             listed = "".join(f"{split}-{k:02d}.h5\n" for k in range(len(groups))).encode()
             for k, group in enumerate(groups):
-                place, points = f"ins_seg_h5/{name}/{split}-{k:02d}", {key: (key, _EMPTY[key]) for key in _EMPTY}
-                made[f"{place}.h5"] = partial(_join, group, points, {})
+                place = f"ins_seg_h5/{name}/{split}-{k:02d}"
+                made[f"{place}.h5"] = partial(_join, group, _NAMED, {})
                 made[f"{place}.json"] = partial(_tell, group)
                 for level in entry.words["levels"]:
-                    sets = {"data": points["pts"], "label_seg": (_level(level), _CLASSES)}
+                    sets = {"data": _NAMED["pts"], "label_seg": (_level(level), _CLASSES)}
                     more = {"data_num": np.full(len(group), POINTS, dtype=np.int32)}
                     made[f"sem_seg_h5/{name}-{level}/{split}-{k:02d}.h5"] = partial(_join, group, sets, more)
             for level in entry.words["levels"]:
