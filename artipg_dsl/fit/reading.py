@@ -185,7 +185,8 @@ def _read_points(path: Path) -> Cloud:
                     )
                 if label.max(initial=-1) >= len(names):
                     raise UserError(
-                        f"{path.name}: `{ids}` has {label.max()}, and `{words}` names 0 to {len(names) - 1}"
+                        f"{path.name}: `{ids}` has {label.max()}, and `{words}` names 0 to {len(names) - 1}",
+                        "-1 stands for none",
                     )
                 return Cloud(points, normals, label, names)
         return Cloud(points, normals, np.full(len(points), -1), ())

@@ -270,12 +270,9 @@ def read_numbers(n: int | None, numbers: Sequence[int] | np.ndarray | None) -> R
         raise UsageError(f"object numbers are a list, not an array of shape {asked.shape}", _NUMBERS)
     if asked.size and asked.dtype.kind not in "iu":
         first = asked.reshape(-1).tolist()[0]
-        large = isinstance(first, int) and not isinstance(
-            first, bool
-        )  # of so many digits that NumPy takes it for an object
-        raise UsageError(
-            f"there is no object {first}" if large else f"object numbers are whole numbers, not {first!r}", _NUMBERS
-        )
+        if type(first) is int:  # of so many digits that NumPy takes it for something else
+            raise UsageError(f"there is no object {first}", _NUMBERS)
+        raise UsageError(f"object numbers are whole numbers, not {first!r}", _NUMBERS)
     if not asked.size:
         raise UsageError("no object is asked for: `numbers` is empty", _NUMBERS)
     if (wrong := asked[(asked < 0) | (asked >= LARGEST)]).size:
