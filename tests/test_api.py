@@ -88,6 +88,19 @@ def test_a_program_as_text() -> None:
         apg.load(text.replace(": Cuboid", ": Cuboidd"))
 
 
+def test_several_mutants_of_each(chests: apg.Samples) -> None:
+    some = apg.sample(CHEST, numbers=[3, 8], seed=7)
+    made, alone = some.mutate("cpa", n=3), [some.mutate("cpa", variant=k) for k in range(3)]
+    assert made.numbers.tolist() == [*range(6)]
+    assert [one.drawn for one in made] == [one.object(n).drawn for n in (3, 8) for one in alone]
+    assert made.object(4).mutate("cpa", n=2).numbers.tolist() == [0, 1]
+    focused = some.mutate(one="width", n=2)
+    assert len(focused) == 6 and focused.object(3).drawn == some.object(8).drawn
+    for n in (0, 10**9, "3"):
+        with pytest.raises(UsageError, match=f"^n is {n!r}"):
+            some.mutate(n=n)  # type: ignore[arg-type]
+
+
 def test_tables_share_owners(chests: apg.Samples) -> None:
     links, joints, parts = chests.links(), chests.joints(), chests.parts()
     assert (np.bincount(links.owner) == 2).all() and (np.bincount(joints.owner) == 1).all()

@@ -12,7 +12,7 @@ import numpy as np
 from ..arguments import read_amount, read_flag, read_whole
 from ..diagnostics.suggest import did_you_mean
 from ..errors import MissingName, UsageError
-from ..run.schema import LARGEST
+from ..run.schema import LARGEST, MOST
 from ..runtime.columns import read_only
 from .files import Files
 
@@ -62,6 +62,7 @@ class Samples(Files):
         self,
         operations: str | Iterable[str] = "apa,dpa,cpa",
         *,
+        n: int | None = None,
         variant: int = 0,
         strength: float = 1.0,
         share: float = 0.5,
@@ -70,6 +71,8 @@ class Samples(Files):
     ) -> Samples:
         """One mutant of each object: templates swapped (apa), counts changed (dpa), parameters perturbed (cpa).
 
+        A mutant has the number of its original. With ``n``, there are so many of each, numbered anew from 0: those of the first, of the
+        second, ..., as ``apgc mutate -n`` makes them, with ``one`` each after its original.
         All other values are kept as far as they remain legal. Another ``variant`` gives other mutants; ``only``
         limits the parts and values that may change (``"door,handle*"``), ``share`` is the fraction of eligible
         templates and counts to change, ``strength`` scales the steps of cpa. ``one`` names a single value to change
@@ -77,8 +80,11 @@ class Samples(Files):
         """
         from ..sampling.mutation import Mutation, read_operations
 
-        step = Mutation(read_operations(operations), variant, strength, share, only).focused(one)
-        return Samples(self.job.mutated(step))
+        each = 1 if n is None else read_whole("n", n, 1, MOST // len(self))
+        sources = None if n is None else self.job.request.numbers
+        asked = Mutation(read_operations(operations), variant, strength, share, only, each=each, sources=sources)
+        step = asked.focused(one)
+        return Samples(self.job.mutated(step, None if n is None else np.arange(len(self) * step.group)))
 
     def changes(self, number: int) -> list[Step]:
         """The mutation steps that made the object with the given number; empty for an object that was drawn."""
