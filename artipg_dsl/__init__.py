@@ -9,10 +9,36 @@ from typing import TYPE_CHECKING, Any
 
 from .version import __version__
 
-_PUBLIC = ("Object", "Samples", "categories", "load", "open_samples", "sample")
+_PUBLIC = (
+    "Bound",
+    "Fitted",
+    "FittedObject",
+    "NothingFits",
+    "Object",
+    "Samples",
+    "categories",
+    "fit_objects",
+    "load",
+    "open_fitted",
+    "open_samples",
+    "sample",
+)
 
 if TYPE_CHECKING:
-    from .api import Object, Samples, categories, load, open_samples, sample
+    from .api import (
+        Bound,
+        Fitted,
+        FittedObject,
+        NothingFits,
+        Object,
+        Samples,
+        categories,
+        fit_objects,
+        load,
+        open_fitted,
+        open_samples,
+        sample,
+    )
 
 
 def __getattr__(name: str) -> Any:
@@ -28,4 +54,18 @@ def __dir__() -> list[str]:
     return sorted([*globals(), *_PUBLIC])
 
 
-__all__ = ["Object", "Samples", "__version__", "categories", "load", "open_samples", "sample"]
+__all__ = [
+    "Bound",
+    "Fitted",
+    "FittedObject",
+    "NothingFits",
+    "Object",
+    "Samples",
+    "__version__",
+    "categories",
+    "fit_objects",
+    "load",
+    "open_fitted",
+    "open_samples",
+    "sample",
+]

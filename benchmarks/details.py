@@ -39,6 +39,7 @@ from artipg_dsl.export.shards import point_arrays
 from artipg_dsl.export.solids import build_meshes
 from artipg_dsl.fit.outer import outer
 from artipg_dsl.fit.real import read_real
+from artipg_dsl.fit.sources import File
 from artipg_dsl.geometry import points as geometry
 from artipg_dsl.geometry.resolution import STANDARD
 from artipg_dsl.run.job import Job, open_job
@@ -59,7 +60,7 @@ def objects(folder: Path) -> Iterator[tuple[Job, int, Real, dict[str, Any]]]:
     for one in json.loads((folder / "fit.json").read_text())["objects"]:
         if one["object"] is not None:
             record = json.loads((folder / "fits" / f"{one['name']}.json").read_text())
-            yield job, one["object"], read_real(Path(one["source"]), record), record
+            yield job, one["object"], read_real(File(Path(one["source"])), record), record
 
 
 def figures(folders: list[str]) -> None:

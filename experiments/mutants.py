@@ -17,8 +17,10 @@ from artipg_dsl.api import Samples
 from artipg_dsl.details.store import dress, read_dressing
 from artipg_dsl.export.containers import npz_bytes
 from artipg_dsl.fit.pose import Frame
-from artipg_dsl.run.bindings import Binding, write_bindings
-from artipg_dsl.run.fits import Asked, write_fits
+from artipg_dsl.run.binding import Binding
+from artipg_dsl.run.bindings import write_bindings
+from artipg_dsl.run.fits import Folder, write_fits
+from artipg_dsl.run.fitting import Asked
 from artipg_dsl.run.job import open_program
 from artipg_dsl.sampling.mutation import Mutation
 
@@ -50,13 +52,13 @@ def fit_each(objects: Mapping[int, Real], folder: Path) -> list[Fit]:
         (place / "cloud.npz").write_bytes(npz_bytes(arrays))
         fit = Fit(origin, one.category, one.name, place / "fitted", place / "bound")
         sampler, source = open_program(one.category)
-        asked = Asked(source, fit.fitted, Frame(up="z", front="x"), pictures=False)
-        told = write_fits(sampler, asked, [place / "cloud.npz"])["objects"]
+        asked, to = Asked(source, Frame(up="z", front="x")), Folder(fit.fitted, pictures=False)
+        told = write_fits(sampler, asked, to, [place / "cloud.npz"])["objects"]
         if not told or told[0]["object"] is None:
             print(f"left out of what is mutated: {one.title}, to which no valid object fits", flush=True)
             continue
         print(f"fitted {one.title}: {told[0]['distance']:.2f} % of the diagonal off", flush=True)
-        write_bindings(Binding(fit.fitted, fit.bound, BOUND, "mutual"))
+        write_bindings(fit.fitted, Binding(BOUND, "mutual"), fit.bound)
         found.append(fit)
     return found
 

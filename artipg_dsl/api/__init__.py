@@ -4,6 +4,8 @@ In: names, numbers and arrays. Out: objects, and files of them. Begin with ``sam
 
     samples     objects as tables, points, views, meshes; one object
     files       writing objects: data sets, robots, pictures
+    fitted      fitting real objects
+    bound       their details, and which details objects wear
 """
 
 from __future__ import annotations
@@ -21,6 +23,8 @@ from ..run.resume import reopen
 from ..run.schema import expand
 from ..run.settings import Value
 from ..session import Session, categories
+from .bound import Bound
+from .fitted import Fitted, FittedObject, NothingFits, fit_objects, open_fitted
 from .samples import Object, Samples
 
 
@@ -112,4 +116,17 @@ def open_samples(folder: str | Path, *, numbers: Sequence[int] | np.ndarray | No
     return Samples(job.of(asked))
 
 
-__all__ = ["Object", "Samples", "categories", "load", "open_samples", "sample"]
+__all__ = [
+    "Bound",
+    "Fitted",
+    "FittedObject",
+    "NothingFits",
+    "Object",
+    "Samples",
+    "categories",
+    "fit_objects",
+    "load",
+    "open_fitted",
+    "open_samples",
+    "sample",
+]

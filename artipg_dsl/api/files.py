@@ -17,6 +17,7 @@ from ..arguments import read_flag, read_path
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError
 from ..run.job import Job
+from .bound import Worn, choose_details, require_folder
 
 _PICTURED = 8  # objects on the picture in a notebook
 
@@ -35,8 +36,7 @@ class Files:
         return f"<{self._title()}>"
 
     def _title(self) -> str:
-        count = "1 object" if len(self) == 1 else f"{len(self)} objects"
-        return f"{self.category}: {count}, seed {self.seed}"
+        return f"{self.category}: {count_objects(len(self))}, seed {self.seed}"
 
     @property
     def category(self) -> str:
@@ -69,21 +69,20 @@ class Files:
         weights: str | Mapping[str, float] | None = None,
         tolerance: float | None = None,
         triangles: int | None = None,
-        details: str | Path | None = None,
+        details: Worn = None,
         detail_strength: float = 1.0,
         force: bool = False,
     ) -> Path:
         """Write a folder like ``apgc sample``: shards, a folder per object for formats that need it, the manifest.
 
         The options are those of the command, of ``points`` and of ``meshes``; ``states`` is text such as "open,random:4",
-        ``views`` a number or cameras. ``details``, written by ``apgc bind``, are borrowed by points and by meshes.
+        ``views`` a number or cameras. ``details``, a folder written by ``apgc bind`` or bound ones that are saved, are worn by points
+        and by meshes.
         """
-        from ..details.dressing import refuse_idle_strength
         from ..export.registry import choose_formats
         from ..run.dataset import write_dataset
         from ..run.output import Output, read_content, refuse_idle
 
-        refuse_idle_strength(details, detail_strength)
         out, force = _read_folder(folder), read_flag("force", force)
         names = None if formats is None else _read_names(formats)
         content = read_content(
@@ -101,12 +100,10 @@ class Files:
         )
         output = Output.of(choose_formats(names, views=views is not None), content)
         refuse_idle(output)
-        if details is not None:
-            from ..details.store import borrow
-
+        if (worn := choose_details(details, detail_strength, self.job)) is not None:
             if not output.wearable:
                 raise UsageError("details are worn by points and meshes: none of the formats has any", "add points")
-            worn = borrow(details, detail_strength, self.batch.program)
+            require_folder(details)
             output = replace(output, content=replace(content, details=worn))
         write_dataset(self.job.fresh(), folder, output, force=force)
         return out
@@ -118,11 +115,13 @@ class Files:
         *,
         tolerance: float | None = None,
         triangles: int | None = None,
+        details: Worn = None,
+        detail_strength: float = 1.0,
         force: bool = False,
     ) -> list[Path]:
         """Files per object, ``batch.export("robots", "urdf,glb")``; returns the folders ``objects/<number>``.
 
-        Formats are those of ``apgc export``; ``tolerance`` and ``triangles`` are as in ``meshes``. Existing files are
+        Formats are those of ``apgc export``; ``tolerance``, ``triangles`` and ``details`` are as in ``meshes``. Existing files are
         replaced only with ``force``. Raises ExportError.
         """
         from ..export.objects import object_folder, write_objects
@@ -139,7 +138,8 @@ class Files:
             if not entry.per_object:
                 raise UsageError(f"{entry.name} is written by `to`", f"`export` writes {', '.join(object_formats())}")
         fine = Resolution(tolerance=tolerance, triangles=triangles)
-        write_objects(self.batch, out, chosen, force=force, resolution=fine)
+        worn = choose_details(details, detail_strength, self.job)
+        write_objects(self.batch, out, chosen, force=force, resolution=fine, details=worn)
         return [Path(str(object_folder(out, n))) for n in self.numbers.tolist()]
 
     def lay_out(
@@ -212,18 +212,20 @@ class Files:
 
     # ------------------------------------------------------------ pictures
 
-    def sheet(self, path: str | Path, **options: Any) -> Path:
-        """Draw all objects to a PNG; the options are those of ``view.sheet.draw_sheet`` (colour, tile, columns, states, view)."""
+    def sheet(self, path: str | Path, *, details: Worn = None, detail_strength: float = 1.0, **options: Any) -> Path:
+        """Draw all objects to a PNG; the options are those of ``view.sheet.draw_sheet`` (colour, tile, columns, states, view).
+
+        ``details`` are worn as in ``meshes``.
+        """
         from ..view.sheet import draw_sheet, write_sheet
 
-        file = read_path("a picture", path, '"sheet.png"')
-        if file.suffix.lower() != ".png":
-            raise UsageError(f"pictures are written as PNG, not as {path}", "choose a name that ends in .png")
+        file = read_picture(path)
+        worn = choose_details(details, detail_strength, self.job)
         known = [name for name, one in signature(draw_sheet).parameters.items() if one.kind is one.KEYWORD_ONLY]
         if unknown := sorted(options.keys() - known):
             hint = did_you_mean(unknown[0], known) or f"give {', '.join(known)}"
             raise UsageError(f"a picture has no {unknown[0]!r}", hint)
-        write_sheet(self.batch, path, force=True, **options)
+        write_sheet(self.batch, path, force=True, details=worn, **options)
         return file
 
     @cached_property
@@ -241,6 +243,18 @@ class Files:
         more = f", the first {_PICTURED} shown" if len(self) > _PICTURED else ""
         title = escape(self._title())
         return f'<img alt="{title}" src="data:image/png;base64,{picture}"><p>{title}{more}</p>'
+
+
+def count_objects(count: int) -> str:
+    return "1 object" if count == 1 else f"{count} objects"
+
+
+def read_picture(path: str | Path) -> Path:
+    """The file of a picture. Raises UsageError."""
+    file = read_path("a picture", path, '"sheet.png"')
+    if file.suffix.lower() != ".png":
+        raise UsageError(f"pictures are written as PNG, not as {path}", "choose a name that ends in .png")
+    return file
 
 
 def _read_folder(folder: str | Path) -> Path:

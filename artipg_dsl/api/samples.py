@@ -14,6 +14,7 @@ from ..diagnostics.suggest import did_you_mean
 from ..errors import MissingName, UsageError
 from ..run.schema import LARGEST, MOST
 from ..runtime.columns import read_only
+from .bound import Worn, choose_details
 from .files import Files
 
 if TYPE_CHECKING:
@@ -223,7 +224,7 @@ class Samples(Files):
         per: str = "object",
         balance: str = "",
         weights: str | Mapping[str, float] | None = None,
-        details: str | Path | None = None,
+        details: Worn = None,
         detail_strength: float = 1.0,
     ) -> Points:
         """``n`` points per object on the visible surface with normals, labels and binding, arrays (B, n, ...).
@@ -235,22 +236,21 @@ class Samples(Files):
         ``per`` gives n points to each visible "object", "semantic" class, part "instance", "link" or "primitive"; arrays
         then have a row for each, and ``object`` says which object it belongs to. ``balance`` divides the n points of an
         object evenly over its "semantic" classes, "instance"s, "link"s or "primitive"s, or by ``weights``,
-        ``{"handle": 3}``; ``area`` is the surface area that a point represents. ``details`` is a folder written by ``apgc bind``:
-        each object borrows the details of a donor, scaled by ``detail_strength``, and ``worn`` is the bound point that each point
-        wears, -1 for none. Raises UsageError, UserError.
+        ``{"handle": 3}``; ``area`` is the surface area that a point represents. ``details`` are a
+        folder written by ``apgc bind``, or bound in memory, scaled by ``detail_strength``: objects that were fitted, and their mutants,
+        wear those that were bound to them, all others borrow those of a donor; ``worn`` is the bound point that each point wears, -1
+        for none. Raises UsageError, UserError.
         """
         from ..annotate.cloud import sample_points
         from ..annotate.sampling import Sampling, read_weights
-        from ..details.dressing import refuse_idle_strength
 
-        refuse_idle_strength(details, detail_strength)
         motion = read_flag("motion", motion)
         how, values = Sampling(n, surface, spread, per, balance, read_weights(weights)), self._values(states)
-        if details is None:
+        worn = choose_details(details, detail_strength, self.job)
+        if worn is None:
             return sample_points(self.batch, how, values, motion=motion)
-        from ..details.store import borrow, dress
+        from ..details.store import dress
 
-        worn = borrow(details, detail_strength, self.batch.program)
         return sample_points(self.batch, how, values, motion=motion, dress=partial(dress, dressing=worn))
 
     def rebind(
@@ -284,19 +284,25 @@ class Samples(Files):
         return make_views(self.batch, cameras_of(n, **camera), self._values(states), engine)
 
     def meshes(
-        self, states: JointStates = None, *, tolerance: float | None = None, triangles: int | None = None
+        self,
+        states: JointStates = None,
+        *,
+        tolerance: float | None = None,
+        triangles: int | None = None,
+        details: Worn = None,
+        detail_strength: float = 1.0,
     ) -> list[trimesh.Scene]:
         """One trimesh scene per object, a closed mesh per primitive, named after its part.
 
         ``tolerance`` is the largest distance of a mesh from the true surface, in metres; ``triangles`` the largest number
-        per object, distributed by curvature. The default is 24 steps per full turn. Raises UsageError.
+        per object, distributed by curvature. The default is 24 steps per full turn. ``details`` are worn as in ``points``. Raises
+        UsageError, UserError.
         """
         from ..export.scenes import make_scenes
         from ..geometry.resolution import Resolution
 
-        return make_scenes(
-            self.batch, self._values(states, several=False), Resolution(tolerance=tolerance, triangles=triangles)
-        )
+        values, fine = self._values(states, several=False), Resolution(tolerance=tolerance, triangles=triangles)
+        return make_scenes(self.batch, values, fine, choose_details(details, detail_strength, self.job))
 
     def grasps(self, values: int = 5, *, gripper: Gripper | str = "standard", states: JointStates = None) -> GraspTable:
         """Grasps of all objects, each family at ``values`` steps of its parameter; frames at joint values 0.
@@ -336,10 +342,18 @@ class Object(Samples):
         return self.batch.drawn(0)
 
     def mesh(
-        self, states: JointStates = None, *, tolerance: float | None = None, triangles: int | None = None
+        self,
+        states: JointStates = None,
+        *,
+        tolerance: float | None = None,
+        triangles: int | None = None,
+        details: Worn = None,
+        detail_strength: float = 1.0,
     ) -> trimesh.Scene:
         """The object as a trimesh scene, see ``meshes``."""
-        return self.meshes(states, tolerance=tolerance, triangles=triangles)[0]
+        return self.meshes(
+            states, tolerance=tolerance, triangles=triangles, details=details, detail_strength=detail_strength
+        )[0]
 
     def _title(self) -> str:
         return f"{self.category} {self.number}, seed {self.seed}"

@@ -9,7 +9,6 @@ from ..errors import UsageError
 
 _MOST = 100_000_000
 STREAM = "-"  # standard output, where one file of text is written
-_CROWD = 512  # processes
 
 
 def positive(text: str) -> int:
@@ -116,13 +115,13 @@ def part(text: str) -> tuple[int, int]:
 
 def workers(text: str) -> int:
     """``4`` processes, or ``auto``: as many as there are processors, where that pays."""
-    from ..run.sharing import AUTO
+    from ..run.sharing import AUTO, MOST
 
     if text.strip() == "auto":
         return AUTO
     number = whole(text)
-    if not 0 < number <= _CROWD:
-        raise ArgumentTypeError(f"{text} is neither a number from 1 to {_CROWD} nor `auto`")
+    if not 0 < number <= MOST:
+        raise ArgumentTypeError(f"{text} is neither a number from 1 to {MOST} nor `auto`")
     return number
 
 

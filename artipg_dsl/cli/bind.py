@@ -16,7 +16,8 @@ from .progress import Progress, took
 
 def run(options: argparse.Namespace) -> int:
     from ..fit.reading import find_files
-    from ..run.bindings import Binding, write_bindings
+    from ..run.binding import Binding
+    from ..run.bindings import write_bindings
     from .sample import refuse_file
 
     begun = time.monotonic()
@@ -25,10 +26,12 @@ def run(options: argparse.Namespace) -> int:
     if is_same(out, place_of(options.fitted)):
         raise UsageError(f"details cannot go into {out}, where the fitted objects are", "name another folder with -o")
     real = find_files(options.files) if options.files else []
-    asked = Binding(Path(options.fitted), out, options.points, options.assignment, not options.visible)
+    asked = Binding(options.points, options.assignment, not options.visible)
     with Progress(str(options.fitted)) as progress:
         progress.stage("binding")
-        summary = write_bindings(asked, real, force=options.force, workers=options.workers, progress=progress)
+        summary = write_bindings(
+            Path(options.fitted), asked, out, real, force=options.force, workers=options.workers, progress=progress
+        )
     print(json.dumps(summary, indent=1, ensure_ascii=False) if options.json else _table(summary))
     found, failed = summary["objects"], summary["failed"]
     lost = f", {plural(len(failed), 'object')} could not be bound" if failed else ""

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import UsageError, UserError
 from .arguments import STREAM
-from .fit import read_words, tell_unmatched
+from .fit import read_words, warn
 from .messages import plural, say
 from .progress import Progress
 from .wanted import open_wanted
@@ -29,6 +29,7 @@ def run(options: argparse.Namespace) -> int:
     from ..fit.pose import Frame, pose
     from ..fit.reading import find_files, read_cloud
     from ..quality.sizes import measure_extents
+    from ..run.fitting import tell_unmatched
 
     out = _refuse_early(options)
     frame = Frame(options.up, options.front, options.unit, options.normalised)
@@ -60,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
         found = measure_likeness(batch, real, words, progress)
     print(json.dumps(_plain(found, names, failed), indent=1) if options.json else _text(found, names, failed))
     if words:
-        tell_unmatched(options.map, words, sorted(labels))
+        warn(tell_unmatched(words, sorted(labels), options.map, "file"))
     if out is not None:
         _write_prior(batch, seen, words, out, options)
     say(f"{batch.program.name}: {plural(len(batch), 'sample')} beside {plural(len(real), 'real object')}")

@@ -5,21 +5,19 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import UsageError, UserError
+from ..errors import UserError
 from .messages import plural, say
 from .progress import Progress, took
-
-_SHOWN = 8  # labels of files
 
 
 def run(options: argparse.Namespace) -> int:
     from ..fit.pose import Frame
     from ..fit.reading import find_files
-    from ..run.fits import Asked, write_fits
+    from ..run.fits import Folder, write_fits
+    from ..run.fitting import Asked, tell_unmatched
     from ..run.job import open_program
     from .sample import refuse_file
 
@@ -33,14 +31,15 @@ def run(options: argparse.Namespace) -> int:
         sampler, source = open_program(options.program)
         words = read_words(options.map, sampler.program.vocabularies.get("semantic", ()))
         progress.stage("fitting")
-        asked = Asked(
-            source, out, frame, options.seed or 0, not options.unchecked, words, not options.plain, not options.at_rest
+        asked = Asked(source, frame, options.seed or 0, not options.unchecked, words, not options.at_rest)
+        folder = Folder(out, pictures=not options.plain)
+        summary = write_fits(
+            sampler, asked, folder, paths, force=options.force, workers=options.workers, progress=progress
         )
-        summary = write_fits(sampler, asked, paths, force=options.force, workers=options.workers, progress=progress)
     print(json.dumps(summary, indent=1, ensure_ascii=False) if options.json else _table(summary))
     found, failed = summary["objects"], summary["failed"]
     if found and "labels" in summary:
-        tell_unmatched(options.map, dict(words), summary["labels"])
+        warn(tell_unmatched(dict(words), summary["labels"], options.map, "file"))
     good = [one for one in found if one["object"] is not None]
     far = len(found) - len(good)
     lost = f", {plural(far, 'object')} not among them: without a valid fit" if far else ""
@@ -61,20 +60,15 @@ def _table(summary: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def tell_unmatched(name: str, words: Iterable[str], labels: Sequence[str]) -> None:
-    """Say which names of a map file are those of no label of any file."""
-    from ..diagnostics.suggest import any_of
-
-    missing = [theirs for theirs in words if theirs not in labels]
-    if missing:
-        shown = any_of(labels[:_SHOWN], "and") + (f" and {len(labels) - _SHOWN} more" if labels[_SHOWN:] else "")
-        has = f"their labels are {shown}" if labels else "they have none"
-        say(f"warning: no file has a label {any_of(missing)}, as {name} says: {has}")
+def warn(text: str) -> None:
+    """Say what a map names for nothing, if anything."""
+    if text:
+        say(f"warning: {text}")
 
 
 def read_words(name: str | None, known: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
     """The pairs of a map file: their name, our word. Raises UserError, UsageError."""
-    from ..diagnostics.suggest import did_you_mean
+    from ..run.fitting import check_words
     from ..shapes import read_once
 
     if name is None:
@@ -89,9 +83,4 @@ def read_words(name: str | None, known: tuple[str, ...]) -> tuple[tuple[str, str
         raise UserError(f"{name}: {twice}", "leave one of them out") from None
     if not isinstance(found, dict) or not all(isinstance(word, str) for word in found.values()):
         raise UserError(f"{name} maps no names to words", 'write {"their_name": "our_word"}')
-    for theirs, word in found.items():
-        if word not in known:
-            raise UsageError(
-                f"{name}: `{theirs}` is to be `{word}`, which is no word of `semantic`", did_you_mean(word, known)
-            )
-    return tuple(found.items())
+    return check_words(found, known, name)

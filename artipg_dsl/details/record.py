@@ -94,7 +94,7 @@ def of_arrays(held: Mapping[str, np.ndarray], place: str, program: str | None = 
     if version != VERSION:
         raise UserError(f"{place} is of version {version}, not {VERSION}", "bind the details again")
     if program is not None and made_for != program:
-        raise UserError(f"{place} is bound to another program, or to this one before it changed", "fit and bind again")
+        raise _of_another(f"{place} is")
     table = {
         name: held[f"element_{name}"].astype(np.int64 if kind == np.int32 else kind) for name, kind in _TABLE.items()
     }
@@ -156,3 +156,29 @@ def join(several: Sequence[Details]) -> Details:
         labels=tuple(words),
         diagonal=np.concatenate([one.diagonal for one in several]),
     )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Donors:
+    """The ``details`` of all donors of a ``category``, bound to the ``program`` of that hash, and the ``numbers`` (D,) of the fitted objects
+    that these are."""
+
+    category: str
+    program: str
+    details: Details
+    numbers: np.ndarray
+
+    @staticmethod
+    def of(category: str, program: str, several: Sequence[tuple[int, Details]]) -> Donors:
+        """Those of some files, each with the number of its object."""
+        numbers = np.array([number for number, _ in several], dtype=np.int64)
+        return Donors(category, program, join([details for _, details in several]), numbers)
+
+    def require(self, program: str) -> None:
+        """Raises UserError where they are not bound to the program of that hash."""
+        if program != self.program:
+            raise _of_another("the details are")
+
+
+def _of_another(what: str) -> UserError:
+    return UserError(f"{what} bound to another program, or to this one before it changed", "fit and bind again")

@@ -25,7 +25,7 @@ from .calm import calm
 from .displace import displace
 from .dressing import Dressing
 from .elements import Elements, Solids, elements_of
-from .record import DIRECT, Details, join, of_arrays
+from .record import DIRECT, Details, Donors, of_arrays
 from .skin import Grid
 from .suits import Suits, borrowed_suits, origin, own_suits
 from .trim import trim
@@ -68,15 +68,18 @@ def _summary(folder: Path) -> tuple[dict[str, Any], str]:
 
 
 @lru_cache(maxsize=4)
-def _open(dressing: Dressing, program: str) -> tuple[Details, np.ndarray]:
-    """The details of all donors, and the number of the fitted object of each. Raises UserError."""
+def _open(dressing: Dressing, program: str) -> Donors:
+    """The details of all donors, of the program of that hash. Raises UserError."""
+    if dressing.held is not None:
+        dressing.held.require(program)
+        return dressing.held
     folder = Path(dressing.folder)
     found, mark = _summary(folder)
     if mark != dressing.mark:
         raise UserError(
             f"the details in {folder} have changed since these objects wore them", "mutate again, with --force"
         )
-    donors, numbers = [], []
+    donors = []
     for one in found["objects"]:
         path = folder / one["details"]
         try:
@@ -84,30 +87,29 @@ def _open(dressing: Dressing, program: str) -> tuple[Details, np.ndarray]:
             if not zipfile.is_zipfile(io.BytesIO(data)):  # NumPy would take it for pickled data
                 raise ValueError("it is no archive of arrays")
             with np.load(io.BytesIO(data), allow_pickle=False) as held:
-                donors.append(of_arrays(dict(held), str(path), program))
+                donors.append((int(one["object"]), of_arrays(dict(held), str(path), program)))
         except (OSError, ValueError, zipfile.BadZipFile) as wrong:
             reason = getattr(wrong, "strerror", None) or wrong
             raise UserError(f"{path} cannot be read: {reason}", "bind the details again") from None
-        numbers.append(int(one["object"]))
-    return join(donors), np.array(numbers, dtype=np.int64)
+    return Donors.of(str(found.get("category")), program, donors)
 
 
 def require_donors(dressing: Dressing, program: Program, numbers: np.ndarray | None = None) -> None:
     """Raises UserError where the details are not of objects of the program, or, but where they are borrowed, of none of the ``numbers``."""
-    about, _ = _summary(Path(dressing.folder))
-    if about.get("category") != program.name:
+    category = dressing.held.category if dressing.held else _summary(Path(dressing.folder))[0].get("category")
+    if category != program.name:
         raise UserError(
-            f"the details in {dressing.folder} are of objects of {about.get('category')}, not of {program.name}",
+            f"the details in {dressing.folder} are of objects of {category}, not of {program.name}",
             f"apgc fit {program.name} FILES -o fitted, then apgc bind fitted -o bound",
         )
-    known = _open(dressing, program.hash)[1]
+    known = _open(dressing, program.hash).numbers
     if numbers is not None and not np.isin(known, numbers).any():
         raise UserError(f"none of the objects has details in {dressing.folder}", "bind the folder that is mutated")
 
 
 def find_bare(dressing: Dressing, program: Program, numbers: np.ndarray) -> np.ndarray:
     """The objects of these numbers that have no details of their own. Raises UserError."""
-    return np.setdiff1d(numbers, _open(dressing, program.hash)[1])
+    return np.setdiff1d(numbers, _open(dressing, program.hash).numbers)
 
 
 def borrow(folder: str | Path, strength: float, program: Program) -> Dressing:
@@ -139,7 +141,7 @@ def _stock(batch: Batch, dressing: Dressing) -> _Stock:
     key = dressing.folder, dressing.mark, dressing.borrowed, batch.program.hash
     if key not in _stocks:
         _stocks.clear()
-        details, solids = _open(dressing, batch.program.hash)[0], Solids.of(batch.sites())
+        details, solids = _open(dressing, batch.program.hash).details, Solids.of(batch.sites())
         if not solids.have(details.elements, details.element, details.patch):
             raise UserError(
                 f"the details in {dressing.folder} are damaged: {batch.program.name} has no such surfaces",
@@ -176,7 +178,7 @@ def _require_bound_to(originals: Batch, bound: Elements, donor: np.ndarray, dres
 
 def _own_donors(batch: Batch, dressing: Dressing) -> np.ndarray:
     """The donor (B,) that is the object which each was made from, -1 for none."""
-    numbers = _open(dressing, batch.program.hash)[1]
+    numbers = _open(dressing, batch.program.hash).numbers
     before = origin(batch).numbers
     order = np.argsort(numbers, kind="stable")
     place = np.minimum(np.searchsorted(numbers[order], before), len(numbers) - 1)

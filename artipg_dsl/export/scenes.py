@@ -13,18 +13,19 @@ from ..geometry.resolution import STANDARD, Resolution
 from .robot import Robots
 
 if TYPE_CHECKING:
+    from ..details.dressing import Dressing
     from ..runtime.batch import Batch
 
 
 def make_scenes(
-    batch: Batch, states: np.ndarray | None = None, resolution: Resolution = STANDARD
+    batch: Batch, states: np.ndarray | None = None, resolution: Resolution = STANDARD, details: Dressing | None = None
 ) -> list[trimesh.Scene]:
-    """One scene per object with the joints at ``states`` (J,), at rest by default: a closed mesh per primitive.
+    """One scene per object with the joints at ``states`` (J,), at rest by default: a closed mesh per primitive, in ``details`` if given.
 
     Metres, the object's frame; a mesh is named after its part (``feet``, ``feet.2``, ... where that has several
     primitives), its metadata tells link and material.
     """
-    robots = Robots(batch, resolution=resolution, physics=False)
+    robots = Robots(batch, resolution=resolution, physics=False, details=details)
     turn, shift = batch.pose(states)
     made = []
     for i, number in enumerate(batch.numbers.tolist()):

@@ -38,12 +38,20 @@ class Frame:
     normalised: bool = False
 
     def __post_init__(self) -> None:
+        told = (
+            ("up", self.up, ("auto", _ANY, *AXES)),
+            ("front", self.front, ("auto", *AXES)),
+            ("unit", self.unit, ("auto", *UNITS)),
+        )
+        for name, value, known in told:
+            if value not in known:
+                raise UsageError(f"{name} is {value!r}", f"it is one of {', '.join(known)}")
         if self.up in AXES and self.front in AXES and self.up[-1] == self.front[-1]:
             raise UsageError(
-                f"--up {self.up} and --front {self.front} lie on one axis", "they are square to each other"
+                f"up is {self.up} and front is {self.front}: they lie on one axis", "they are square to each other"
             )
         if self.normalised and self.unit != "auto":
-            raise UsageError("clouds without a scale have no unit", "leave out --unit, or --normalised")
+            raise UsageError("objects without a scale have no unit", "leave out the unit, or that they are normalised")
 
     def turns(self, suffix: str) -> list[tuple[str, str]]:
         """The pairs of upward axis and front that are possible."""
@@ -106,7 +114,7 @@ def pose(cloud: Cloud, frame: Frame, suffix: str, usual: float) -> Posed:
     if not frame.normalised and abs(np.log(across * UNITS[unit] / usual)) > np.log(_FAR):
         raise UserError(
             f"its diagonal is {across * UNITS[unit]:.2g} m with {unit} as unit, that of usual objects {usual:.2g} m",
-            "scale it, or say --normalised if its scale means nothing",
+            "scale it, or say that it is normalised (--normalised) if its scale means nothing",
         )
     points = np.asarray(cloud.points, dtype=np.float64) * UNITS[unit]
     apart = _apart(points)

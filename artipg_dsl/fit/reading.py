@@ -1,11 +1,14 @@
-"""Files of real objects: meshes, point clouds and robots (URDF), each as one cloud of its surface in the file's own frame and unit."""
+"""Files of real objects: meshes, point clouds and robots (URDF), each as one cloud of its surface in the file's own frame and unit.
+
+What a file holds once it is read, arrays of points or triangles, becomes a cloud as it does from memory (``given``).
+"""
 
 from __future__ import annotations
 
 import math
 import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -125,10 +128,11 @@ def read_cloud(path: Path) -> Cloud:
         raise UserError(
             f"{path.name} cannot be read as {suffix[1:]}: {str(wrong)[:120] or type(wrong).__name__}"
         ) from None
-    return _checked(cloud, path.name)
+    return check_cloud(cloud, path.name)
 
 
-def _checked(cloud: Cloud, name: str) -> Cloud:
+def check_cloud(cloud: Cloud, name: str) -> Cloud:
+    """As much of a cloud as fits are made from, in random order, without what is no number. Raises UserError for one without a shape."""
     good = np.isfinite(cloud.points).all(axis=1)
     if cloud.normals is not None:
         length = np.sqrt((cloud.normals**2).sum(axis=1))
@@ -167,47 +171,93 @@ def _read_points(path: Path) -> Cloud:
     if not is_zipfile(path):  # NumPy would take it for pickled data, and advise to load it unsafely
         raise UserError(f"{path.name} cannot be read as npz: it is no archive of arrays", "np.savez writes one")
     with np.load(path, allow_pickle=False) as held:
-        if "points" not in held:
-            raise UserError(f"{path.name} has no array `points`", f"it has {', '.join(held) or 'none'}")
-        points = np.asarray(held["points"], dtype=np.float64)
-        if points.ndim != 2 or points.shape[1] != 3:
-            raise UserError(f"{path.name}: `points` is of shape {points.shape}", "one of (n, 3) is needed")
-        normals = np.asarray(held["normals"], dtype=np.float64) if "normals" in held else None
-        if normals is not None and normals.shape != points.shape:
-            raise UserError(f"{path.name}: `normals` is of shape {normals.shape}, not that of the points")
-        for ids, words in (("label", "label_names"), ("link_id", "link_names")):
-            if ids in held and words in held:
-                label, names = np.asarray(held[ids]).astype(np.int64), tuple(map(str, held[words]))
-                if label.shape != (len(points),):
-                    raise UserError(
-                        f"{path.name}: `{ids}` is of shape {label.shape}",
-                        f"one of ({len(points)},) is needed, as of the points",
-                    )
-                if label.max(initial=-1) >= len(names):
-                    raise UserError(
-                        f"{path.name}: `{ids}` has {label.max()}, and `{words}` names 0 to {len(names) - 1}",
-                        "-1 stands for none",
-                    )
-                return Cloud(points, normals, label, names)
-        return Cloud(points, normals, np.full(len(points), -1), ())
+        return points_of(held, path.name)
+
+
+def points_of(held: Mapping[str, Any], name: str) -> Cloud:
+    """The cloud of named arrays, as those of an ``.npz``. Raises UserError where they do not belong together."""
+    if "points" not in held:
+        raise UserError(f"{name} has no array `points`", f"it has {', '.join(held) or 'none'}")
+    points = np.asarray(held["points"], dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise UserError(f"{name}: `points` is of shape {points.shape}", "one of (n, 3) is needed")
+    normals = np.asarray(held["normals"], dtype=np.float64) if "normals" in held else None
+    if normals is not None and normals.shape != points.shape:
+        raise UserError(f"{name}: `normals` is of shape {normals.shape}, not that of the points")
+    return Cloud(points, normals, *labels_of(held, len(points), "points", name))
+
+
+def labels_of(held: Mapping[str, Any], count: int, of: str, name: str) -> tuple[np.ndarray, tuple[str, ...]]:
+    """The labels (count,) of points or faces among named arrays, and what they are called; -1 where nothing is said. Raises UserError."""
+    for ids, words in (("label", "label_names"), ("link_id", "link_names")):
+        if ids in held and words in held:
+            label, names = np.asarray(held[ids]).astype(np.int64), tuple(map(str, held[words]))
+            if label.shape != (count,):
+                raise UserError(
+                    f"{name}: `{ids}` is of shape {label.shape}", f"one of ({count},) is needed, as of the {of}"
+                )
+            low, high = label.min(initial=-1), label.max(initial=-1)
+            if low < -1 or high >= len(names):
+                raise UserError(
+                    f"{name}: `{ids}` has {low if low < -1 else high}, and `{words}` names 0 to {len(names) - 1}",
+                    "-1 stands for none",
+                )
+            return label, names
+    return np.full(count, -1), ()
 
 
 # ---------------------------------------------------------------- solids
 
 
 def _read_solids(path: Path) -> Cloud:
-    pieces = _robot(path) if path.suffix.lower() == ".urdf" else _load(path)
-    if not any(len(mesh.faces) for _, mesh in pieces if hasattr(mesh, "faces")):
-        vertices = [np.asarray(mesh.vertices) for _, mesh in pieces]
-        if not vertices or not sum(map(len, vertices)):
-            raise UserError(f"{path.name} has no surface")
-        points = np.concatenate(vertices)
-        return Cloud(points, None, np.full(len(points), -1), ())
-    pieces = [(name, mesh) for name, mesh in pieces if len(getattr(mesh, "faces", ()))]
-    names = tuple(dict.fromkeys(name for name, _ in pieces))
-    corners = np.concatenate([np.asarray(mesh.triangles, dtype=np.float64) for _, mesh in pieces])
-    label = np.concatenate([np.full(len(mesh.faces), names.index(name)) for name, mesh in pieces])
-    return _sampled(corners, label, names, path.name)
+    return join_meshes(_robot(path) if path.suffix.lower() == ".urdf" else _load(path)).cloud(path.name)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solid:
+    """``vertices`` (v, 3) of triangles ``faces`` (f, 3), each with a ``label`` (f,) that indexes ``names``, -1 for none; of a cloud all
+    vertices and no face."""
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    label: np.ndarray
+    names: tuple[str, ...]
+
+    def cloud(self, name: str) -> Cloud:
+        """Points of its surface. Raises UserError where it has none."""
+        if len(self.faces):
+            return _sampled(self.vertices[self.faces], self.label, self.names, name)
+        if not len(self.vertices):
+            raise UserError(f"{name} has no surface")
+        return Cloud(self.vertices, None, np.full(len(self.vertices), -1), ())
+
+
+def join_meshes(meshes: Sequence[tuple[str, Any]]) -> Solid:
+    """Meshes of trimesh as one, with their names as labels. Those without faces stand for their points, where none has any."""
+    solid = [(name, mesh) for name, mesh in meshes if len(getattr(mesh, "faces", ()))]
+    if not solid:
+        points = [np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3) for _, mesh in meshes]
+        none = np.zeros((0, 3), dtype=np.int64)
+        return Solid(np.concatenate([np.zeros((0, 3)), *points]), none, none[:, 0], ())
+    names = tuple(dict.fromkeys(name for name, _ in solid))
+    vertices = [np.asarray(mesh.vertices, dtype=np.float64) for _, mesh in solid]
+    first = np.cumsum([0, *map(len, vertices)])
+    faces = [np.asarray(mesh.faces) + begin for (_, mesh), begin in zip(solid, first, strict=False)]
+    label = [np.full(len(mesh.faces), names.index(name)) for name, mesh in solid]
+    return Solid(np.concatenate(vertices), np.concatenate(faces), np.concatenate(label), names)
+
+
+def pieces_of(held: Any, name: str) -> list[tuple[str, Any]]:
+    """The meshes (or clouds) of a scene of trimesh, each by its own name, or the one that is no scene, in the frame of all."""
+    if not hasattr(held, "geometry"):
+        return [(name, held)]
+    pieces = []
+    for node in held.graph.nodes_geometry:
+        matrix, own = held.graph[node]
+        mesh = held.geometry[own].copy()
+        mesh.apply_transform(matrix)
+        pieces.append((str(own), mesh))
+    return sorted(pieces, key=lambda piece: piece[0])  # trimesh keeps no order of groups
 
 
 def _sampled(corners: np.ndarray, label: np.ndarray, names: tuple[str, ...], name: str) -> Cloud:
@@ -236,17 +286,10 @@ def _load(path: Path) -> list[tuple[str, Any]]:
         options |= {"group_material": False, "skip_materials": True}
         options |= dict.fromkeys(("split_object", "split_objects", "split_groups"), True)  # by version of trimesh
     held: Any = trimesh.load(path, **options)
-    if not hasattr(held, "geometry"):
-        return [(path.stem, held)]
-    pieces = []
-    for node in held.graph.nodes_geometry:
-        matrix, name = held.graph[node]
-        mesh = held.geometry[name].copy()
-        mesh.apply_transform(matrix)
-        pieces.append((str(name), mesh))
+    pieces = pieces_of(held, path.stem)
     if not pieces:
         raise UserError(f"{path.name} has no surface")
-    return sorted(pieces, key=lambda piece: piece[0])  # trimesh keeps no order of groups
+    return pieces
 
 
 def _robot(path: Path) -> list[tuple[str, Any]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,7 @@ from ..runtime.motion import apply
 from .match import features
 from .outer import spacing, towards
 from .pose import AXES, UNITS, Frame, pose, turn
-from .reading import read_cloud
+from .sources import File, Held
 from .states import moved
 
 _COMPARED = 8192  # points of the structure that links are told by
@@ -68,14 +67,14 @@ def _is_matrix(rows: Any) -> bool:
     return even > 0.0 and bool(np.abs(square - even * np.eye(3)).max() < _SKEW * even) and np.linalg.det(linear) > 0.0
 
 
-def read_real(path: Path, record: Mapping[str, Any]) -> Real:
-    """The outer surface of a file; ``record`` is what ``apgc fit`` has written of it. Normals point to where the surface is seen from, since
-    the faces of many meshes are doubled. Raises UserError for a file that cannot be read, and for a record that ``check_record`` refuses."""
+def read_real(source: File | Held, record: Mapping[str, Any]) -> Real:
+    """The outer surface of a real object; ``record`` is what ``apgc fit`` has written of it. Normals point to where the surface is seen from,
+    since the faces of many meshes are doubled. Raises UserError for one that cannot be read, and for a record that ``check_record`` refuses."""
     check_record(record)
     frame = record["frame"]
     unit = frame["unit"]
     asked = Frame(frame["up"], frame["front"], unit or "auto", unit is None)
-    posed = pose(read_cloud(path), asked, path.suffix.lower(), 1.0)
+    posed = pose(source.read(), asked, source.suffix, 1.0)
     matrix = np.asarray(record["to_object"], dtype=np.float64)
     places = posed.points / UNITS[posed.unit]
     points = np.stack([(places * matrix[k, :3]).sum(axis=1) + matrix[k, 3] for k in range(3)], axis=-1)
@@ -89,12 +88,7 @@ def read_real(path: Path, record: Mapping[str, Any]) -> Real:
 def closed(batch: Batch, real: Real, joints: Mapping[str, float]) -> Real:
     """The surface with its joints at 0, where details are bound: each point goes with the link of the structure that is nearest to it,
     by place and normal, with the one object of a batch at the values ``joints`` by name. Raises UserError for a name that it does not have."""
-    values, names = rest_values(batch).copy(), batch.joints().name
-    for name, value in joints.items():
-        if name not in names:
-            raise UserError(f"the object has no joint `{name}`, which the record of {real.name} moves", "fit it again")
-        values[names.index(name)] = value
-    values = batch.settle(values)
+    values = posed_as(batch, joints, real.name)
     rotation, translation = batch.pose(values)
     sites = moved(batch, values)
     address = np.asarray(batch.numbers).astype(np.uint64)
@@ -108,3 +102,14 @@ def closed(batch: Batch, real: Real, joints: Mapping[str, float]) -> Real:
     link = np.concatenate([table.link for table in sites])[begin[made.site[0]] + made.row[0]][near]
     back = np.swapaxes(rotation[link], -1, -2)
     return replace(real, points=apply(back, real.points - translation[link]), normals=apply(back, real.normals))
+
+
+def posed_as(batch: Batch, joints: Mapping[str, float], record: str) -> np.ndarray:
+    """The values (J,) of the joints of the one object of a batch that has those of its ``record`` by name, others at rest. Raises UserError
+    for a name that it does not have."""
+    values, names = rest_values(batch).copy(), batch.joints().name
+    for name, value in joints.items():
+        if name not in names:
+            raise UserError(f"the object has no joint `{name}`, which the record of {record} moves", "fit it again")
+        values[names.index(name)] = value
+    return batch.settle(values)

@@ -8,22 +8,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict
-from hashlib import blake2b
+from functools import cache
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from ..errors import UserError
 from ..export.content import Content
 from ..export.registry import choose_formats
 from ..export.write import ensure_folder, sweep_unfinished, write_bytes
-from ..fit.fitting import TOGETHER, fit, usual_size
-from ..fit.model import Model
-from ..fit.pose import Frame, Posed, pose
-from ..fit.reading import read_cloud
-from ..fit.states import can_open
+from ..fit.sources import File, Item, name_files
 from ..records import dataclass
 from ..sampling.sample import Sampler
 from ..view.overlay import overlay
@@ -31,100 +24,91 @@ from ..view.png import png_bytes
 from ..view.sheet import Painter
 from . import manifest as manifests
 from .dataset import write_dataset
-from .job import prepare
+from .fitting import Asked, Group, Record, Work, good_ones, groups_of, prepare_fitted, summarize, to_text
+from .job import Job
 from .output import Output
-from .request import read_request
 from .resume import clear
 from .sharing import LONG, share
 from .workers import map_each
 
 FITS, PICTURES, VALUES, SUMMARY = "fits", "pictures", "values.jsonl", "fit.json"
-_VERSION = 3  # of what the search finds, so that nothing that another one found is kept
 _TILE = 320
-_NO_MATCH = "does not fit"
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
-    """What is fitted: ``source`` names the program; ``words`` maps names of labels to words of ``semantic``."""
+class Folder:
+    """Where records go, and pictures if they are wanted."""
 
-    source: str
     out: Path
-    frame: Frame
-    seed: int = 0
-    checked: bool = True
-    words: tuple[tuple[str, str], ...] = ()
-    pictures: bool = True
-    opened: bool = True  # joints are moved where nothing at rest fits
+    pictures: bool = False
 
-    def plain(self, program: str) -> dict[str, Any]:
-        return {
-            "version": _VERSION,
-            "program": program,
-            "frame": asdict(self.frame),
-            "seed": self.seed,
-            "checked": self.checked,
-            "words": [list(pair) for pair in self.words],
-            "opened": self.opened,
-        }
+    def write(self, record: Mapping[str, Any]) -> None:
+        write_bytes(self.out / FITS / f"{record['name']}.json", to_text(record), force=True)
 
+    def record(self, name: str) -> Record | None:
+        """The record of that name; None where it lacks what the summary tells, so that the file is fitted again."""
+        found = read_record(self.out / FITS / f"{name}.json") or {}
+        kinds: dict[str, Any] = {"name": str, "source": str, "failed": str}
+        if "drawn" in found:
+            kinds |= {"drawn": dict, "verdict": str, "valid": bool, "distance": dict}
+            del kinds["failed"]
+        if not all(isinstance(found.get(key), kind) for key, kind in kinds.items()) or found["name"] != name:
+            return None
+        return found if "drawn" not in found or isinstance(found["distance"].get("both"), int | float) else None
 
-@dataclass(frozen=True, slots=True)
-class Item:
-    """A file to fit, and what its results are called."""
-
-    path: Path
-    name: str
-
-
-def _name_files(paths: Sequence[Path]) -> list[Item]:
-    """Names of files that are their own: as short as their folders allow."""
-    parts = [[*path.resolve().parts[1:-1], path.stem] for path in paths]
-    shared = 0
-    while all(len(p) > shared + 1 and p[shared] == parts[0][shared] for p in parts) and len(paths) > 1:
-        shared += 1
-    shared = min(shared, min(map(len, parts)) - 1) if len(paths) > 1 else len(parts[0]) - 1
-    found: list[Item] = []
-    taken: set[str] = set()
-    for path, part in zip(paths, parts, strict=True):
-        name = plain = "-".join(part[shared:])
-        number = 1
-        while name in taken:
-            number += 1
-            name = f"{plain}-{number}"
-        taken.add(name)
-        found.append(Item(path, name))
-    return found
+    def has(self, item: Item, options: Mapping[str, Any]) -> bool:
+        found = self.record(item.name)
+        return found is not None and found.get("options") == options and found.get("file") == item.real.mark()
 
 
 def write_fits(
     sampler: Sampler,
     asked: Asked,
+    folder: Folder,
     paths: Sequence[Path],
     *,
     force: bool = False,
     workers: int = 1,
     progress: Callable[[int, int], None] | None = None,
-) -> dict[str, Any]:
+) -> Record:
     """Fit the files and write the folder; what the summary says. Raises UserError."""
-    if (asked.out / manifests.NAME).exists() and not (asked.out / SUMMARY).exists():
-        raise UserError(f"{asked.out} holds samples that were not fitted", "choose another folder with -o")
-    if not force:
-        _refuse_others(asked.out, paths)
-    items = _name_files(paths)
-    for folder in (FITS, PICTURES):
-        sweep_unfinished(ensure_folder(asked.out / folder))
-    groups = [items[at : at + TOGETHER] for at in range(0, len(items), TOGETHER)]
+    items = name_files(paths)
+    _make_ready(folder, items, force)
     options = asked.plain(sampler.program.hash)
-    left = [group for group in groups if force or not all(_done(asked, options, item) for item in group)]
+    left = [group for group in groups_of(items) if force or not all(folder.has(item, options) for item in group)]
     done = len(items) - sum(map(len, left))
     if progress:
         progress(done, len(items))
-    for group in _each(sampler, asked, left, workers):
-        done += len(group)
+    for count in _each(sampler, asked, folder, left, workers):
+        done += count
         if progress:
             progress(done, len(items))
-    return _summarize(sampler, asked, options, items)
+    records = [found for item in items if (found := folder.record(item.name)) is not None]
+    summary = summarize(sampler.program.name, options, records)
+    values = str(folder.out / VALUES)
+    job = prepare_fitted(sampler, asked.source, records, values) if good_ones(records) else None
+    _finish(folder.out, summary, records, job)
+    return summary
+
+
+def save_fits(job: Job, out: Path, records: Sequence[Record], items: Group, *, force: bool = False) -> None:
+    """Write the folder of objects that are fitted already, which are those of a job. Raises UserError."""
+    folder = Folder(out)
+    _make_ready(folder, items, force)
+    for record in records:
+        folder.write(record)
+    summary = summarize(job.program.name, records[0]["options"], records)
+    _finish(out, summary, records, job.fresh())
+
+
+def _make_ready(folder: Folder, items: Group, force: bool) -> None:
+    """Make the folder ready, unless it holds what would be gone. Raises UserError."""
+    if (folder.out / manifests.NAME).exists() and not (folder.out / SUMMARY).exists():
+        raise UserError(f"{folder.out} holds samples that were not fitted", "choose another folder with -o")
+    if not force:
+        _refuse_others(folder.out, [item.real.path for item in items if isinstance(item.real, File)])
+    for name in (FITS, PICTURES):
+        sweep_unfinished(ensure_folder(folder.out / name))
 
 
 def _refuse_others(out: Path, paths: Sequence[Path]) -> None:
@@ -140,103 +124,55 @@ def _refuse_others(out: Path, paths: Sequence[Path]) -> None:
         )
 
 
-def _each(sampler: Sampler, asked: Asked, groups: list[list[Item]], workers: int) -> Iterator[list[Item]]:
-    def fit(group: list[Item]) -> list[Item]:
-        return _fit_group(_Work.of(sampler, asked), group)
+def _each(sampler: Sampler, asked: Asked, folder: Folder, groups: list[Group], workers: int) -> Iterator[int]:
+    own = cache(lambda: _Writer.of(sampler, asked, folder))
 
-    def others(rest: Sequence[list[Item]], many: int) -> Iterator[list[Item]]:
-        return map_each(_fit_theirs, rest, many, _take, sampler, asked, here=fit)
+    def alone(group: Group) -> int:
+        return own().write(group)
 
-    return share(groups, workers, fit, others, pace=LONG)
+    def others(rest: Sequence[Group], many: int) -> Iterator[int]:
+        return map_each(_write_theirs, rest, many, _take, sampler, asked, folder, here=alone)
+
+    return share(groups, workers, alone, others, pace=LONG)
 
 
 # ---------------------------------------------------------------- one group
 
 
 @dataclass(slots=True, eq=False)
-class _Work:
-    model: Model
-    opened: Model | None
-    asked: Asked
-    usual: float
+class _Writer:
+    work: Work
+    folder: Folder
     painter: Painter | None
 
     @staticmethod
-    def of(sampler: Sampler, asked: Asked) -> _Work:
-        model = Model(sampler)
-        opened = Model(sampler, opened=True) if asked.opened and can_open(sampler.program) else None
-        return _Work(model, opened, asked, usual_size(model), Painter("auto", _TILE) if asked.pictures else None)
+    def of(sampler: Sampler, asked: Asked, folder: Folder) -> _Writer:
+        return _Writer(Work.of(sampler, asked), folder, Painter("auto", _TILE) if folder.pictures else None)
+
+    def write(self, group: Group) -> int:
+        """Write the records of a group, and the pictures; how many they are."""
+        for record, one in self.work.fit(group):
+            if self.painter is not None and one is not None:
+                image = overlay(one.batch, one.row, one.cloud, self.painter, states=one.states)
+                write_bytes(self.folder.out / PICTURES / f"{record['name']}.png", png_bytes(image), force=True)
+            self.folder.write(record)
+        return len(group)
 
 
-_theirs: _Work | None = None  # what this worker works for
+_theirs: _Writer | None = None  # what this worker writes with
 
 
-def _take(sampler: Sampler, asked: Asked) -> None:
+def _take(sampler: Sampler, asked: Asked, folder: Folder) -> None:
     global _theirs
-    _theirs = _Work.of(sampler, asked)
+    _theirs = _Writer.of(sampler, asked, folder)
 
 
-def _fit_theirs(group: list[Item]) -> list[Item]:
+def _write_theirs(group: Group) -> int:
     assert _theirs is not None
-    return _fit_group(_theirs, group)
-
-
-def _fit_group(work: _Work, group: list[Item]) -> list[Item]:
-    asked = work.asked
-    options = asked.plain(work.model.program.hash)
-    read: list[tuple[Item, Posed]] = []
-    marks = {item.name: mark(item.path) for item in group}  # of what is read: files may change while they are fitted
-    left_out: dict[str, str] = {}
-    for item in group:
-        try:
-            cloud = read_cloud(item.path)
-            left_out[item.name] = cloud.lost
-            read.append((item, pose(cloud, asked.frame, item.path.suffix.lower(), work.usual)))
-        except UserError as wrong:
-            reason = wrong.message + (f" ({wrong.hint})" if wrong.hint else "")
-            _write(asked, item, {"failed": reason}, marks[item.name], options)
-    if not read:
-        return group
-    found = fit(
-        work.model,
-        [posed for _, posed in read],
-        seed=asked.seed,
-        checked=asked.checked,
-        words=dict(asked.words),
-        opened=work.opened,
-    )
-    for (item, posed), one in zip(read, found, strict=True):
-        if work.painter is not None:
-            image = overlay(one.batch, one.row, one.cloud, work.painter, states=one.states)
-            write_bytes(asked.out / PICTURES / f"{item.name}.png", png_bytes(image), force=True)
-        labels = {"labels": sorted(set(posed.names))} if asked.words else {}
-        lost = {"lost": left_out[item.name]} if left_out[item.name] else {}
-        _write(asked, item, {**one.told, **labels, **lost, "drawn": one.values}, marks[item.name], options)
-    return group
+    return _theirs.write(group)
 
 
 # ---------------------------------------------------------------- records
-
-
-def mark(path: Path) -> str:
-    """What a file holds, in short; nothing for one that cannot be read."""
-    digest = blake2b(digest_size=16)
-    try:
-        with open(path, "rb") as stream:
-            while block := stream.read(1 << 20):
-                digest.update(block)
-    except OSError:
-        return ""
-    return digest.hexdigest()
-
-
-def _write(asked: Asked, item: Item, told: Mapping[str, Any], file: str, options: Mapping[str, Any]) -> None:
-    record = {"name": item.name, "source": str(item.path), **told, "file": file, "options": options}
-    write_bytes(asked.out / FITS / f"{item.name}.json", _to_text(record), force=True)
-
-
-def _to_text(record: Mapping[str, Any]) -> bytes:
-    return (json.dumps(record, indent=1, ensure_ascii=False) + "\n").encode()
 
 
 def read_record(path: Path) -> dict[str, Any] | None:
@@ -255,61 +191,15 @@ def list_objects(summary: Mapping[str, Any] | None, *keys: str) -> list[Mapping[
     return [one for one in entries if isinstance(one, dict) and all(isinstance(one.get(key), str) for key in keys)]
 
 
-def _record(asked: Asked, item: Item) -> dict[str, Any] | None:
-    """The record of a file; None where it lacks what the summary tells, so that the file is fitted again."""
-    found = read_record(asked.out / FITS / f"{item.name}.json") or {}
-    kinds: dict[str, Any] = {"name": str, "source": str, "failed": str}
-    if "drawn" in found:
-        kinds |= {"drawn": dict, "verdict": str, "valid": bool, "distance": dict}
-        del kinds["failed"]
-    if not all(isinstance(found.get(key), kind) for key, kind in kinds.items()) or found["name"] != item.name:
-        return None
-    return found if "drawn" not in found or isinstance(found["distance"].get("both"), int | float) else None
-
-
-def _done(asked: Asked, options: Mapping[str, Any], item: Item) -> bool:
-    found = _record(asked, item)
-    return found is not None and found.get("options") == options and found.get("file") == mark(item.path)
-
-
-def _summarize(sampler: Sampler, asked: Asked, options: Mapping[str, Any], items: Sequence[Item]) -> dict[str, Any]:
-    """Write what was found of all files: the summary, the values, and the objects as samples."""
-    records = [found for item in items if (found := _record(asked, item)) is not None]
-    good = [r for r in records if "drawn" in r and r["verdict"] != _NO_MATCH and r["valid"]]
-    number = {r["name"]: k for k, r in enumerate(good)}
-    objects = [
-        {
-            "object": number.get(r["name"]),
-            "name": r["name"],
-            "source": r["source"],
-            "verdict": r["verdict"],
-            "distance": r["distance"]["both"],
-            "valid": r["valid"],
-            **({"lost": r["lost"]} if r.get("lost") else {}),
-        }
-        for r in records
-        if "drawn" in r
-    ]
-    failed = [{"name": r["name"], "source": r["source"], "reason": r["failed"]} for r in records if "failed" in r]
-    shares = [one["distance"] for one in objects]
-    summary = {
-        "category": sampler.program.name,
-        "options": options,
-        "median": None if not shares else round(float(np.median(shares)), 4),
-        "objects": objects,
-        "failed": failed,
-    }
-    if asked.words and all("labels" in r for r in records if "drawn" in r):
-        summary["labels"] = sorted({name for r in records for name in r.get("labels", ())})
+def _finish(out: Path, summary: Record, records: Sequence[Record], job: Job | None) -> None:
+    """Write what was found of all objects: the summary, the values, and the objects as samples, those of a job if there are any."""
     lines = [
-        json.dumps({"name": r["name"], "source": r["source"], "drawn": r["drawn"]}, ensure_ascii=False) for r in good
+        json.dumps({"name": r["name"], "source": r["source"], "drawn": r["drawn"]}, ensure_ascii=False)
+        for r in good_ones(records)
     ]
-    write_bytes(asked.out / VALUES, "".join(line + "\n" for line in lines).encode(), force=True)
-    write_bytes(asked.out / SUMMARY, _to_text(summary), force=True)
-    if good:
-        request = read_request(asked.source, seed=asked.seed, checked=asked.checked, values=[r["drawn"] for r in good])
-        written = Output.of(choose_formats("annotation"), Content())
-        write_dataset(prepare(sampler, request, values=str(asked.out / VALUES)), asked.out, written, force=True)
-    elif (old := manifests.read_manifest(asked.out)) is not None:
-        clear(asked.out, old)
-    return summary
+    write_bytes(out / VALUES, "".join(line + "\n" for line in lines).encode(), force=True)
+    write_bytes(out / SUMMARY, to_text(summary), force=True)
+    if job is not None:
+        write_dataset(job, out, Output.of(choose_formats("annotation"), Content()), force=True)
+    elif (old := manifests.read_manifest(out)) is not None:
+        clear(out, old)

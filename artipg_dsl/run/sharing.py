@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeVar
 
 AUTO = 0  # workers: one per processor, as soon as that is worth their start
+MOST = 512  # processes
 LONG = math.inf  # seconds that an item takes: however many are left, others are worth their start
 _WORTH = 2.0  # seconds of work that are left then: a process takes about 0.6 to start
 T = TypeVar("T")

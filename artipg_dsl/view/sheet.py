@@ -101,6 +101,14 @@ def _paint_here(painter: Painter, count: int, shot: Callable[[int], Shot]) -> It
     return (painter.paint(shot(i)) for i in range(count))
 
 
+def read_tile(tile: Any) -> int:
+    """How wide a tile is, in pixels. Raises UsageError."""
+    tile = read_whole("tile", tile)
+    if not _TILES[0] <= tile <= _TILES[1]:
+        raise UsageError(f"a tile is {tile} pixels wide", f"give a number from {_TILES[0]} to {_TILES[1]}")
+    return tile
+
+
 def draw_sheet(
     batch: Batch,
     *,
@@ -126,9 +134,7 @@ def draw_sheet(
         raise UsageError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
     if not isinstance(states, str) or states not in _STATES:
         raise UsageError(f"unknown states {states!r}", f"objects are drawn {', '.join(_STATES)}")
-    tile, columns = read_whole("tile", tile), None if columns is None else read_whole("columns", columns, 1)
-    if not _TILES[0] <= tile <= _TILES[1]:
-        raise UsageError(f"a tile is {tile} pixels wide", f"give a number from {_TILES[0]} to {_TILES[1]}")
+    tile, columns = read_tile(tile), None if columns is None else read_whole("columns", columns, 1)
     if not len(batch):
         raise ExportError("there is no object to draw", "sample at least one")
     acting = colour == "affordance"

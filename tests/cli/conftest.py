@@ -19,8 +19,8 @@ def fitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder as ``apgc fit`` writes it, of two chests whose values are known; beside it the files."""
     from artipg_dsl.export.content import Content
     from artipg_dsl.export.registry import choose_formats
+    from artipg_dsl.fit.sources import mark
     from artipg_dsl.run.dataset import write_dataset
-    from artipg_dsl.run.fits import mark
     from artipg_dsl.run.output import Output
 
     folder = tmp_path_factory.mktemp("fitted")

@@ -19,8 +19,8 @@ def fit_one(folder: Path, number: int) -> Path:
     """A folder as ``apgc fit`` writes it, of one chest whose file is `object.npz`."""
     from artipg_dsl.export.content import Content
     from artipg_dsl.export.registry import choose_formats
+    from artipg_dsl.fit.sources import mark
     from artipg_dsl.run.dataset import write_dataset
-    from artipg_dsl.run.fits import mark
     from artipg_dsl.run.output import Output
 
     samples = apg.sample(CHEST, numbers=[number], seed=4)

@@ -152,19 +152,19 @@ def test_a_folder_of_nothing_but_bad_files(apgc: Apgc, tmp_path: Path) -> None:
 def test_a_file_that_changes_while_it_is_fitted_is_fitted_again(
     apgc: Apgc, real: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from artipg_dsl.run import fits
+    from artipg_dsl.run import fitting
 
     file, out = tmp_path / "chest.npz", tmp_path / "out"
     file.write_bytes((real / "chest0.npz").read_bytes())
     asked = ("fit", CHEST, file, "-o", out, "--front", "x", "--plain")
-    fit = fits.fit
+    fit = fitting.fit
 
     def change(*given: Any, **more: Any) -> Any:
         file.write_bytes((real / "chest1.npz").read_bytes())
         return fit(*given, **more)
 
     with monkeypatch.context() as patched:
-        patched.setattr(fits, "fit", change)
+        patched.setattr(fitting, "fit", change)
         assert apgc(*asked)[0] == 0
     first = (out / "values.jsonl").read_text()
     assert apgc(*asked)[0] == 0 and (out / "values.jsonl").read_text() != first

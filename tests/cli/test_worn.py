@@ -17,7 +17,7 @@ from .helpers import CHEST, Apgc, tree
 
 def raise_surfaces(fitted: Path, folder: Path) -> Path:
     """The same fits, in a folder beside it, of files whose surface lies 8 mm off the structure."""
-    from artipg_dsl.run.fits import mark
+    from artipg_dsl.fit.sources import mark
 
     shutil.copytree(fitted, folder)
     for k in range(2):

@@ -1,0 +1,134 @@
+"""Details of fitted objects in memory, and which details objects wear."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from hashlib import blake2b
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from ..arguments import read_flag, read_path, read_whole
+from ..errors import UsageError, UserError
+
+if TYPE_CHECKING:
+    from ..details.dressing import Dressing
+    from ..details.placed import BoundPoints
+    from ..details.record import Details, Donors
+    from ..run.binding import Arrays, Fit
+    from ..run.job import Job
+
+Worn: TypeAlias = (
+    "str | Path | Bound | None"  # the details that objects wear: a folder that `apgc bind` has written, or bound ones
+)
+
+
+class Bound:
+    """The surfaces of real objects as details of the objects that were fitted to them: what ``apgc bind`` writes, in memory.
+
+    Objects wear them where ``details`` are taken: ``mutants.points(2048, details=bound)``. Made by ``bind`` of fitted objects.
+    """
+
+    def __init__(
+        self, job: Job, told: dict[str, Any], bound: Sequence[tuple[dict[str, Any], Arrays | None]], fits: Sequence[Fit]
+    ):
+        self.job, self._told, self._bound, self._fits = job, told, bound, fits
+        self._arrays = {record["object"]: arrays for record, arrays in bound if arrays is not None}
+        self.folder: Path | None = None  # where they are saved
+
+    def __len__(self) -> int:
+        return len(self._arrays)
+
+    def __repr__(self) -> str:
+        count = "1 object" if len(self) == 1 else f"{len(self)} objects"
+        return f"<{self.job.program.name}: details of {count}>"
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """The numbers (D,) int64 of the fitted objects whose details these are, ascending."""
+        return np.array(sorted(self._arrays), dtype=np.int64)
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """What ``bind.json`` says: the objects with their figures, and ``failed`` with the reasons."""
+        return self._told
+
+    def arrays(self, number: int) -> dict[str, np.ndarray]:
+        """The bound points of the object of this number, as in its ``.npz``. Raises UserError."""
+        return dict(self._arrays[self._known(number)])
+
+    def points(self, number: int) -> BoundPoints:
+        """The bound points of the object of this number in its frame, with the labels of the original. Raises UserError."""
+        from ..details.elements import Solids
+        from ..details.placed import place
+
+        known = self._known(number)
+        return place(self._details[known], Solids.of(self.job.batch([known]).sites()))
+
+    def save(self, folder: str | Path, *, force: bool = False) -> Path:
+        """Write the folder that ``apgc bind`` writes; details of other files that are there are kept unless ``force``. Raises UserError."""
+        from ..run.bindings import save_bindings
+
+        out, force = read_path("a folder", folder, '"bound"'), read_flag("force", force)
+        save_bindings(out, self._told, self._bound, self._fits, force=force)
+        self.folder = out
+        return out
+
+    def _known(self, number: int) -> int:
+        if read_whole("number", number, 0) in self._arrays:
+            return int(number)
+        raise UserError(
+            f"there are no details of object {number}",
+            f"there are those of {', '.join(map(str, self.numbers.tolist()))}",
+        )
+
+    @cached_property
+    def _details(self) -> dict[int, Details]:
+        from ..details.record import of_arrays
+
+        return {number: of_arrays(arrays, f"object {number}") for number, arrays in self._arrays.items()}
+
+    @cached_property
+    def donors(self) -> Donors:
+        """All details together, in the order of their objects."""
+        from ..details.record import Donors
+
+        return Donors.of(self.job.program.name, self.job.program.hash, list(self._details.items()))
+
+    def worn(self, strength: float, job: Job) -> Dressing:
+        """How the objects of a job wear these. Raises UsageError, UserError."""
+        from ..arguments import read_amount
+        from ..details.dressing import MEMORY, Dressing
+        from ..run.fitting import to_text
+        from ..run.wearing import dress_as
+
+        strength = read_amount("the strength of details", strength, 0.0, 1.0)
+        mark = blake2b(to_text(self._told), digest_size=16).hexdigest()
+        dressing = Dressing(str(self.folder or MEMORY), mark, strength, held=self.donors)
+        return dress_as(job, dressing, {r["object"]: r.get("drawn") for r, arrays in self._bound if arrays is not None})
+
+
+def choose_details(details: Worn, strength: float, job: Job) -> Dressing | None:
+    """The details that objects of a job wear, if any: their own, if these were bound to them or to what they were made from, else borrowed
+    ones. Raises UsageError, UserError."""
+    from ..details.dressing import refuse_idle_strength
+
+    refuse_idle_strength(details, strength)
+    if details is None or isinstance(details, Bound):
+        return None if details is None else details.worn(strength, job)
+    from ..details.store import read_dressing
+    from ..run.wearing import dress_as, read_drawn
+
+    dressing = read_dressing(details, strength)
+    return dress_as(job, dressing, read_drawn(Path(dressing.folder)))
+
+
+def require_folder(details: Worn) -> None:
+    """Refuse details that are in no folder, which a manifest could not name. Raises UsageError."""
+    if isinstance(details, Bound) and details.folder is None:
+        raise UsageError(
+            "these details are in no folder that the manifest of another could name",
+            'bound.save("bound") writes one; then they are taken as before',
+        )

@@ -1,0 +1,273 @@
+"""Objects fitted to real ones, with what is known of each: ``apg.fit_objects("Chair", meshes)``."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..arguments import read_flag, read_path, read_whole
+from ..errors import NoObject, UsageError, UserError
+from ..run.job import Job, open_program
+from ..run.request import read_request
+from ..run.sharing import MOST
+from .files import count_objects, read_picture
+from .samples import Object, Samples
+
+if TYPE_CHECKING:
+    from ..details.binding import Real
+    from ..fit.sources import Item
+    from .bound import Bound
+
+_REASONS = 3  # that an error tells
+_MOST_POINTS = 100_000_000
+_INNER = ("file", "options")  # of a record, which tell what is there already
+
+
+class NothingFits(NoObject):
+    """No real object was fitted; ``records`` say of each how far off it is, or why it could not be read."""
+
+    def __init__(self, message: str, hint: str | None = None, records: Sequence[dict[str, Any]] = ()):
+        super().__init__(message, hint)
+        self.records = records
+
+    def __reduce__(self) -> tuple[Any, Any]:
+        return type(self), (self.message, self.hint, self.records)
+
+
+def fit_objects(
+    category: str | Path,
+    real: Any,
+    *,
+    seed: int = 0,
+    up: str = "auto",
+    front: str = "auto",
+    unit: str = "auto",
+    normalised: bool = False,
+    map: Mapping[str, str] | None = None,
+    checked: bool = True,
+    at_rest: bool = False,
+    workers: int = 1,
+) -> Fitted:
+    """Find the objects of a category that are closest to real ones, as ``apgc fit`` does.
+
+    A real object is a file or a folder of files; a mesh, scene or point cloud of trimesh; ``(vertices, faces)``; points (n, 3); or
+    a dictionary of arrays, ``{"points": (n, 3), "normals": (n, 3), "label": (n,), "label_names": [...]}`` or ``{"vertices": ...,
+    "faces": ..., "label": (f,), ...}``, all but the first optional. ``real`` is one of these, a list, or a dictionary of names,
+    ``{"antique": mesh}``. Arrays give what a file of them gives, and nothing is written.
+
+    ``up`` and ``front`` are axes such as "z" or "-y" ("any" tries all for ``up``), ``unit`` is "m", "cm", "mm" or "in"; what is not
+    given is found. In memory z is up if nothing is said, and other axes are tried where nothing fits well. ``normalised``: the scale
+    means nothing. ``map`` maps names of labels to words of ``semantic``, which are kept apart: ``{"Seat_01": "seat"}``. ``checked``:
+    without links that collide. Joints are moved where nothing fits at rest, unless ``at_rest``. ``workers`` processes share groups
+    of six objects.
+
+    What cannot be read or does not fit is in ``records`` with the reason, and not among the objects. Raises NothingFits if that is all
+    of them, and CompileError, UsageError, UserError.
+    """
+    from ..fit.given import read_objects
+    from ..fit.pose import Frame
+    from ..run.fitting import Asked, check_words, find_unmatched, fit_all, good_ones, prepare_fitted
+
+    request = read_request(category, seed=seed, checked=checked)
+    frame = Frame(up, front, unit, read_flag("normalised", normalised))
+    at_rest, workers = read_flag("at_rest", at_rest), read_whole("workers", workers, 1, MOST)
+    told: list[str] = []
+    items = read_objects(real, told.append)
+    sampler, source = open_program(request.source)
+    words = check_words(_read_map(map), sampler.program.vocabularies.get("semantic", ()), "map")
+    asked = Asked(source, frame, request.seed, request.checked, words, not at_rest)
+    records = fit_all(sampler, asked, items, workers)
+    for text in filter(None, [*told, find_unmatched(words, records, "map")]):
+        warnings.warn(text, stacklevel=2)
+    if not good_ones(records):
+        raise _nothing(sampler.program.name, records)
+    return Fitted(prepare_fitted(sampler, source, records), records, items)
+
+
+def open_fitted(folder: str | Path) -> Fitted:
+    """The objects of a folder that ``apgc fit``, or ``save``, has written. Raises UserError."""
+    from ..run.bindings import open_fits
+
+    place = read_path("a folder", folder, '"fitted"')
+    job, records, items = open_fits(place)
+    return Fitted(job, records, items)
+
+
+def _nothing(category: str, records: Sequence[dict[str, Any]]) -> NothingFits:
+    what = f"{records[0]['name']} was not" if len(records) == 1 else f"none of {len(records)} objects was"
+    reasons = [r.get("failed") or f"{r['name']}: {_off(r)}" for r in records]
+    more = f"; and {len(reasons) - _REASONS} more" if reasons[_REASONS:] else ""
+    return NothingFits(f"{what} fitted by {category}", "; ".join(reasons[:_REASONS]) + more, records)
+
+
+def _off(record: dict[str, Any]) -> str:
+    return f"{record['verdict']}, {record['distance']['both']:.1f} %" + ("" if record["valid"] else ", not valid")
+
+
+def _read_map(given: Mapping[str, str] | None) -> Mapping[str, str]:
+    """Names of labels and our words for them. Raises UsageError."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping) or not all(isinstance(one, str) for pair in given.items() for one in pair):
+        raise UsageError(f"map is {given!r}", 'it maps names of labels to words of `semantic`: {"Seat_01": "seat"}')
+    return given
+
+
+class Fitted(Samples):
+    """Objects of a category that come closest to real ones: all that fit and are valid, numbered from 0 in the order of these.
+
+    They are as ``apg.sample(values=...)`` makes them, and so are their mutants.
+    """
+
+    def __init__(self, job: Job, records: Sequence[dict[str, Any]], items: Sequence[Item]):
+        from ..run.fitting import good_ones
+
+        super().__init__(job)
+        self._records, self._items = records, {item.name: item for item in items}
+        self._good = good_ones(records)
+
+    def _title(self) -> str:
+        lost = len(self._records) - len(self._good)
+        return f"{self.category}: {count_objects(len(self))} fitted" + (f", {lost} not" if lost else "")
+
+    @cached_property
+    def records(self) -> list[dict[str, Any]]:
+        """What is known of each real object, in their order, as in ``fits/NAME.json``, and its ``object``: the number among these, None
+        for one that does not fit, is not valid, or could not be read, which ``failed`` gives the reason of."""
+        number = {record["name"]: k for k, record in enumerate(self._good)}
+        return [
+            {"object": number.get(r["name"])} | {key: value for key, value in r.items() if key not in _INNER}
+            for r in self._records
+        ]
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """What ``fit.json`` says: ``objects`` with verdict and distance, ``failed`` with the reasons, ``median`` of the distances."""
+        from ..run.fitting import summarize
+
+        return summarize(self.category, self._records[0]["options"], self._records)
+
+    def __iter__(self) -> Iterator[FittedObject]:
+        return (self.object(number) for number in self.numbers.tolist())
+
+    def object(self, number: int) -> FittedObject:
+        """The object with the given number. Raises UserError where there is none."""
+        if not 0 <= read_whole("number", number) < len(self._good):
+            raise UserError(f"there is no object {number}: {len(self._good)} were fitted, numbered from 0")
+        record = self._good[number]
+        return FittedObject(self.job.of([number]), record, self._items[record["name"]])
+
+    def bind(
+        self, points: int = 8192, *, assignment: str = "mutual", completed: bool = True, workers: int = 1
+    ) -> Bound:
+        """The surfaces of the real objects as details of these, as ``apgc bind`` binds them; they are read again for that.
+
+        ``points`` of the structure, and of the real surface, are assigned to one another: "mutual", "both", "project", "aware",
+        "transport" or "nearest". ``completed``: hidden surface takes what symmetries of its primitive tell of it. What could not be
+        bound is in ``summary["failed"]`` with the reason. Raises UserError if that is all of them, and UsageError.
+        """
+        from ..run.binding import Binding, Fit, bind_all, read_assignment, summarize
+        from .bound import Bound
+
+        how = Binding(
+            read_whole("points", points, 1, _MOST_POINTS),
+            read_assignment(assignment),
+            read_flag("completed", completed),
+        )
+        fits = [Fit(n, self._good[n], self._items[self._good[n]["name"]].real) for n in self.numbers.tolist()]
+        found = bind_all(self.job, how, fits, read_whole("workers", workers, 1, MOST))
+        options = how.plain(self.job.program.hash)
+        told = summarize(self.category, options, [record for record, _ in found], self.summary["objects"])
+        if not told["objects"]:
+            failed = told["failed"][0]
+            raise UserError(
+                f"no details of {count_objects(len(fits))} could be bound", f"{failed['name']}: {failed['reason']}"
+            )
+        return Bound(self.job, told, found, fits)
+
+    def save(self, folder: str | Path, *, force: bool = False) -> Path:
+        """Write the folder that ``apgc fit --plain`` writes, which the other commands take and ``open_fitted`` opens.
+
+        Fits of other files that are there are kept unless ``force``. What was fitted from memory is told by its values alone: its arrays are
+        not written, so ``apgc bind`` cannot bind it. Raises UserError.
+        """
+        from ..run.fits import save_fits
+
+        out, force = read_path("a folder", folder, '"fitted"'), read_flag("force", force)
+        save_fits(self.job, out, self._records, list(self._items.values()), force=force)
+        return out
+
+
+class FittedObject(Object):
+    """An object and the real one that it was fitted to. Frames are its own; see ``to_object``."""
+
+    def __init__(self, job: Job, record: dict[str, Any], item: Item):
+        super().__init__(job)
+        self._record, self._item = record, item
+
+    def _title(self) -> str:
+        return f"{self.category} {self.number}: {self.name}, {self.verdict}, {self.distance:.2f} %"
+
+    @property
+    def name(self) -> str:
+        """What the real object is called."""
+        return str(self._record["name"])
+
+    @cached_property
+    def record(self) -> dict[str, Any]:
+        """All that is known of the fit, as in ``fits/NAME.json``."""
+        return {key: value for key, value in self._record.items() if key not in _INNER}
+
+    @property
+    def verdict(self) -> str:
+        """``fits`` or ``rough``."""
+        return str(self._record["verdict"])
+
+    @property
+    def distance(self) -> float:
+        """How far the two surfaces are apart, both ways, in percent of the diagonal; ``record["distance"]`` has more."""
+        return float(self._record["distance"]["both"])
+
+    @property
+    def to_object(self) -> np.ndarray:
+        """The matrix (4, 4) that brings points as they were given into the frame of the object: ``p @ m[:3, :3].T + m[:3, 3]``."""
+        return np.array(self._record["to_object"])
+
+    @property
+    def lost(self) -> str:
+        """What of the real object was left out, such as points that are no numbers; "" for nothing."""
+        return str(self._record.get("lost", ""))
+
+    def posed(self) -> np.ndarray:
+        """Joint values (J,) in which the real object stands, to be passed on: ``one.mesh(one.posed())``."""
+        from ..fit.real import posed_as
+
+        return posed_as(self.batch, self._record.get("joints") or {}, self.name)
+
+    def real(self) -> Real:
+        """The outer surface of the real object in the frame of this one: ``points``, ``normals`` (n, 3), ``label`` (n,) indexing ``labels``.
+
+        It is read again for that. Raises UserError where it has changed since.
+        """
+        from ..fit.real import read_real
+
+        self._item.real.require(self._record["file"])
+        return read_real(self._item.real, self._record)
+
+    def overlay(self, path: str | Path, *, tile: int = 320) -> Path:
+        """Draw the real object as points, this one, and both, side by side, as ``apgc fit`` does. Raises UserError, UsageError."""
+        from ..export.write import write_bytes
+        from ..view.overlay import overlay
+        from ..view.png import png_bytes
+        from ..view.sheet import Painter, read_tile
+
+        file = read_picture(path)
+        painter = Painter("auto", read_tile(tile))
+        image = overlay(self.batch, 0, self.real().points, painter, states=self.posed())
+        write_bytes(file, png_bytes(image), force=True)
+        return file

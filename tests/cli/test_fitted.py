@@ -1,0 +1,223 @@
+"""Fitting, binding and mutating in Python: the values, arrays and bytes of the command line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import artipg_dsl as apg
+from artipg_dsl.cli.main import main
+from artipg_dsl.errors import UsageError, UserError
+from tests.fit.helpers import BOARD
+
+from .helpers import CHEST, tree
+
+MANY = 3000  # points that details are bound by: enough for a surface that meshes can wear
+MAP = {"Knob": "handle", "Lid": "door"}  # no object has a lid
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the command line makes of two wavy chests and a file that is none: ``real``, ``fitted``, ``bound``, ``mutants``."""
+    folder = tmp_path_factory.mktemp("place")
+    real = folder / "real"
+    real.mkdir()
+    points = apg.sample(CHEST, n=2, seed=4).points(6000, surface="outside")
+    for k in range(2):
+        label = (points.semantic[k] == points.semantic[k].max()).astype(int)
+        waves = 0.006 * np.cos(25.0 * points.position[k][:, 1:2] + 10.0 * points.position[k][:, 2:])
+        arrays = {"points": points.position[k] + waves * points.normal[k], "normals": points.normal[k], "label": label}
+        np.savez(real / f"chest{k}.npz", **arrays, label_names=["Box", "Knob"])
+    (real / "broken.obj").write_text("f 1 2 3\n")
+    (folder / "map.json").write_text(json.dumps(MAP))
+
+    def run(*words: object) -> None:
+        assert main([str(word) for word in words]) == 0
+
+    fitted, bound = folder / "fitted", folder / "bound"
+    run("fit", CHEST, real, "-o", fitted, "--front", "x", "--map", folder / "map.json", "--plain", "--seed", 2)
+    run("bind", fitted, "-o", bound, "--points", MANY)
+    asked = ("--ops", "cpa", "-n", 2, "--details", bound, "--points", 64)
+    run("mutate", fitted, *asked, "-o", folder / "mutants")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def fitted(place: Path) -> apg.Fitted:
+    """The first chest as arrays, then the folder."""
+    with np.load(place / "real" / "chest0.npz") as held:
+        arrays = dict(held)
+    with pytest.warns(UserWarning, match="no object has a label `Lid`, as map says: their labels are `Box` and `Knob`"):
+        return apg.fit_objects(CHEST, [arrays, place / "real"], front="x", map=MAP, seed=2)
+
+
+@pytest.fixture(scope="module")
+def bound(fitted: apg.Fitted) -> apg.Bound:
+    return fitted.bind(MANY)
+
+
+def plain(record: dict[str, Any], *but: str) -> dict[str, Any]:
+    return {key: value for key, value in record.items() if key not in ("file", "options", "object", *but)}
+
+
+def test_records_are_those_of_the_command_line(place: Path, fitted: apg.Fitted) -> None:
+    held, *records = fitted.records
+    names = ["broken", "chest0", "chest1"]
+    told = [plain(json.loads((place / "fitted" / "fits" / f"{name}.json").read_text())) for name in names]
+    assert [plain(record) for record in records] == told
+    assert plain(held, "name", "source") == plain(told[1], "name", "source"), "arrays are fitted as a file of them"
+    assert [one["object"] for one in fitted.records] == [0, None, 1, 2] and fitted.numbers.tolist() == [0, 1, 2]
+    assert held["name"] == "object0" and repr(fitted) == "<Chest: 3 objects fitted, 1 not>"
+    assert [one["name"] for one in fitted.summary["failed"]] == ["broken"] and fitted.summary["labels"] == [
+        "Box",
+        "Knob",
+    ]
+
+
+def test_what_is_known_of_an_object(place: Path, fitted: apg.Fitted, tmp_path: Path) -> None:
+    original = apg.sample(CHEST, n=2, seed=4)
+    for one in fitted:
+        true = original.object(int(one.number == 2))
+        assert one.verdict == "fits" and one.distance < 1.0 and one.lost == ""
+        assert one.drawn == one.record["drawn"] and abs(one["width"][0] - true["width"][0]) < 0.02
+        assert one.record["iou"]["handle"] > 0.5
+        assert np.allclose(one.to_object, np.eye(4), atol=0.01) and one.posed().tolist() == [0.0]
+        found = one.real()
+        assert found.labels == ("Box", "Knob") and np.allclose(
+            found.points.max(axis=0)[2], one.record["size"][2], atol=0.01
+        )
+    image = fitted.object(2).overlay(tmp_path / "chest.png", tile=48).read_bytes()
+    assert image[:4] == b"\x89PNG" and "chest1, fits" in repr(fitted.object(2))
+    with pytest.raises(UserError, match="there is no object 3: 3 were fitted"):
+        fitted.object(3)
+
+
+def test_folders_are_opened_and_saved(place: Path, fitted: apg.Fitted, tmp_path: Path) -> None:
+    again = apg.open_fitted(place / "fitted")
+    assert [one.name for one in again] == ["chest0", "chest1"] and again.records[2]["failed"]
+    again.save(tmp_path / "same")
+    assert tree(tmp_path / "same") == tree(place / "fitted")
+    before = tree(tmp_path / "same")
+    with pytest.raises(UserError, match="holds fits of"):
+        apg.Fitted(again.job, again._records[:1], list(again._items.values())[:1]).save(tmp_path / "same")
+    assert tree(tmp_path / "same") == before
+    fitted.save(tmp_path / "memory")
+    opened = apg.open_fitted(tmp_path / "memory")
+    assert [one.drawn for one in opened] == [one.drawn for one in fitted]
+    with pytest.raises(UserError, match="there is no file <memory>"):
+        opened.object(0).real()
+
+
+def test_details_are_those_of_the_command_line(
+    place: Path, fitted: apg.Fitted, bound: apg.Bound, tmp_path: Path
+) -> None:
+    assert bound.numbers.tolist() == [0, 1, 2] and repr(bound) == "<Chest: details of 3 objects>"
+    with np.load(place / "bound" / "chest0.npz") as held:
+        arrays = bound.arrays(0)
+        assert all(np.array_equal(arrays[name], held[name]) for name in held.files if name != "name")
+    same = apg.open_fitted(place / "fitted").bind(MANY)
+    same.save(tmp_path / "bound")
+    assert tree(tmp_path / "bound") == tree(place / "bound")
+    assert same.summary == json.loads((place / "bound" / "bind.json").read_text())
+
+
+def test_bound_points(fitted: apg.Fitted, bound: apg.Bound) -> None:
+    points, one = bound.points(1), fitted.object(1)
+    assert len(points) == bound.summary["objects"][1]["points"] and points.labels == ("Box", "Knob")
+    real = one.real()
+    apart = np.sqrt(((points.real[:, None] - real.points[None]) ** 2).sum(axis=-1)).min(axis=1)
+    assert np.median(apart[points.how == 0]) < 1e-6, "what is bound are points of the real surface"
+    assert (np.sqrt(((points.position - points.real) ** 2).sum(axis=1)) < 0.08).all()
+    assert set(points.label.tolist()) <= {-1, 0, 1} and "labels" in repr(points)
+    with pytest.raises(UserError, match="there are no details of object 7 .there are those of 0, 1, 2"):
+        bound.points(7)
+
+
+def test_mutants_wear_their_own(place: Path, bound: apg.Bound, fitted: apg.Fitted, tmp_path: Path) -> None:
+    again = apg.open_fitted(place / "fitted")
+    mutants, details = again.mutate("cpa", n=2), again.bind(MANY)
+    assert mutants.numbers.tolist() == [0, 1, 2, 3]
+    points = mutants.points(64, details=details)
+    with np.load(place / "mutants" / "points-00000.npz") as held:
+        assert np.array_equal(points.position.astype(np.float32), held["points"])
+        assert points.worn is not None and np.array_equal(points.worn >= 0, held["worn"])
+    for others, worn in (
+        (mutants, place / "bound"),
+        (apg.open_samples(place / "mutants"), details),
+        (apg.open_samples(place / "mutants"), place / "bound"),
+    ):
+        assert np.array_equal(others.points(64, details=worn).position, points.position)
+    half = mutants.points(64, details=details, detail_strength=0.5).position
+    assert not np.array_equal(half, points.position)
+    assert np.abs(half - (points.position + mutants.points(64).position) / 2).max() < 0.01
+    with pytest.raises(UsageError, match="in no folder"):
+        mutants.to(tmp_path / "out", "points", points=64, details=details)
+    details.save(tmp_path / "bound")
+    mutants.to(tmp_path / "out", "points", points=64, details=details)
+    with (
+        np.load(tmp_path / "out" / "points-00000.npz") as made,
+        np.load(place / "mutants" / "points-00000.npz") as held,
+    ):
+        assert all(np.array_equal(made[name], held[name]) for name in held.files)
+
+
+def test_others_borrow(place: Path, bound: apg.Bound, tmp_path: Path) -> None:
+    samples, details = apg.sample(CHEST, n=2, seed=9), apg.open_fitted(place / "fitted").bind(MANY)
+    ours, theirs = (samples.points(64, details=worn) for worn in (details, place / "bound"))
+    assert np.array_equal(ours.position, theirs.position) and ours.worn is not None and (ours.worn >= 0).any()
+    assert np.array_equal(samples.object(1).points(64, details=details).position[0], ours.position[1])
+    bare, worn = samples.object(0).mesh(), samples.object(0).mesh(details=details)
+    assert bare.geometry.keys() == worn.geometry.keys() and len(worn.triangles) > len(bare.triangles)
+    samples.export(tmp_path / "objects", "obj", details=details)
+    samples.sheet(tmp_path / "sheet.png", details=details, tile=48)
+    with pytest.raises(UserError, match="the details in memory are of objects of Chest, not of Board"):
+        apg.load(BOARD).points(8, details=details)
+
+
+def test_what_is_wrong_is_told(place: Path, fitted: apg.Fitted) -> None:
+    chest = place / "real" / "chest0.npz"
+    for arguments, told in (
+        ({"up": "zz"}, "up is 'zz'"),
+        ({"up": "z", "front": "-z"}, "they lie on one axis"),
+        ({"unit": "cm", "normalised": True}, "objects without a scale have no unit"),
+        ({"normalised": "no"}, "normalised is 'no'"),
+        ({"map": {"Knob": "handel"}}, "no word of `semantic`"),
+        ({"map": ["Knob"]}, "map is"),
+        ({"workers": 0}, "workers is 0"),
+        ({"seed": 0.5}, "seed is 0.5"),
+        ({"checked": 3}, "checked is 3"),
+    ):
+        with pytest.raises(UsageError, match=told):
+            apg.fit_objects(CHEST, chest, **arguments)  # type: ignore[arg-type]
+    with pytest.raises(UsageError, match="a category is a name or a file, not 3"):
+        apg.fit_objects(3, chest)  # type: ignore[arg-type]
+    with pytest.raises(apg.NothingFits, match="object0 was not fitted") as caught:
+        apg.fit_objects(CHEST, np.zeros((3, 3)))
+    assert "too few to see a shape" in str(caught.value) and caught.value.records[0]["name"] == "object0"
+    for ask, told in (
+        (lambda: fitted.bind(assignment="mutal"), "there is no assignment 'mutal' .did you mean `mutual`"),
+        (lambda: fitted.bind(0), "points is 0"),
+        (lambda: fitted.mutate(n=0), "n is 0"),
+        (lambda: fitted.save(3), "a folder is named by"),
+        (lambda: fitted.object(0).overlay("chest.jpg"), "written as PNG"),
+        (lambda: apg.open_fitted(""), "the name of a folder is empty"),
+    ):
+        with pytest.raises(UsageError, match=told):
+            ask()  # type: ignore[no-untyped-call]
+    with pytest.raises(UserError, match="is not a folder of fitted objects"):
+        apg.open_fitted(place / "real")
+
+
+def test_several_processes_give_the_same(place: Path) -> None:
+    fitted = apg.open_fitted(place / "fitted")
+    one, two = (fitted.bind(300, workers=workers) for workers in (1, 2))
+    assert one.summary == two.summary and all(
+        np.array_equal(one.arrays(1)[key], two.arrays(1)[key]) for key in one.arrays(1)
+    )
+    with pytest.raises(apg.NothingFits, match="none of 7 objects was fitted") as caught:
+        apg.fit_objects(CHEST, [np.full((9, 3), float(k)) for k in range(7)], workers=2)
+    assert [record["name"] for record in caught.value.records] == [f"object{k}" for k in range(7)]
