@@ -6,11 +6,11 @@ Begin with ``binding`` and ``wear``.
     assign, binding           which point of a cloud belongs to which of a structure; each with its place on the surface and its offset
     refuse                    which bound points are accidents, and no details
     completion                what was hidden, by the symmetries of each primitive
-    elements, record          the primitives that details are bound to; details as arrays of a file
+    elements, record, placed  the primitives that details are bound to; details as arrays of a file, and as points in space
     suits, trim               which element of which donor each element wears; what can be borrowed of details
     wear, maps                points in the details of their donors; places on primitives of another kind
     displace, skin            closed meshes in them
     calm, unfold              what a surface can follow of details; what turns inside out, and sheets whose sides cross
     measure, report           distances, coverage, torn and inverted neighbourhoods
-    dressing, store           which details objects wear; a folder of them
+    dressing, store           which details objects wear; a folder of them, or those at hand
 """

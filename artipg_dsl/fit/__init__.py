@@ -3,6 +3,7 @@
 In: a sampler and clouds. Out: for each cloud the values of the object that comes nearest, how far the two are apart, and how they lie to
 one another. Begin with ``fitting``.
 
+    sources, given            real objects in files and in memory; as Python gives them
     reading, pose, outer      files as clouds; their axes, unit, normals; what of them can be seen from without
     model                     the draws that shape a surface, and candidates as rows of a batch with changed values
     match, compare, refine    pairs of nearest points both ways; gaps; numbers moved by damped least squares

@@ -11,6 +11,8 @@ In: the words of the command line or the arguments of Python. Out: a ``Job``, wh
     dataset, resume                      the folder, and resuming it
     sharing, workers, memory             one process or several, and how much they take
     evidence                             what is known of the validity of its objects
+    fitting, binding, wearing            real objects fitted, their details bound, and who wears which
+    fits, bindings                       folders of these
     laying                               folders in the layouts of the field, category by category
     manifest, schema                     what made a folder, read and written
 """
