@@ -6,6 +6,7 @@ In: names, numbers and arrays. Out: objects, and files of them. Begin with ``sam
     files       writing objects: data sets, robots, pictures
     fitted      fitting real objects
     bound       their details, and which details objects wear
+    real        real objects as arguments
 """
 
 from __future__ import annotations

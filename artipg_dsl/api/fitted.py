@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import read_flag, read_path, read_whole
-from ..errors import NoObject, UsageError, UserError
+from ..errors import NoObject, UserError
 from ..run.job import Job, open_program
 from ..run.request import read_request
 from ..run.sharing import MOST
 from .files import count_objects, read_picture
+from .real import read_map, read_real
 from .samples import Object, Samples
 
 if TYPE_CHECKING:
@@ -69,17 +70,14 @@ def fit_objects(
     What cannot be read or does not fit is in ``records`` with the reason, and not among the objects. Raises NothingFits if that is all
     of them, and CompileError, UsageError, UserError.
     """
-    from ..fit.given import read_objects
-    from ..fit.pose import Frame
-    from ..run.fitting import Asked, check_words, find_unmatched, fit_all, good_ones, prepare_fitted
+    from ..run.fitting import Asked, find_unmatched, fit_all, good_ones, prepare_fitted
 
     request = read_request(category, seed=seed, checked=checked)
-    frame = Frame(up, front, unit, read_flag("normalised", normalised))
     at_rest, workers = read_flag("at_rest", at_rest), read_whole("workers", workers, 1, MOST)
     told: list[str] = []
-    items = read_objects(real, told.append)
+    items, frame = read_real(real, up, front, unit, normalised, told.append)
     sampler, source = open_program(request.source)
-    words = check_words(_read_map(map), sampler.program.vocabularies.get("semantic", ()), "map")
+    words = read_map(map, sampler.program)
     asked = Asked(source, frame, request.seed, request.checked, words, not at_rest)
     records = fit_all(sampler, asked, items, workers)
     for text in filter(None, [*told, find_unmatched(words, records, "map")]):
@@ -107,15 +105,6 @@ def _nothing(category: str, records: Sequence[dict[str, Any]]) -> NothingFits:
 
 def _off(record: dict[str, Any]) -> str:
     return f"{record['verdict']}, {record['distance']['both']:.1f} %" + ("" if record["valid"] else ", not valid")
-
-
-def _read_map(given: Mapping[str, str] | None) -> Mapping[str, str]:
-    """Names of labels and our words for them. Raises UsageError."""
-    if given is None:
-        return {}
-    if not isinstance(given, Mapping) or not all(isinstance(one, str) for pair in given.items() for one in pair):
-        raise UsageError(f"map is {given!r}", 'it maps names of labels to words of `semantic`: {"Seat_01": "seat"}')
-    return given
 
 
 class Fitted(Samples):

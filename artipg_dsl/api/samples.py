@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property, partial
 from pathlib import Path
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from ..annotate.grasps import GraspTable, KeypointTable
     from ..annotate.gripper import Gripper
     from ..annotate.views import Views
+    from ..run.comparing import Comparison
     from ..runtime.repairs import Repairs
     from ..runtime.tables import JointTable, LinkTable, PartTable
     from ..sampling.correspondence import Correspondence
@@ -113,6 +115,36 @@ class Samples(Files):
         from ..sampling.correspondence import find_correspondence
 
         return find_correspondence(self.batch.history[0].before if self.batch.history else self.batch, self.batch)
+
+    # ------------------------------------------------------------ real objects
+
+    def compare(
+        self,
+        real: Any,
+        *,
+        up: str = "auto",
+        front: str = "auto",
+        unit: str = "auto",
+        normalised: bool = False,
+        map: Mapping[str, str] | None = None,
+    ) -> Comparison:
+        """How these compare with real objects, as ``apgc compare`` tells; the arguments are those of ``fit_objects``.
+
+        ``likeness`` has sizes, chamfer distances both ways, and with ``map`` labels; ``names`` of the real objects, and why others
+        could not be read; ``presence()`` what labels say of the draws. Raises UsageError, UserError.
+        """
+        from ..run.comparing import Comparison, read_all
+        from ..run.fitting import tell_unmatched
+        from .real import read_map, read_real
+
+        told: list[str] = []
+        items, frame = read_real(real, up, front, unit, normalised, told.append)
+        words = dict(read_map(map, self.batch.program))
+        known = read_all(self.batch, items, frame)
+        told += [f"{name}: {lost}, and were left out" for name, lost in known.lost.items()]
+        for text in filter(None, [*told, tell_unmatched(words, known.labels, "map")]):
+            warnings.warn(text, stacklevel=2)
+        return Comparison.of(self.batch, known, words)
 
     # ------------------------------------------------------------ tables
 

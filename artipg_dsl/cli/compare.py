@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import UsageError, UserError
+from ..errors import UsageError
 from .arguments import STREAM
 from .fit import read_words, warn
 from .messages import plural, say
@@ -19,52 +19,41 @@ from .wanted import open_wanted
 
 if TYPE_CHECKING:
     from ..fit.likeness import Likeness
-    from ..runtime.batch import Batch
+    from ..run.comparing import Comparison
 
 _FEW = 10  # lines of a list
 
 
 def run(options: argparse.Namespace) -> int:
-    from ..fit.likeness import measure_likeness
-    from ..fit.pose import Frame, pose
-    from ..fit.reading import find_files, read_cloud
-    from ..quality.sizes import measure_extents
+    from ..fit.pose import Frame
+    from ..fit.reading import find_files
+    from ..fit.sources import File, Item
+    from ..run.comparing import Comparison, read_all
     from ..run.fitting import tell_unmatched
 
     out = _refuse_early(options)
     frame = Frame(options.up, options.front, options.unit, options.normalised)
-    paths = find_files(options.files, say)
+    items = [Item(str(path), File(path)) for path in find_files(options.files, say)]
     with Progress(options.program) as progress:
         progress.stage("compiling")
         job = open_wanted(options)
         words = dict(read_words(options.map, job.program.vocabularies.get("semantic", ())))
         progress.stage("drawing")
         batch = job.batch()
-        usual = float(np.median(np.sqrt((measure_extents(batch) ** 2).sum(axis=1))))
-        progress.stage("reading", 0, len(paths))
-        names, real, seen, failed, labels = [], [], [], [], set[str]()
-        for number, path in enumerate(paths):
-            try:
-                cloud = read_cloud(path)
-                real.append(pose(cloud, frame, path.suffix.lower(), usual))
-                names.append(str(path))
-                if cloud.lost:
-                    say(f"{path}: {cloud.lost}, and were left out")
-                labels.update(cloud.names)
-                seen.append(frozenset(cloud.names[k] for k in np.unique(cloud.label).tolist() if k >= 0))
-            except UserError as wrong:
-                failed.append({"name": str(path), "reason": wrong.message + (f" ({wrong.hint})" if wrong.hint else "")})
-            progress(number + 1, len(paths))
-        if not real:
-            raise UserError("none of the files could be read", failed[0]["reason"])
-        progress.stage("comparing", 0, len(real))
-        found = measure_likeness(batch, real, words, progress)
-    print(json.dumps(_plain(found, names, failed), indent=1) if options.json else _text(found, names, failed))
+        progress.stage("reading", 0, len(items))
+        known = read_all(batch, items, frame, progress)
+        for name, lost in known.lost.items():
+            say(f"{name}: {lost}, and were left out")
+        progress.stage("comparing", 0, len(known.names))
+        found = Comparison.of(batch, known, words, progress)
+    failed = [{"name": name, "reason": reason} for name, reason in found.failed.items()]
+    told = found.likeness, found.names, failed
+    print(json.dumps(_plain(*told), indent=1) if options.json else _text(*told))
     if words:
-        warn(tell_unmatched(words, sorted(labels), options.map, "file"))
+        warn(tell_unmatched(words, known.labels, options.map, "file"))
     if out is not None:
-        _write_prior(batch, seen, words, out, options)
-    say(f"{batch.program.name}: {plural(len(batch), 'sample')} beside {plural(len(real), 'real object')}")
+        _write_prior(found, out, options)
+    say(f"{batch.program.name}: {plural(len(batch), 'sample')} beside {plural(len(found.names), 'real object')}")
     return 0
 
 
@@ -85,17 +74,11 @@ def _refuse_early(options: argparse.Namespace) -> Path | None:
     return out
 
 
-def _write_prior(
-    batch: Batch, seen: list[frozenset[str]], words: dict[str, str], out: Path, options: argparse.Namespace
-) -> None:
+def _write_prior(compared: Comparison, out: Path, options: argparse.Namespace) -> None:
     """A prior of what the labels of real objects say, and in words what no draw was found for. Raises ExportError, UserError."""
     from ..export.write import write_bytes
-    from ..fit.presence import measure_presence
-    from ..run.prior import Prior, apply_prior
 
-    found = measure_presence(batch, seen, words)
-    name = batch.program.name
-    apply_prior(batch.program, Prior(found.draws, str(out)))  # what is written can be read
+    found, name = compared.presence(), compared.batch.program.name
     held = {
         "about": f"Counted in {plural(found.objects, 'real object')} by apgc compare {name} --prior-out. "
         "A share is (count + 1/2) / (objects + 1); to each count of a value 1/2 is added.",

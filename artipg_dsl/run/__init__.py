@@ -13,6 +13,7 @@ In: the words of the command line or the arguments of Python. Out: a ``Job``, wh
     evidence                             what is known of the validity of its objects
     fitting, binding, wearing            real objects fitted, their details bound, and who wears which
     fits, bindings                       folders of these
+    comparing                            samples beside real objects
     laying                               folders in the layouts of the field, category by category
     manifest, schema                     what made a folder, read and written
 """

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 import artipg_dsl as apg
 from artipg_dsl.cli.main import main
@@ -129,7 +130,7 @@ def test_bound_points(fitted: apg.Fitted, bound: apg.Bound) -> None:
     points, one = bound.points(1), fitted.object(1)
     assert len(points) == bound.summary["objects"][1]["points"] and points.labels == ("Box", "Knob")
     real = one.real()
-    apart = np.sqrt(((points.real[:, None] - real.points[None]) ** 2).sum(axis=-1)).min(axis=1)
+    apart = cKDTree(real.points).query(points.real)[0]
     assert np.median(apart[points.how == 0]) < 1e-6, "what is bound are points of the real surface"
     assert (np.sqrt(((points.position - points.real) ** 2).sum(axis=1)) < 0.08).all()
     assert set(points.label.tolist()) <= {-1, 0, 1} and "labels" in repr(points)
@@ -221,3 +222,20 @@ def test_several_processes_give_the_same(place: Path) -> None:
     with pytest.raises(apg.NothingFits, match="none of 7 objects was fitted") as caught:
         apg.fit_objects(CHEST, [np.full((9, 3), float(k)) for k in range(7)], workers=2)
     assert [record["name"] for record in caught.value.records] == [f"object{k}" for k in range(7)]
+
+
+def test_samples_beside_real_objects(place: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, labels = tmp_path / "own.json", {"Box": "body", "Knob": "handle"}
+    (tmp_path / "map.json").write_text(json.dumps(labels))
+    asked = ["compare", CHEST, place / "real", "-n", 24, "--front", "x", "--map", tmp_path / "map.json"]
+    assert main([str(word) for word in [*asked, "--json", "--prior-out", out]]) == 0
+    told = json.loads(capsys.readouterr().out)
+    found = apg.sample(CHEST, 24).compare(place / "real", front="x", map=labels)
+    assert found.likeness.matching == told["matching"] and found.likeness.back == told["back"]
+    assert [one["distance"] for one in told["real"]] == found.likeness.nearest.tolist()
+    assert found.names == ["chest0", "chest1"] and "broken.obj" in found.failed["broken"]
+    assert repr(found).startswith("<Chest: 24 samples beside 2 real objects")
+    assert found.presence().draws == json.loads(out.read_text())["draws"]["Chest"]
+    assert found.presence().unmatched == json.loads(out.read_text())["unmatched"]["Chest"]
+    with pytest.raises(UserError, match="none of the real objects could be read .object0 has 3 points"):
+        apg.sample(CHEST, 24).compare(np.zeros((3, 3)))

@@ -78,6 +78,6 @@ def test_bad_files_are_listed_and_none_is_an_error(
     found = compare(capsys, folder / "chest0.npz", tmp_path / "broken.npz", "-n", 4, "--front=x")
     assert len(found["real"]) == 1 and "cannot be read as npz" in found["failed"][0]["reason"]
     assert main(["compare", CHEST, str(tmp_path / "broken.npz"), "-n", "4"]) == 1
-    assert "none of the files could be read" in capsys.readouterr().err
+    assert "none of the real objects could be read" in capsys.readouterr().err
     assert main(["compare", CHEST, str(folder / "chest0.npz"), "-n", "4", "--front=x"]) == 0
     assert "real objects that samples come least near to" in capsys.readouterr().out
