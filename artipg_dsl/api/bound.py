@@ -118,11 +118,9 @@ def choose_details(details: Worn, strength: float, job: Job) -> Dressing | None:
     refuse_idle_strength(details, strength)
     if details is None or isinstance(details, Bound):
         return None if details is None else details.worn(strength, job)
-    from ..details.store import read_dressing
-    from ..run.wearing import dress_as, read_drawn
+    from ..run.wearing import dress
 
-    dressing = read_dressing(details, strength)
-    return dress_as(job, dressing, read_drawn(Path(dressing.folder)))
+    return dress(job, details, strength)
 
 
 def require_folder(details: Worn) -> None:

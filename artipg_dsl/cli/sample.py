@@ -60,10 +60,9 @@ def run(options: argparse.Namespace) -> int:
         job = _open_job(options)
     tell_frame(job, formats, options.frame)
     if options.details is not None:
-        from ..details.store import borrow  # start-up: most objects wear none, and k-d trees load slowly
+        from ..run.wearing import dress  # start-up: most objects wear none, and k-d trees load slowly
 
-        dressing = borrow(options.details, strength, job.program)
-        output = replace(output, content=replace(output.content, details=dressing))
+        output = replace(output, content=replace(output.content, details=dress(job, options.details, strength)))
     manifest, number = write(job, place_of(options.out), output, options)
     if options.params is not None:
         tell_repairs(job, manifest)

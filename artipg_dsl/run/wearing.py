@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..details.dressing import Dressing
-from ..details.store import SUMMARY, require_donors
+from ..details.store import SUMMARY, read_dressing, require_donors
 from ..errors import UserError
 from .fits import list_objects, read_record
 from .job import Job
@@ -25,7 +25,13 @@ def dress_as(job: Job, dressing: Dressing, drawn: Drawn) -> Dressing:
     return chosen
 
 
-def read_drawn(folder: Path) -> Drawn:
+def dress(job: Job, folder: str | Path, strength: float) -> Dressing:
+    """How objects of a job wear the details in a folder. Raises UserError, UsageError."""
+    dressing = read_dressing(folder, strength)
+    return dress_as(job, dressing, {} if job.request.values is None else _read_drawn(Path(dressing.folder)))
+
+
+def _read_drawn(folder: Path) -> Drawn:
     """The values of the objects that the details in a folder are bound to, as far as its records have them."""
     objects = list_objects(read_record(folder / SUMMARY), "name")
     return {one["object"]: (read_record(folder / f"{one['name']}.json") or {}).get("drawn") for one in objects}

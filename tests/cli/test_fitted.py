@@ -166,6 +166,35 @@ def test_mutants_wear_their_own(place: Path, bound: apg.Bound, fitted: apg.Fitte
         assert all(np.array_equal(made[name], held[name]) for name in held.files)
 
 
+def test_objects_of_the_fitted_values_wear_their_own(place: Path, tmp_path: Path) -> None:
+    values, bound = place / "fitted" / "values.jsonl", place / "bound"
+    asked = [
+        "sample",
+        CHEST,
+        "--params",
+        values,
+        "--details",
+        bound,
+        "--points",
+        64,
+        "--seed",
+        2,
+        "-o",
+        tmp_path / "out",
+    ]
+    assert main([str(word) for word in asked]) == 0
+    samples = apg.sample(CHEST, values=values, seed=2)
+    samples.to(tmp_path / "same", points=64, details=bound)
+    assert tree(tmp_path / "same") == tree(tmp_path / "out")
+    assert np.array_equal(
+        samples.points(64, details=bound).position, apg.open_fitted(place / "fitted").points(64, details=bound).position
+    )
+    donors = [
+        json.loads(line)["details"] for line in (tmp_path / "out" / "annotation-00000.jsonl").read_text().splitlines()
+    ]
+    assert [one["donor"] for one in donors] == ["chest0", "chest1"] and not any("donors" in one for one in donors)
+
+
 def test_others_borrow(place: Path, bound: apg.Bound, tmp_path: Path) -> None:
     samples, details = apg.sample(CHEST, n=2, seed=9), apg.open_fitted(place / "fitted").bind(MANY)
     ours, theirs = (samples.points(64, details=worn) for worn in (details, place / "bound"))
