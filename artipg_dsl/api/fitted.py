@@ -175,7 +175,7 @@ class Fitted(Samples):
         if not told["objects"]:
             failed = told["failed"][0]
             raise UserError(
-                f"no details of {count_objects(len(fits))} could be bound", f"{failed['name']}: {failed['reason']}"
+                f"no details could be bound of {count_objects(len(fits))}", f"{failed['name']}: {failed['reason']}"
             )
         return Bound(self.job, told, found, fits)
 

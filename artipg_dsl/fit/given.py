@@ -45,7 +45,7 @@ def _none() -> NoReturn:
 
 def _is_one(given: Any) -> bool:
     """Whether this is one real object, and not several. Two arrays in a tuple are vertices and faces."""
-    if isinstance(given, str | Path | Mapping) or hasattr(given, "vertices") or hasattr(given, "geometry"):
+    if isinstance(given, str | bytes | Path | Mapping) or hasattr(given, "vertices") or hasattr(given, "geometry"):
         return True
     if isinstance(given, tuple):
         return len(given) == 2 and all(_is_array(one) for one in given)
@@ -98,6 +98,8 @@ def _of_names(given: Mapping[str, Any], name: str) -> Cloud | Solid:
         if (ids in given) != (words in given):
             there, lacking = (ids, words) if ids in given else (words, ids)
             raise UsageError(f"{name} has `{there}`, and no `{lacking}`", f'add "{lacking}", or leave out "{there}"')
+        if words in given and (np.ndim(given[words]) != 1 or not all(isinstance(one, str) for one in given[words])):
+            raise UsageError(f"{name}: `{words}` is {given[words]!r:.80}", 'it is a list of names: ["seat", "back"]')
     if "vertices" in given:
         if "points" in given:
             raise UsageError(f"{name} has both `points` and `vertices`", "give a cloud or a mesh")

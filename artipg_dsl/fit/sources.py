@@ -42,6 +42,10 @@ class File:
 
     def require(self, mark: str) -> None:
         """Raises UserError where it is not what once had this mark."""
+        if str(self.path) == _MEMORY:
+            raise UserError(
+                "it was fitted from memory, and its arrays were not kept", "fit it again, and bind it at once"
+            )
         if not self.path.exists():
             raise UserError(f"there is no file {self.path}", "name the files that were fitted: apgc bind FITTED FILES")
         if self.mark() != mark:

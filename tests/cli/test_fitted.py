@@ -93,6 +93,9 @@ def test_what_is_known_of_an_object(place: Path, fitted: apg.Fitted, tmp_path: P
         )
     image = fitted.object(2).overlay(tmp_path / "chest.png", tile=48).read_bytes()
     assert image[:4] == b"\x89PNG" and "chest1, fits" in repr(fitted.object(2))
+    one = fitted.object(0)
+    moved = apg.FittedObject(one.job, {**one._record, "joints": {"open": 0.5}}, one._item)
+    assert moved.posed().tolist() == [0.5] and one.mesh(moved.posed()).extents[2] > one.mesh().extents[2]
     with pytest.raises(UserError, match="there is no object 3: 3 were fitted"):
         fitted.object(3)
 
@@ -109,7 +112,7 @@ def test_folders_are_opened_and_saved(place: Path, fitted: apg.Fitted, tmp_path:
     fitted.save(tmp_path / "memory")
     opened = apg.open_fitted(tmp_path / "memory")
     assert [one.drawn for one in opened] == [one.drawn for one in fitted]
-    with pytest.raises(UserError, match="there is no file <memory>"):
+    with pytest.raises(UserError, match="fitted from memory, and its arrays were not kept"):
         opened.object(0).real()
 
 
