@@ -17,12 +17,10 @@ if TYPE_CHECKING:
     from ..details.dressing import Dressing
     from ..details.placed import BoundPoints
     from ..details.record import Details, Donors
-    from ..run.binding import Arrays, Fit
+    from ..run.binding import Arrays
     from ..run.job import Job
 
-Worn: TypeAlias = (
-    "str | Path | Bound | None"  # the details that objects wear: a folder that `apgc bind` has written, or bound ones
-)
+Worn: TypeAlias = "str | Path | Bound | None"  # a folder that `apgc bind` has written, or details that are at hand
 
 
 class Bound:
@@ -31,10 +29,8 @@ class Bound:
     Objects wear them where ``details`` are taken: ``mutants.points(2048, details=bound)``. Made by ``bind`` of fitted objects.
     """
 
-    def __init__(
-        self, job: Job, told: dict[str, Any], bound: Sequence[tuple[dict[str, Any], Arrays | None]], fits: Sequence[Fit]
-    ):
-        self.job, self._told, self._bound, self._fits = job, told, bound, fits
+    def __init__(self, job: Job, told: dict[str, Any], bound: Sequence[tuple[dict[str, Any], Arrays | None]]):
+        self.job, self._told, self._bound = job, told, bound
         self._arrays = {record["object"]: arrays for record, arrays in bound if arrays is not None}
         self.folder: Path | None = None  # where they are saved
 
@@ -68,11 +64,11 @@ class Bound:
         return place(self._details[known], Solids.of(self.job.batch([known]).sites()))
 
     def save(self, folder: str | Path, *, force: bool = False) -> Path:
-        """Write the folder that ``apgc bind`` writes; details of other files that are there are kept unless ``force``. Raises UserError."""
+        """Write the folder that ``apgc bind`` writes; other details that are there are replaced only with ``force``. Raises UserError."""
         from ..run.bindings import save_bindings
 
         out, force = read_path("a folder", folder, '"bound"'), read_flag("force", force)
-        save_bindings(out, self._told, self._bound, self._fits, force=force)
+        save_bindings(out, self._told, self._bound, force=force)
         self.folder = out
         return out
 
@@ -91,13 +87,13 @@ class Bound:
         return {number: of_arrays(arrays, f"object {number}") for number, arrays in self._arrays.items()}
 
     @cached_property
-    def donors(self) -> Donors:
+    def _donors(self) -> Donors:
         """All details together, in the order of their objects."""
         from ..details.record import Donors
 
         return Donors.of(self.job.program.name, self.job.program.hash, list(self._details.items()))
 
-    def worn(self, strength: float, job: Job) -> Dressing:
+    def _worn(self, strength: float, job: Job) -> Dressing:
         """How the objects of a job wear these. Raises UsageError, UserError."""
         from ..arguments import read_amount
         from ..details.dressing import MEMORY, Dressing
@@ -106,7 +102,7 @@ class Bound:
 
         strength = read_amount("the strength of details", strength, 0.0, 1.0)
         mark = blake2b(to_text(self._told), digest_size=16).hexdigest()
-        dressing = Dressing(str(self.folder or MEMORY), mark, strength, held=self.donors)
+        dressing = Dressing(str(self.folder or MEMORY), mark, strength, held=self._donors)
         return dress_as(job, dressing, {r["object"]: r.get("drawn") for r, arrays in self._bound if arrays is not None})
 
 
@@ -117,7 +113,7 @@ def choose_details(details: Worn, strength: float, job: Job) -> Dressing | None:
 
     refuse_idle_strength(details, strength)
     if details is None or isinstance(details, Bound):
-        return None if details is None else details.worn(strength, job)
+        return None if details is None else details._worn(strength, job)
     from ..run.wearing import dress
 
     return dress(job, details, strength)

@@ -177,18 +177,18 @@ class Fitted(Samples):
             raise UserError(
                 f"no details could be bound of {count_objects(len(fits))}", f"{failed['name']}: {failed['reason']}"
             )
-        return Bound(self.job, told, found, fits)
+        return Bound(self.job, told, found)
 
     def save(self, folder: str | Path, *, force: bool = False) -> Path:
         """Write the folder that ``apgc fit --plain`` writes, which the other commands take and ``open_fitted`` opens.
 
-        Fits of other files that are there are kept unless ``force``. What was fitted from memory is told by its values alone: its arrays are
+        Other fits that are there are replaced only with ``force``. What was fitted from memory is told by its values alone: its arrays are
         not written, so ``apgc bind`` cannot bind it. Raises UserError.
         """
         from ..run.fits import save_fits
 
         out, force = read_path("a folder", folder, '"fitted"'), read_flag("force", force)
-        save_fits(self.job, out, self._records, list(self._items.values()), force=force)
+        save_fits(self.job, out, self._records, force=force)
         return out
 
 

@@ -18,7 +18,7 @@ from ..export.write import ensure_folder, is_there, sweep_unfinished, write_byte
 from ..fit.real import check_record
 from ..fit.sources import File, Item, mark
 from .binding import Arrays, Binding, Fit, summarize
-from .fits import FITS, SUMMARY, Folder, list_objects, read_record
+from .fits import FITS, SUMMARY, Folder, list_objects, read_record, refuse_other
 from .fitting import Record, to_text
 from .job import Job, ProgramChanged
 from .resume import reopen
@@ -64,12 +64,11 @@ def write_bindings(
 
 
 def save_bindings(
-    out: Path, told: Record, bound: Sequence[tuple[Record, Arrays | None]], fits: Sequence[Fit], *, force: bool
+    out: Path, told: Record, bound: Sequence[tuple[Record, Arrays | None]], *, force: bool = False
 ) -> None:
     """Write the folder of details that are bound already; ``told``: what its summary says. Raises UserError."""
+    refuse_other(out / _SUMMARY, told, force)
     sweep_unfinished(ensure_folder(out))
-    if not force:
-        _refuse_others(out, fits)
     for record, arrays in bound:
         _write(out, record, arrays)
     write_bytes(out / _SUMMARY, to_text(told), force=True)

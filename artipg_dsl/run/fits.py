@@ -16,7 +16,7 @@ from ..errors import UserError
 from ..export.content import Content
 from ..export.registry import choose_formats
 from ..export.write import ensure_folder, sweep_unfinished, write_bytes
-from ..fit.sources import File, Item, name_files
+from ..fit.sources import Item, name_files
 from ..records import dataclass
 from ..sampling.sample import Sampler
 from ..view.overlay import overlay
@@ -73,7 +73,9 @@ def write_fits(
 ) -> Record:
     """Fit the files and write the folder; what the summary says. Raises UserError."""
     items = name_files(paths)
-    _make_ready(folder, items, force)
+    if not force:
+        _refuse_others(folder.out, paths)
+    _make_ready(folder)
     options = asked.plain(sampler.program.hash)
     left = [group for group in groups_of(items) if force or not all(folder.has(item, options) for item in group)]
     done = len(items) - sum(map(len, left))
@@ -91,24 +93,29 @@ def write_fits(
     return summary
 
 
-def save_fits(job: Job, out: Path, records: Sequence[Record], items: Group, *, force: bool = False) -> None:
+def save_fits(job: Job, out: Path, records: Sequence[Record], *, force: bool = False) -> None:
     """Write the folder of objects that are fitted already, which are those of a job. Raises UserError."""
+    summary = summarize(job.program.name, records[0]["options"], records)
+    refuse_other(out / SUMMARY, summary, force)
     folder = Folder(out)
-    _make_ready(folder, items, force)
+    _make_ready(folder)
     for record in records:
         folder.write(record)
-    summary = summarize(job.program.name, records[0]["options"], records)
     _finish(out, summary, records, job.fresh())
 
 
-def _make_ready(folder: Folder, items: Group, force: bool) -> None:
-    """Make the folder ready, unless it holds what would be gone. Raises UserError."""
+def _make_ready(folder: Folder) -> None:
+    """Raises UserError for a folder of other samples."""
     if (folder.out / manifests.NAME).exists() and not (folder.out / SUMMARY).exists():
         raise UserError(f"{folder.out} holds samples that were not fitted", "choose another folder with -o")
-    if not force:
-        _refuse_others(folder.out, [item.real.path for item in items if isinstance(item.real, File)])
     for name in (FITS, PICTURES):
         sweep_unfinished(ensure_folder(folder.out / name))
+
+
+def refuse_other(place: Path, summary: Record, force: bool) -> None:
+    """Refuse a folder whose summary, which is at this place, says something else. Raises UserError."""
+    if not force and place.exists() and place.read_bytes() != to_text(summary):
+        raise UserError(f"{place.parent} holds other objects", "choose another folder, or replace them with force")
 
 
 def _refuse_others(out: Path, paths: Sequence[Path]) -> None:

@@ -106,8 +106,9 @@ def test_folders_are_opened_and_saved(place: Path, fitted: apg.Fitted, tmp_path:
     again.save(tmp_path / "same")
     assert tree(tmp_path / "same") == tree(place / "fitted")
     before = tree(tmp_path / "same")
-    with pytest.raises(UserError, match="holds fits of"):
-        apg.Fitted(again.job, again._records[:1], list(again._items.values())[:1]).save(tmp_path / "same")
+    with pytest.raises(UserError, match="same holds other objects"):
+        fitted.save(tmp_path / "same")
+    again.save(tmp_path / "same")
     assert tree(tmp_path / "same") == before
     fitted.save(tmp_path / "memory")
     opened = apg.open_fitted(tmp_path / "memory")
@@ -126,6 +127,8 @@ def test_details_are_those_of_the_command_line(
     same = apg.open_fitted(place / "fitted").bind(MANY)
     same.save(tmp_path / "bound")
     assert tree(tmp_path / "bound") == tree(place / "bound")
+    with pytest.raises(UserError, match="bound holds other objects"):
+        bound.save(tmp_path / "bound")
     assert same.summary == json.loads((place / "bound" / "bind.json").read_text())
 
 
