@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from itertools import pairwise, product
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from itertools import pairwise
 
 from ..records import dataclass
 from .expr import Column, Expr, both
 from .program import Program
 
-_MOST = 4096  # cases that are tried; conditions of more are taken to cover
+_MOST = 65_536  # cases that are tried; conditions of more are taken to cover
 _COMPARED = ("lt", "le", "eq")
 _Term = tuple[Expr, ...]  # what a condition asks about: a truth, a number, or the difference of two numbers
 
@@ -58,18 +59,68 @@ def _covered(there: Sequence[Expr], holding: Sequence[Expr], options: Mapping[Co
     asked: dict[_Term, set[float]] = {}
     for condition in (*there, *holding):
         _gather(condition, asked)
+    values = {}
     cases = 1
-    values: list[list[float]] = []
     for term, limits in asked.items():
-        values.append(_values(term, limits, options))
-        cases *= len(values[-1])
+        values[term] = _values(term, limits, options)
+        cases *= len(values[term])
         if cases > _MOST:
             return True
-    for combination in product(*values):
-        case = dict(zip(asked, combination, strict=True))
-        if all(_true(e, case) for e in there) and not any(_true(e, case) for e in holding):
-            return False
-    return True
+    table = _Table.of(values, cases)
+    bare = table.every
+    for condition in there:
+        bare &= table.where(condition)
+    for condition in holding:
+        bare &= ~table.where(condition)
+    return not bare
+
+
+@dataclass(frozen=True, slots=True)
+class _Table:
+    """All combinations of the values of terms. A set of them is an integer with a bit for each."""
+
+    every: int
+    takes: Mapping[_Term, list[tuple[float, int]]]  # the values of a term, each with the combinations that have it
+
+    @classmethod
+    def of(cls, values: Mapping[_Term, list[float]], cases: int) -> _Table:
+        every = (1 << cases) - 1
+        takes = {}
+        run = 1  # for how many combinations in a row a term keeps its value
+        for term, each in values.items():
+            starts = every // ((1 << run * len(each)) - 1)  # where the first value begins anew
+            takes[term] = [(value, (((1 << run) - 1) * starts) << run * k) for k, value in enumerate(each)]
+            run *= len(each)
+        return cls(every, takes)
+
+    def where(self, condition: Expr) -> int:
+        """The combinations in which a condition is true."""
+        match condition.op:
+            case "const":
+                return self.every if condition.value else 0
+            case "and":
+                found = self.every
+                for arg in condition.args:
+                    found &= self.where(arg)
+                return found
+            case "or":
+                found = 0
+                for arg in condition.args:
+                    found |= self.where(arg)
+                return found
+            case "not":
+                return self.every & ~self.where(condition.args[0])
+            case "lt" | "le" | "eq":
+                term = _term(condition)
+                holds: Callable[[float], bool] = partial(_compare, condition, term)
+            case _:
+                term = (condition,)
+                holds = bool
+        found = 0
+        for value, cases in self.takes[term]:
+            if holds(value):
+                found |= cases
+        return found
 
 
 def _gather(condition: Expr, asked: dict[_Term, set[float]]) -> None:
@@ -102,22 +153,10 @@ def _values(term: _Term, limits: set[float], options: Mapping[Column, int]) -> l
     return [ends[0] - 1.0, *ends, *((a + b) / 2 for a, b in pairwise(ends)), ends[-1] + 1.0]
 
 
-def _true(condition: Expr, case: Mapping[_Term, float]) -> bool:
-    match condition.op:
-        case "const":
-            return bool(condition.value)
-        case "and":
-            return all(_true(a, case) for a in condition.args)
-        case "or":
-            return any(_true(a, case) for a in condition.args)
-        case "not":
-            return not _true(condition.args[0], case)
-        case "lt" | "le" | "eq":
-            term = _term(condition)
-            left, right = (_side(a, term, case[term]) for a in condition.args)
-            return left < right if condition.op == "lt" else left <= right if condition.op == "le" else left == right
-        case _:
-            return bool(case[condition,])
+def _compare(condition: Expr, term: _Term, value: float) -> bool:
+    """Whether a comparison holds where what it asks about has a value."""
+    left, right = (_side(a, term, value) for a in condition.args)
+    return left < right if condition.op == "lt" else left <= right if condition.op == "le" else left == right
 
 
 def _side(side: Expr, term: _Term, value: float) -> float:
