@@ -212,10 +212,6 @@ def evaluate(exprs: Sequence[Expr], values: dict[str, np.ndarray | float]) -> li
 
 def row_values(formulas: Iterable[Expr]) -> list[Expr]:
     """The largest subexpressions that read columns and no variable of a formula."""
-    formulas = list(formulas)
-    varies: dict[Expr, bool] = {}  # what reads a variable
-    for node in _steps(formulas):
-        varies[node] = node.op == "var" or any(varies[arg] for arg in node.args)
     found: dict[Expr, None] = {}
     seen: set[Expr] = set()
 
@@ -223,7 +219,7 @@ def row_values(formulas: Iterable[Expr]) -> list[Expr]:
         if node.op in ("const", "var") or node in seen:
             return
         seen.add(node)
-        if node.scope is not None and not varies[node]:
+        if node.scope is not None and not node.reads:
             found[node] = None
             return
         for arg in node.args:
