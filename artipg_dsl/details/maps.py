@@ -1,48 +1,87 @@
 """From a primitive to another: places on boxes as places on maps, where (patch, u, v) mean nothing to one another.
 
-Axes correspond by length, the longest to the longest. A long primitive is mapped as onto a cylinder about its longest axis (the azimuth and
-the place along the axis: Lambert's cylindrical projection without its scale); one that is not, as onto a sphere about its centre, whose
-points stand for themselves: azimuth and elevation of the equirectangular projection without its seam and poles. J. P. Snyder, *Map
-Projections: A Working Manual*, USGS Professional Paper 1395, 1987, p. 76 and p. 90.
+Of two long primitives the longest axes correspond, then the next: a grip that is upright wears one that lies. Otherwise those do that point
+the same way in their objects. A long primitive is mapped as onto a cylinder about its longest axis (the azimuth and the place along the
+axis: Lambert's cylindrical projection without its scale); one that is not, as onto a sphere about its centre, whose points stand for
+themselves: azimuth and elevation of the equirectangular projection without its seam and poles. What faces the centre, as the inside of a
+tub does, has a map of its own. J. P. Snyder, *Map Projections: A Working Manual*, USGS Professional Paper 1395, 1987, p. 76 and p. 90.
 """
 
 from __future__ import annotations
+
+from itertools import permutations
 
 import numpy as np
 
 from ..geometry.frames import Frames
 from ..geometry.vectors import cross, dot
+from ..records import dataclass
 
 _LONG = 2.0  # times as long as wide: mapped by a cylinder
+_ORDERS = np.array(list(permutations(range(3))))
+_TOWARDS = 0.5  # cosine: axes that are less alike have no direction in common
 
 
-def _axes_by_length(low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """(N, 3) the axes of boxes, the longest first; of equal ones the later."""
-    return np.argsort(-np.round((high - low)[:, ::-1], 9), axis=1, kind="stable") * -1 + 2
+@dataclass(frozen=True, slots=True, eq=False)
+class Boxes:
+    """N boxes of primitives: their corners ``low`` and ``high`` (N, 3), and their ``axes`` (N, 3, 3), columns in the frame of the object."""
+
+    low: np.ndarray
+    high: np.ndarray
+    axes: np.ndarray
+
+    def take(self, at: np.ndarray) -> Boxes:
+        return Boxes(self.low[at], self.high[at], self.axes[at])
+
+    @property
+    def size(self) -> np.ndarray:
+        return self.high - self.low
+
+    @property
+    def order(self) -> np.ndarray:
+        """(N, 3) the axes, the longest first; of equal ones the later."""
+        return np.argsort(-np.round(self.size[:, ::-1], 9), axis=1, kind="stable") * -1 + 2
+
+    @property
+    def long(self) -> np.ndarray:
+        """(N,) which are mapped by a cylinder."""
+        size = np.sort(self.size, axis=1)
+        return np.asarray(size[:, 2] > _LONG * size[:, 1])
+
+    def within(self, place: np.ndarray) -> np.ndarray:
+        """(N, 3) places, from the middle of each box in units of half of it."""
+        return (place - (self.low + self.high) / 2) / np.maximum(self.size / 2, 1e-9)
+
+    def inward(self, place: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        """(N,) whether a surface at places faces the middle of its box."""
+        return np.asarray(dot(normal, place - (self.low + self.high) / 2) < 0)
 
 
-def is_long(low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """(N,) which boxes are mapped by a cylinder."""
-    size = np.sort(high - low, axis=1)
-    return size[:, 2] > _LONG * size[:, 1]
+def find_turns(boxes: Boxes, onto: Boxes) -> np.ndarray:
+    """(N, 3, 3) of N pairs of boxes: matrices of 0, 1 and -1 that take axes of the first to those of the second that correspond."""
+    towards = np.einsum("nki,nkj->nij", onto.axes, boxes.axes)
+    several = np.arange(len(towards))[:, None]
+    alike = np.abs(towards)[several, np.arange(3), _ORDERS[:, None]].sum(axis=2).T
+    source = _ORDERS[np.argmax(np.round(alike, 9), axis=1)]
+    both = boxes.long & onto.long
+    np.put_along_axis(by_length := np.empty_like(source), onto.order, boxes.order, axis=1)
+    source = np.where(both[:, None], by_length, source)
+    cosine = np.take_along_axis(towards, source[:, :, None], axis=2)[:, :, 0]
+    turns = np.zeros((len(towards), 3, 3))
+    turns[several, np.arange(3), source] = np.where(cosine < -_TOWARDS, -1.0, 1.0)
+    return turns
 
 
-def on_map(place: np.ndarray, low: np.ndarray, high: np.ndarray, cylinder: np.ndarray) -> np.ndarray:
-    """(m, 3) places of boxes (m, 3) on the map: of a cylinder where that is asked for (m,), of a sphere elsewhere; units of half a box."""
-    half = np.maximum((high - low) / 2, 1e-9)
-    local = np.take_along_axis((place - (low + high) / 2) / half, _axes_by_length(low, high), axis=1)
-    around = np.where(cylinder[:, None], local * np.array([0.0, 1.0, 1.0]), local)
-    length = np.sqrt(dot(around, around))
-    around = around / np.maximum(length, 1e-9)[:, None]
-    around[:, 0] = np.where(cylinder, local[:, 0], around[:, 0])
-    return around
+def on_map(local: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    """(m, 3) places ``within`` boxes on the map: of a cylinder about ``axis`` (m,), of a sphere where that is -1."""
+    along = np.arange(3) == axis[:, None]
+    around = np.where(along, 0.0, local)
+    around = around / np.maximum(np.sqrt(dot(around, around)), 1e-9)[:, None]
+    return np.where(along, local, around)
 
 
-def map_frames(frames: Frames, low: np.ndarray, high: np.ndarray) -> Frames:
-    """Frames whose tangents follow the longest axis of the box (the next one, where that is normal to the surface)."""
-    order = _axes_by_length(low, high)
-    every = np.eye(3)
-    first, second = every[order[:, 0]], every[order[:, 1]]
+def map_frames(frames: Frames, first: np.ndarray, second: np.ndarray) -> Frames:
+    """Frames whose tangents follow the axes ``first`` (m, 3), or the ``second`` where that is normal to the surface."""
     steep = np.abs(dot(first, frames.normal)) > 0.9
     axis = np.where(steep[:, None], second, first)
     axis = axis - dot(axis, frames.normal)[:, None] * frames.normal

@@ -18,7 +18,7 @@ from ..geometry.vectors import dot
 from ..records import dataclass
 from .assign import TURN
 from .elements import Elements, Solids
-from .maps import is_long, map_frames, on_map
+from .maps import Boxes, find_turns, map_frames, on_map
 from .record import DIRECT, Details
 from .suits import Suits
 
@@ -50,9 +50,8 @@ class Wardrobe:
         self.details, self.solids = details, solids
         elements = details.elements
         self.frames = solids.frames(elements, details.element, details.patch, details.u, details.v)
-        self.boxes = solids.boxes(elements)
+        self.boxes = _boxes(solids, elements)
         self.kind = solids.kind(elements.site)
-        self.long = is_long(*self.boxes)
         own = details.diagonal[details.owner]
         many = np.bincount(details.owner, minlength=len(details.names))
         self._spacing = _LOOSE / np.sqrt(np.maximum(many, 1))
@@ -108,17 +107,28 @@ class Wardrobe:
         apart, found = self._tree.find(_features(place, normal, diagonal), element, float(self._reach.max()))
         return np.where(apart < self._reach[donor], found, -1)
 
-    def on_map(self, place: np.ndarray, element: np.ndarray) -> np.ndarray:
-        """The same for places (m, 3) on the maps of elements."""
+    def on_map(self, local: np.ndarray, inward: np.ndarray, element: np.ndarray) -> np.ndarray:
+        """The same for places (m, 3) within the boxes of elements, by their maps; ``inward``: what faces the middle of its box."""
         if self._tree is None:
             return np.full(len(element), -1)
         if self._maps is None:
             own = self.details.element
-            low, high = (corner[own] for corner in self.boxes)
-            held = on_map(self.frames.place, low, high, self.long[own])
-            self._maps = Nearest(held, own, _APART)
-        apart, found = self._maps.find(place, element, _ON_MAP)
+            boxes, (place, normal) = self.boxes.take(own), (self.frames.place, self.frames.normal)
+            held = on_map(boxes.within(place), self._axis[own])
+            self._maps = Nearest(held, 2 * own + boxes.inward(place, normal), _APART)
+        apart, found = self._maps.find(on_map(local, self._axis[element]), 2 * element + inward, _ON_MAP)
         return np.where(apart < _ON_MAP, found, -1)
+
+    @cached_property
+    def _axis(self) -> np.ndarray:
+        """(N,) about which axis the map of an element is a cylinder, -1 where it is a sphere."""
+        return np.where(self.boxes.long, self.boxes.order[:, 0], -1)
+
+
+def _boxes(solids: Solids, elements: Elements) -> Boxes:
+    axes = elements.rotation.copy()
+    axes[:, :, 1] *= elements.mirror[:, None]
+    return Boxes(*solids.boxes(elements), axes)
 
 
 def _features(place: np.ndarray, normal: np.ndarray, diagonal: np.ndarray) -> np.ndarray:
@@ -213,7 +223,7 @@ def _found(
     """Frames of m points, the offsets and facings (m, 3) that they wear by their parts, and which bound point each wears (-1: none)."""
     solids, details = wardrobe.solids, wardrobe.details
     here = solids.frames(points.elements, points.element, points.patch, points.u, points.v)
-    low, high = solids.boxes(points.elements)
+    boxes = _boxes(solids, points.elements)
     alike = solids.kind(points.elements.site)[points.element] == wardrobe.kind[match]
     bound = np.full(len(match), -1)
     scale = np.ones((len(match), 3))
@@ -222,19 +232,22 @@ def _found(
         part = points.take(same)
         there = solids.frames(details.elements, match[same], part.patch, part.u, part.v)
         bound[same] = wardrobe.nearest(there.place, there.normal, match[same])
-        sizes = (high - low)[part.element], (wardrobe.boxes[1] - wardrobe.boxes[0])[match[same]]
+        sizes = boxes.size[part.element], wardrobe.boxes.size[match[same]]
         scale[same] = _scales(here.normal[same], here.speed[same], there.speed, *sizes)
     if len(other):
         own, mine = points.element[other], match[other]
-        at = on_map(here.place[other], low[own], high[own], wardrobe.long[mine])
-        bound[other] = wardrobe.on_map(at, mine)
-        large, small = np.sort((high - low)[own], axis=1), np.sort(wardrobe.boxes[1] - wardrobe.boxes[0], axis=1)[mine]
-        scale[other] = (large / np.maximum(small, 1e-9)).min(axis=1)[:, None]
+        pairs, which = np.unique(np.stack([own, mine]), axis=1, return_inverse=True)
+        turns = find_turns(boxes.take(pairs[0]), wardrobe.boxes.take(pairs[1]))[which]
+        place, normal = here.place[other], here.normal[other]
+        local = _times(turns, boxes.take(own).within(place))
+        bound[other] = wardrobe.on_map(local, boxes.take(own).inward(place, normal), mine)
+        size = _times(np.abs(turns), boxes.size[own])
+        scale[other] = (size / np.maximum(wardrobe.boxes.size[mine], 1e-9)).min(axis=1)[:, None]
     offset, facing = np.zeros((len(match), 3)), np.zeros((len(match), 3))
     worn = np.flatnonzero(bound >= 0)
     offset[worn], facing[worn] = details.offset[bound[worn]], details.facing[bound[worn]]
     if len(other) and len(details):
-        here, offset, facing = _mapped(wardrobe, points, other, here, bound, offset, facing, (low, high))
+        here, offset, facing = _mapped(wardrobe, other, turns, here, bound, offset, facing)
     return here, offset * np.minimum(scale, _MOST) * strength, facing, bound
 
 
@@ -249,26 +262,31 @@ def _scales(normal: np.ndarray, speed: np.ndarray, before: np.ndarray, size: np.
 
 def _mapped(
     wardrobe: Wardrobe,
-    points: _Flat,
     other: np.ndarray,
+    turns: np.ndarray,
     here: Frames,
     bound: np.ndarray,
     offset: np.ndarray,
     facing: np.ndarray,
-    boxes: tuple[np.ndarray, np.ndarray],
 ) -> tuple[Frames, np.ndarray, np.ndarray]:
     """For the points ``other``, whose primitives are of another kind, frames and parts of offsets that follow the boxes."""
-    some, own = bound[other], points.element[other]
-    mine = wardrobe.details.element[some]
-    theirs = _rows(wardrobe.frames, some)
-    framed = map_frames(theirs, *(corner[mine] for corner in wardrobe.boxes))
+    some = bound[other]
+    theirs, order = _rows(wardrobe.frames, some), wardrobe.boxes.order[wardrobe.details.element[some]]
+    first, second = np.eye(3)[order[:, 0]], np.eye(3)[order[:, 1]]
+    framed = map_frames(theirs, first, second)
     offset, facing = offset.copy(), facing.copy()
     offset[other], facing[other] = (framed.into(theirs.out_of(vectors[other])) for vectors in (offset, facing))
-    turned = map_frames(_rows(here, other), *(corner[own] for corner in boxes))
+    back = turns.transpose(0, 2, 1)
+    turned = map_frames(_rows(here, other), _times(back, first), _times(back, second))
     columns = [getattr(here, name).copy() for name in Frames.__slots__]
     for column, name in zip(columns, Frames.__slots__, strict=True):
         column[other] = getattr(turned, name)
     return Frames(*columns), offset, facing
+
+
+def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """(m, 3) products of matrices (m, 3, 3) and vectors (m, 3)."""
+    return np.asarray((matrices * vectors[:, None]).sum(axis=2))
 
 
 def _rows(frames: Frames, at: np.ndarray) -> Frames:

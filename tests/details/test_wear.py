@@ -7,7 +7,7 @@ import pytest
 
 from artipg_dsl.api import Samples
 from artipg_dsl.details.elements import Solids, elements_of
-from artipg_dsl.details.maps import is_long, map_frames, on_map
+from artipg_dsl.details.maps import Boxes, find_turns, map_frames, on_map
 from artipg_dsl.details.record import Details
 from artipg_dsl.details.suits import own_suits
 from artipg_dsl.details.wear import Wardrobe, wear
@@ -76,7 +76,8 @@ def test_what_is_much_thinner_has_reliefs_as_thin(samples: Samples, details: Det
     )
     heights = []
     for factor in (1.0, 10.0):
-        wardrobe.boxes = tuple(factor * corner for corner in wardrobe.boxes)  # of the donors
+        boxes = wardrobe.boxes
+        wardrobe.boxes = Boxes(factor * boxes.low, factor * boxes.high, boxes.axes)  # of the donors
         worn = wear(batch, points, np.arange(len(batch)), wardrobe, suits)
         height = dot(worn.position - points.position, points.normal)[worn.bound >= 0]
         heights.append(np.median(height))
@@ -84,16 +85,41 @@ def test_what_is_much_thinner_has_reliefs_as_thin(samples: Samples, details: Det
     assert heights[1] == pytest.approx(0.1 * RAISED, rel=0.05)
 
 
+def box(size: list[float], axes: np.ndarray | None = None) -> Boxes:
+    half = np.array([size]) / 2
+    return Boxes(-half, half, np.eye(3)[None] if axes is None else axes[None])
+
+
 def test_places_on_maps() -> None:
-    low, high = np.array([[-1.0, -2.0, -10.0]]), -np.array([[-1.0, -2.0, -10.0]])
-    assert is_long(low, high).all() and not is_long(low, np.array([[1.0, 2.0, -3.0]])).any()
-    cylinder = np.ones(1, dtype=bool)
-    top = on_map(np.array([[1.0, 0.0, 5.0]]), low, high, cylinder)
-    assert np.allclose(top, [[0.5, 0.0, 1.0]])  # half way up the longest axis, then the next and the shortest
-    turned = on_map(np.array([[5.0, 1.0, 0.0]]), low[:, [2, 0, 1]], high[:, [2, 0, 1]], cylinder)
-    assert np.allclose(turned, top)
-    ball = on_map(np.array([[0.0, 0.0, 10.0]]), low, high, ~cylinder)
-    assert np.allclose(ball, [[1.0, 0.0, 0.0]])
-    x = np.array([[1.0, 0.0, 0.0]])
-    framed = map_frames(Frames(x, x, x, x, np.ones((1, 2))), low, high)
-    assert np.allclose(framed.tangent, [[0.0, 0.0, 1.0]]) and np.allclose(framed.second, [[0.0, -1.0, 0.0]])
+    long = box([2.0, 4.0, 20.0])
+    assert long.long.all() and not box([2.0, 3.0, 3.0]).long.any() and long.order.tolist() == [[2, 1, 0]]
+    top = on_map(long.within(np.array([[1.0, 0.0, 5.0]])), np.array([2]))
+    assert np.allclose(top, [[1.0, 0.0, 0.5]])  # half way up the axis
+    ball = on_map(long.within(np.array([[0.0, 0.0, 10.0]])), np.array([-1]))
+    assert np.allclose(ball, [[0.0, 0.0, 1.0]])
+    x, y, z = (row[None] for row in np.eye(3))
+    framed = map_frames(Frames(x, x, x, x, np.ones((1, 2))), z, y)
+    assert np.allclose(framed.tangent, z) and np.allclose(framed.second, -y)
+    steep = map_frames(Frames(z, z, z, z, np.ones((1, 2))), z, y)
+    assert np.allclose(steep.tangent, y)
+
+
+def test_long_boxes_correspond_by_length_others_by_direction() -> None:
+    lying, upright = box([20.0, 4.0, 2.0]), box([2.0, 4.0, 20.0])
+    (turn,) = find_turns(lying, upright)
+    assert np.array_equal(np.abs(turn) @ [20.0, 4.0, 2.0], [2.0, 4.0, 20.0])
+    (turn,) = find_turns(box([3.0, 4.0, 2.0]), box([2.0, 3.0, 4.0]))
+    assert np.array_equal(turn, np.eye(3)), "as they stand, whichever is longer"
+    reversed_z = np.array(
+        [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]
+    )  # its x is the y of the object, its z points down
+    (turn,) = find_turns(box([3.0, 4.0, 2.0], reversed_z), box([2.0, 3.0, 4.0]))
+    assert np.array_equal(turn, reversed_z)
+    (turn,) = find_turns(lying, box([20.0, 4.0, 2.0], np.diag([-1.0, -1.0, 1.0])))
+    assert np.array_equal(turn, np.diag([-1.0, -1.0, 1.0])), "long ones keep their direction, too"
+
+
+def test_the_inside_of_a_tub_faces_its_middle() -> None:
+    tub = box([2.0, 2.0, 2.0])
+    right = np.array([[1.0, 0.0, -0.5]])
+    assert not tub.inward(right, np.array([[1.0, 0.0, 0.0]])).any() and tub.inward(right, -right).all()
