@@ -303,7 +303,7 @@ def meshes(pairs: list[tuple[Path, Path]], operations: str) -> None:
             )
 
 
-def surfaces(pairs: list[tuple[Path, Path]], out: Path, operations: str, each: int) -> None:
+def surfaces(pairs: list[tuple[Path, Path]], out: Path, operations: list[str], each: int) -> None:
     global TILE
     TILE, rows, painter = 300, [], Painter("auto", 300)
 
@@ -323,7 +323,9 @@ def surfaces(pairs: list[tuple[Path, Path]], out: Path, operations: str, each: i
             size = float(np.ptp(real.points, axis=0).max()) * 1.15
             middle = (real.points.max(axis=0) + real.points.min(axis=0)) / 2
             row = [picture(real.points[:16_000], real.normals[:16_000], (middle, size)), *drawn(own.batch(), None)]
-            row += [*drawn(own.batch(), dressing), *drawn(mutants(own, operations, each).batch(), dressing)]
+            row += drawn(own.batch(), dressing)
+            for which in operations:
+                row += drawn(mutants(own, which, each).batch(), dressing)
             rows.append(np.concatenate(row, axis=1))
     out.write_bytes(png_bytes(np.concatenate(rows, axis=0)))
 
@@ -350,15 +352,17 @@ def main() -> None:
     parser.add_argument("-o", "--out", default="sheet.png")
     parser.add_argument("-n", type=int, default=4)
     parser.add_argument("--points", type=int, default=12_000)
-    parser.add_argument("--ops", default="cpa")
+    parser.add_argument("--ops", nargs="+", default=["cpa"], help="mutants of what; surfaces: -n of each")
     asked = parser.parse_args()
+    if len(asked.ops) > 1 and asked.what != "surfaces":
+        parser.error("only surfaces shows mutants of several lists of operations")
     if asked.what == "figures":
         figures(asked.folders)
         return
     if asked.what in ("held", "labels", "meshes", "surfaces"):
         pairs = [(Path(a), Path(b)) for a, b in zip(asked.folders[::2], asked.folders[1::2], strict=True)]
         if asked.what == "meshes":
-            meshes(pairs, asked.ops)
+            meshes(pairs, asked.ops[0])
             return
         if asked.what == "surfaces":
             surfaces(pairs, Path(asked.out), asked.ops, asked.n)
@@ -370,7 +374,7 @@ def main() -> None:
         return
     fitted, bound = map(Path, asked.folders)
     if asked.what == "sheet":
-        sheet(fitted, bound, Path(asked.out), asked.ops, asked.n, asked.points)
+        sheet(fitted, bound, Path(asked.out), asked.ops[0], asked.n, asked.points)
     else:
         speed(fitted, bound, asked.n, asked.points)
 
