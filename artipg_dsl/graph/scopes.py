@@ -32,7 +32,11 @@ class Scope:
             scope = scope.parent
 
     def within(self, other: Scope | None) -> bool:
-        return other is None or any(scope is other for scope in self.ancestors())
+        """Whether ``other`` is this scope, one around it, or none."""
+        scope: Scope | None = self
+        while scope is not other and scope is not None:
+            scope = scope.parent
+        return scope is other
 
     def __repr__(self) -> str:
         return f"<scope {self.name}>"
