@@ -6,7 +6,7 @@ from ...graph import expr as E
 from ...graph.expr import Expr
 from ...graph.linear import tidy
 from ...graph.program import Draw
-from ..expressions.context import Equation, Unknown
+from ..expressions.context import Draft, Equation, Unknown
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.faces import squared
@@ -35,15 +35,21 @@ def default(
     elif unknown.draw is not None:
         return drawn(env, unknown, unknown.draw, fresh), "drawn"
     else:
-        notes = tuple((q.span, f"this names it, but determines {what}") for q, what in near[:3] if what)
-        if fresh:
-            notes = tuple((q.span, "determines it, but only under a guard") for q, _ in near[:3])
-        message = f"nothing determines {degree(unknown)}{guard if fresh else ''}"
-        context.error("under-determined", unknown.span, message, hint=_remedy(unknown), notes=notes)
+        if unknown.part is None or not unknown.part.unplaced:  # else its mount is at fault, which has been said
+            _undetermined(context, unknown, near, guard if fresh else None)
         value, reason = E.const(0.1), ""
     if not fresh:
         definitions[unknown.column] = value
     return value, reason
+
+
+def _undetermined(context: Draft, unknown: Unknown, near: list[tuple[Equation, str]], guard: str | None) -> None:
+    """Report an unknown that nothing determines, with what names it; ``guard`` says where, if some cases determine it."""
+    notes = tuple((q.span, f"this names it, but determines {what}") for q, what in near[:3] if what)
+    if guard is not None:
+        notes = tuple((q.span, "determines it, but only under a guard") for q, _ in near[:3])
+    message = f"nothing determines {degree(unknown)}{guard or ''}"
+    context.error("under-determined", unknown.span, message, hint=_remedy(unknown), notes=notes)
 
 
 def degree(unknown: Unknown) -> str:
