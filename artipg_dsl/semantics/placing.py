@@ -129,7 +129,8 @@ def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> No
     for clause in ast.present(node.to, node.on):
         _target(ck, clause.value, ck.infer(ends, clause.value), clause.word)
     for value in ast.value_of(node.between) or ():
-        _target(ck, value, ck.infer(ends, value), "between")
+        kind = ck.infer(ends, value)
+        _target(ck, value, POINT if fits(kind, POINT) else kind, "between")
     if node.in_ is not None:
         kind = ck.infer(ends, node.in_.value)
         if not isinstance(kind, Boxed) and kind not in (BOX, UNKNOWN):

@@ -25,6 +25,7 @@ ACROSS = "frame(at = [0, -4cm, 0], out = y, up = z) and frame(at = [0, 4cm, 0], 
 ASKEW = "frame(at = [-10cm, 0, -5cm], out = -x, up = z) and frame(at = [-10cm, 0, 5cm], out = z, up = x)"
 POINTS = "body.back.center + [0, 0, -5cm] and body.back.center + [0, 0, 5cm]"
 FACES = "body.left.center and body.right.center"
+WRITTEN = "[-10cm, 0, -5cm] and [-10cm, 0, body.center.z + 5cm]"
 MIXED = "frame(at = [-10cm, 0, -5cm], out = -x, up = z) and body.back.center + [0, 0, 5cm]"
 
 
@@ -47,6 +48,7 @@ def ends(places: str, clause: str) -> np.ndarray:
         (ACROSS, "sink 5mm", [[0, -45, 0], [0, 45, 0]]),
         (ASKEW, "sink 5mm", [[-95, 0, -50], [-100, 0, 45]]),
         (POINTS, "sink 5mm", [[-100, 0, -55], [-100, 0, 55]]),
+        (WRITTEN, "sink 5mm", [[-100, 0, -55], [-100, 0, 55]]),
         (MIXED, "sink 5mm", [[-95, 0, -50], [-100, 0, 55]]),
         (FACES, "sink 5mm", [[0, 95, 0], [0, -95, 0]]),
         (FACES, "gap 5mm", [[0, 105, 0], [0, -105, 0]]),
@@ -58,6 +60,7 @@ def ends(places: str, clause: str) -> np.ndarray:
         "walls that face one another",
         "frames askew",
         "points",
+        "points written out",
         "one of each",
         "faces sunk",
         "faces",
