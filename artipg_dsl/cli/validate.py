@@ -86,9 +86,13 @@ def _meshes_text(seen: dict[str, Any], kinds: dict[str, str]) -> list[str]:
     return lines
 
 
-def _others(faults: list[tuple[str, int]], objects: int) -> list[str]:
-    """What is wrong besides collisions, in lines."""
-    return [f"    {words}: {100 * count / objects:.1f}% of objects" for words, count in faults]
+def _others(faults: list[tuple[str, int, str]], objects: int) -> list[str]:
+    """What is wrong besides collisions, and of one object how, in lines."""
+    lines = []
+    for words, count, example in faults:
+        lines.append(f"    {words}: {100 * count / objects:.1f}% of objects")
+        lines += [f"        {example}"] * bool(example)
+    return lines
 
 
 def _collision(pair: dict[str, Any], objects: int, kinds: dict[str, str]) -> list[str]:

@@ -61,10 +61,14 @@ class Loops:
 
     def beyond(self, values: np.ndarray) -> np.ndarray:
         """The joints that loops take out of their ranges, of the joint values (J,)."""
-        joint = self.variable[self.follows]
+        joint = np.sort(self.variable[self.follows])
+        return joint[self.excess(joint, values) > APART]
+
+    def excess(self, joint: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """How far some joints are beyond their ranges, of the joint values (J,); 0 or less within."""
         high = self.joints.high[joint]
         low = np.where(self.joints.that("tilts")[joint], -high, self.joints.low[joint])  # a ball tilts to any side
-        return np.sort(joint[(values[joint] < low - APART) | (values[joint] > high + APART)])
+        return np.maximum(low - values[joint], values[joint] - high)
 
     def driven(self, leader: np.ndarray) -> np.ndarray:
         """The joint that each joint follows, ``leader`` for what mimics, where loops determine it the first that drives them."""

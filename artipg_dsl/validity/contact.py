@@ -73,12 +73,15 @@ def _part_name(tree: Tree, body: Pieces, piece: int) -> str:
 
 def contact_in_words(kind: str, found: Contact) -> str:
     """``handle.grip and frame.rim at 12.3 deg, about (0.2, 0.1, 0.45), in object 17``; ``kind`` of the joint."""
-    when = ""
-    if found.value is not None:
-        slides = kind in JOINTS and JOINTS[kind].slides
-        when = f" at {tenths(1e3 * found.value)} mm" if slides else f" at {tenths(np.degrees(found.value))} deg"
+    when = "" if found.value is None else f" at {value_in_words(kind, found.value)}"
     at = ", ".join(f"{x + 0.0:.4g}" for x in found.at)
     return f"`{found.parts[0]}` and `{found.parts[1]}`{when}, about ({at}) m, in object {found.object}"
+
+
+def value_in_words(kind: str, value: float) -> str:
+    """A value of a joint of a ``kind``, metres or radians: ``12.3 deg``, ``45.0 mm``."""
+    slides = kind in JOINTS and JOINTS[kind].slides
+    return f"{tenths(1e3 * value)} mm" if slides else f"{tenths(np.degrees(value))} deg"
 
 
 def tenths(value: float) -> str:

@@ -41,14 +41,14 @@ class LinkPair:
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """Pairs that collide and pairs that block one another, and what else is wrong by how many objects have it, the most
-    frequent first; how many objects are ``invalid``, how many of them have links that collide, and how many have links that
-    block one another; joints seen."""
+    """Pairs that collide and pairs that block one another, and what else is wrong, by how many objects have it and with an
+    example of one of them, the most frequent first; how many objects are ``invalid``, how many of them have links that
+    collide, and how many have links that block one another; joints seen."""
 
     objects: int
     invalid: int
     colliding: int
-    faults: tuple[tuple[str, int], ...]
+    faults: tuple[tuple[str, int, str], ...]
     pairs: tuple[LinkPair, ...]
     blocking: tuple[LinkPair, ...]
     blocked: int
@@ -70,7 +70,7 @@ def find_evidence(batch: Batch, states: int = STATES) -> Evidence:
     known = _codes(tree, found.owner, found.first, found.second)
     blocking, blocked = _blocking(tree, states, known) if states else ([], 0)
     count = len(tree.joints.owner)
-    others = sorted(((fault.words, len(fault.objects)) for fault in wrong.others), key=lambda f: (-f[1], f[0]))
+    others = sorted(((f.words, len(f.objects), f.example) for f in wrong.others), key=lambda f: (-f[1], f[0]))
     invalid, colliding = len(wrong.objects()), len(found.objects())
     return Evidence(
         len(batch), invalid, colliding, tuple(others), _sorted(pairs), _sorted(blocking), blocked, count, states
@@ -81,11 +81,12 @@ def join_evidence(found: Sequence[Evidence]) -> Evidence:
     """What is known of all objects, out of what is known of some of them each."""
     counted = ("objects", "invalid", "colliding", "blocked", "joints")
     sums = {name: sum(getattr(f, name) for f in found) for name in counted}
-    faults: dict[str, int] = {}
-    for words, count in (fault for f in found for fault in f.faults):
-        faults[words] = faults.get(words, 0) + count
+    faults: dict[str, tuple[str, int, str]] = {}
+    for words, count, example in (fault for f in found for fault in f.faults):
+        _, before, first = faults.get(words, (words, 0, example))
+        faults[words] = words, before + count, first
     return Evidence(
-        faults=tuple(sorted(faults.items(), key=lambda f: (-f[1], f[0]))),
+        faults=tuple(sorted(faults.values(), key=lambda f: (-f[1], f[0]))),
         pairs=_joined(pair for f in found for pair in f.pairs),
         blocking=_joined(pair for f in found for pair in f.blocking),
         states=max((f.states for f in found), default=0),

@@ -16,13 +16,14 @@ class Fault:
     """``what`` is wrong, in words without its place, and the indices of the ``objects`` that have it, each once, ascending.
 
     ``where`` is the place of the statement that does not hold, and ``part`` the path of the part or of the link at fault; None
-    where there is none.
+    where there is none. ``example`` tells in words of one of these objects, with its numbers; nothing where there are none.
     """
 
     what: str
     objects: np.ndarray
     where: Where | None = None
     part: str | None = None
+    example: str = ""
 
     @property
     def words(self) -> str:

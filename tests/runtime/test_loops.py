@@ -88,23 +88,38 @@ def test_the_same_in_any_batch() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "told", "example"),
     [
         (
             CRANK.replace("block.center, along", "block.center + [0, 0, 30cm], along"),
             "this loop does not close at rest",
+            "in object 0",
         ),
-        (CRANK.replace("-20cm .. 20cm", "-1cm .. 1cm"), "the loop takes slide beyond its range while turn moves"),
-        (CRANK.replace("-20cm .. 20cm", "1cm .. 20cm"), "the loop takes slide beyond its range at rest"),
+        (
+            CRANK.replace("block.center, along", "block.center + [0, 0, 8cm], along"),
+            "this loop does not close while turn moves",
+            "`turn` at 225.0 deg, in object 0",  # the rod reaches the block up to 221.8 degrees
+        ),
+        (
+            CRANK.replace("-20cm .. 20cm", "-1cm .. 1cm"),
+            "the loop takes slide beyond its range while turn moves",
+            "`slide` at -60.0 mm where `turn` is at 180.0 deg, in object 0",  # crank and rod in line
+        ),
+        (
+            CRANK.replace("-20cm .. 20cm", "1cm .. 20cm"),
+            "the loop takes slide beyond its range at rest",
+            "`slide` at 0.0 mm, in object 0",
+        ),
     ],
 )
 @pytest.mark.parametrize("free", ["", "free rod, block\n  free crank, block\n"])
-def test_a_loop_that_does_not_close_or_goes_too_far_is_told(text: str, told: str, free: str) -> None:
+def test_a_loop_that_does_not_close_or_goes_too_far_is_told(text: str, told: str, example: str, free: str) -> None:
     """Whether or not its links may meet."""
     text = text[: text.rindex("}")] + f"  {free}}}\n"
     batch = Session(Source("crank.apg", text), None).sampler.batch(np.arange(2), seed=0, checked=False)
-    (found,) = [fault for fault in find_faults(batch).others if "loop" in fault.words]
-    assert told in found.words and "crank.apg:" in found.words and found.objects.tolist() == [0, 1]
+    (found,) = [fault for fault in find_faults(batch).others if told in fault.words]
+    assert "crank.apg:" in found.words and found.objects.tolist() == [0, 1]
+    assert found.example == example
 
 
 def test_what_a_loop_moves_rests_where_that_puts_it() -> None:
