@@ -146,8 +146,10 @@ class _Looked:
     def warn_floating(self) -> None:
         """Report the parts that float in each of the objects that have them: none of those is ever valid."""
         from .validity.adrift import find_adrift  # start-up
+        from .validity.floating import alone  # start-up
 
-        floating = [path for path, (wrong, present) in find_adrift(self.batch).items() if wrong == present]
+        links = find_adrift(self.batch)
+        floating = list(links)
         for part in self.lowering.context.parts:
             own = [path for path in floating if path == part.path or path.startswith(f"{part.path}.")]
             if own and part.span.source is self.lowering.root.module.source:
@@ -155,8 +157,8 @@ class _Looked:
                 self.report.warning(
                     "floating-part",
                     part.span,
-                    f"`{own[0]}` touches nothing else of its link",
-                    hint=f"`connect {part.name}.bottom on ...` places it on something; "
+                    alone(own[0], links[own[0]]),
+                    hint=f"place it {_how_to_place(part)}, or attach it to what it does touch; "
                     f'if that is meant, write `allow floating {part.name} because "..."`',
                 )
 
@@ -177,7 +179,7 @@ class _Looked:
             ]
             self.report.warning(
                 "colliding-links",
-                self._of(one) or self._of(other) or self.span,
+                self._later(one, other),
                 f"`{stuck.parts[0]}` and `{stuck.parts[1]}` overlap with all joints at rest, in every object examined"
                 + (f" ({' and '.join(on)})" if on else ""),
                 hint="leave a gap, as in `align lid.bottom = body.top + 1mm`; "
@@ -275,6 +277,20 @@ class _Looked:
                 return found
             path = path.rpartition(".")[0]
         return None
+
+    def _later(self, *paths: str) -> Span:
+        """Where the last of these parts in the text is declared: it came to those before it. Of parts in templates that is the
+        part of the category that they are in, whose place is told there, unless it is the same for all."""
+        for within in (self._around, self._of):
+            spans = [span for path in paths if (span := within(path)) is not None]
+            if len(set(spans)) == len(set(paths)):
+                break
+        return max(spans, key=lambda span: span.start, default=self.span)
+
+    def _around(self, path: str) -> Span | None:
+        """Where the part of the category is declared that the part with this path is in."""
+        parts = (part for part in self.lowering.context.parts if f"{path}.".startswith(f"{part.path}."))
+        return min(parts, key=lambda part: len(part.path)).span
 
     def _line(self, where: Where | None) -> Span | None:
         """The whole of a line, if it is in the file of the category."""

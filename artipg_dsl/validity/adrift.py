@@ -12,9 +12,9 @@ from ..runtime.batch import Batch
 from .floating import ROUND, TOUCH, find_loose, find_neighbours, join_groups
 
 
-def find_adrift(batch: Batch) -> dict[str, tuple[int, int]]:
-    """For parts, by their path: in how many objects one hangs together with the first part of its link by no chain of
-    boxes, at joint values 0, and how many objects have it. Parts that do so in none are left out."""
+def find_adrift(batch: Batch) -> dict[str, str]:
+    """Parts that in all objects that have them hang together with the first part of their link by no chain of boxes, at
+    joint values 0: the link, by its path, for the path of each."""
     tables = batch.sites()
     if not tables:
         return {}
@@ -26,9 +26,10 @@ def find_adrift(batch: Batch) -> dict[str, tuple[int, int]]:
     floats = np.split(
         find_loose(batch, link, join_groups(np.arange(len(link)), *pairs)), np.cumsum([len(t) for t in tables])[:-1]
     )
-    found: dict[str, tuple[int, int]] = {}
+    program, kind, found = batch.program, batch.links().definition, {}
     for table, wrong in zip(tables, floats, strict=True):
-        if wrong.any():
-            path = batch.program.parts[batch.program.sites[table.number].part].path
-            found[path] = len(distinct(table.owner[wrong])), len(distinct(table.owner))
+        if wrong.any() and len(distinct(table.owner[wrong])) == len(distinct(table.owner)):
+            some = int(np.flatnonzero(wrong)[0])
+            on = kind[first[table.owner[some]] + table.link[some]]
+            found[program.parts[program.sites[table.number].part].path] = program.links[on].path
     return found

@@ -27,6 +27,11 @@ _FIRST = 4  # pairs of pieces of a link that are looked at first
 _SOME = 16  # pieces of a link, of many, that are looked at first
 
 
+def alone(part: str, link: str) -> str:
+    """What is wrong with a part that floats, by its path and that of its link."""
+    return f"`{part}` touches nothing else of its link, that of `{link}`"
+
+
 class Solids:
     """The primitives of a batch, by row of their tables, one table after the other."""
 
@@ -97,7 +102,11 @@ class Solids:
             left = np.ones(len(first), dtype=bool)
             left[best] = False
             first, second, shared = first[left], second[left], shared[left]
-        return self.told(find_loose(self.tree.batch, self.link, group), "`{}` touches nothing else of its link")
+        loose = np.flatnonzero(find_loose(self.tree.batch, self.link, group)).tolist()
+        told = ((self.path(solid), int(self.link[solid]), int(self.owner[solid])) for solid in loose)
+        links = self.tree.batch.program.links
+        kind = self.tree.links.definition
+        return list_faults(((alone(path, links[kind[link]].path), None, path), owner) for path, link, owner in told)
 
     def _touch(self, first: np.ndarray, second: np.ndarray, margin: np.ndarray) -> np.ndarray:
         """Indices of the pairs of primitives that touch."""

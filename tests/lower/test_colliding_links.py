@@ -61,3 +61,25 @@ def test_a_part_is_told_with_the_link_that_it_moves_with() -> None:
     assert found.message.endswith("(`handle` is on the link of `body`)")
     assert found.span is not None and found.span.text == "handle"
     assert "`allow overlap handle, lid because" in str(found.hint)
+
+
+INNER = "template Cap {{ part plate : Cuboid(size = [1cm, 1cm, 1cm]) {} }}\n"
+RISES = """part knob : Cap
+  align knob.bottom = body.top - 1mm
+  joint rise : prismatic body -> knob along z range 0mm .. 1mm"""
+MEETS = """part pin : Cuboid(size = [1mm, 1mm, 1mm])
+  align pin.top = plate.top
+  joint draw : prismatic plate -> pin along z range 0mm .. 1mm"""
+
+
+@pytest.mark.parametrize(
+    ("gap", "inner", "more", "there"),
+    [("-5mm", "", "", "lid"), ("2cm", "", RISES, "knob"), ("2cm", MEETS, RISES.replace("- 1mm", "+ 1mm"), "pin")],
+    ids=["the later", "the part that a template makes", "within a template"],
+)
+def test_the_warning_stands_where_the_place_is_told(gap: str, inner: str, more: str, there: str) -> None:
+    text = TEXT.format(gap=gap, more=more).replace("category", INNER.format(inner) + "category")
+    session = Session.of_text(text, "chest.apg")
+    session.advise()
+    (found,) = [d for d in session.report.diagnostics if d.code == "colliding-links"]
+    assert found.span is not None and found.span.text == there

@@ -50,3 +50,19 @@ def test_a_part_that_floats_in_all_objects_is_warned_of(raised: str, outer: str,
     found = [d for d in session.report.diagnostics if d.code == "floating-part"]
     assert [d.message.split("`")[1] for d in found] == told
     assert all(d.severity == "warning" and d.span is not None for d in found)
+
+
+@pytest.mark.parametrize(("carrier", "told"), [("lid", []), ("body", ["that of `body`"])])
+def test_the_warning_names_the_link_that_the_part_is_on(carrier: str, told: list[str]) -> None:
+    """A knob that touches the lid, which moves: where it is attached to the body, that is the mistake."""
+    outer = f"""part lid : Lid
+  align lid.bottom = body.top + 1mm
+  joint open : revolute body -> lid about lid.back.bottom range 0deg .. 90deg
+  part pull : Cuboid(size = [1cm, 5mm, 5mm])
+  connect pull to {carrier}
+  align pull.back = lid.plate.front
+  align pull.center.z = lid.plate.center.z"""
+    session = Session.of_text(TEXT.format("0cm", outer), "box.apg")
+    session.advise()
+    found = [d.message for d in session.report.diagnostics if d.code == "floating-part"]
+    assert [message.rpartition(", ")[2] for message in found] == told

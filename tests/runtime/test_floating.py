@@ -42,7 +42,7 @@ SHELF = (
     ("gap", "floats"), [("0mm", False), ("0.09mm", False), ("0.12mm", True), ("-1cm", False), ("5cm", True)]
 )
 def test_a_part_above_what_it_is_connected_to(gap: str, floats: bool) -> None:
-    assert found(SHELF.format(gap=gap)) == ["`shelf` touches nothing else of its link"] * floats
+    assert found(SHELF.format(gap=gap)) == ["`shelf` touches nothing else of its link, that of `body`"] * floats
 
 
 def test_a_chain_of_contacts_holds_and_an_island_of_two_does_not() -> None:
@@ -57,7 +57,7 @@ def test_a_chain_of_contacts_holds_and_an_island_of_two_does_not() -> None:
 """
     )
     assert found(text.format(start="0mm")) == []
-    assert found(text.format(start="1mm")) == ["`step.block` touches nothing else of its link"]
+    assert found(text.format(start="1mm")) == ["`step.block` touches nothing else of its link, that of `body`"]
 
 
 @pytest.mark.parametrize(("sink", "floats"), [("0mm", False), ("-1mm", False), ("2mm", True)])
@@ -205,7 +205,7 @@ def test_floating_objects_are_drawn_again() -> None:
     statistics = Statistics()
     batch = sampler.batch(np.arange(30), 0, checked=True, statistics=statistics)
     assert (batch.values()["up"] <= 1.1e-4).all() and 0 < statistics.first_valid < 30
-    assert list(statistics.unsound) == ["`shelf` touches nothing else of its link"]
+    assert list(statistics.unsound) == ["`shelf` touches nothing else of its link, that of `body`"]
 
 
 def test_the_same_whatever_else_is_in_the_batch() -> None:

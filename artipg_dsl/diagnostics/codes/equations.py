@@ -87,8 +87,9 @@ EQUATIONS = (
         """
         In each of the few objects that `apgc check` draws, the part touches nothing else of its rigid link, so none of
         them is valid and `apgc sample` has nothing to deliver. Often an equation names the wrong part, a sign is wrong,
-        or nothing places the part, so that it is centred. Place it on the part that carries it; if the carrier is not
-        modelled, write `allow floating lid because "a glass rod"`.
+        or nothing places the part, so that it is centred. Or it is attached to something that does not move with what
+        it touches: the message names the link that it is on, and `apgc ledger` why. Place it on the part that carries
+        it; if the carrier is not modelled, write `allow floating lid because "a glass rod"`.
         """,
         """
         apg 1
