@@ -222,17 +222,25 @@ def compares_with_either(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> boo
     return False
 
 
+_NO_VALUES = ("part", "repeat", "slot", "port", "joint", "surface", "curve")
+"""The kinds of declarations that are no value to compare with."""
+
+
 def choice_word(ck: Checker, ctx: Context, other: ast.Expr, expr: ast.Expr) -> Type | None:
     """The type of ``expr`` where it is a bare word compared with a choice (``lever == left``), else None."""
     if not isinstance(expr, ast.NameExpr) or isinstance(other, ast.NumberExpr | ast.BinaryExpr | ast.CallExpr):
         return None
-    if ctx.scope is None or ctx.scope.find(expr.name):
+    if ctx.scope is None or isinstance(other, ast.NameExpr) and not ctx.scope.find(other.name):
         return None
-    if isinstance(other, ast.NameExpr) and not ctx.scope.find(other.name):
+    declared = ctx.scope.find(expr.name)
+    if any(entry.kind not in _NO_VALUES for entry in declared):
         return None
     kind = ck.infer(ctx, other)
     if not isinstance(kind, ChoiceType):
         return None
+    if declared:
+        message = f"`{expr.name}` is a {declared[0].kind} here, so it is not the option of that name"
+        return ck.error("wrong-type", expr.span, message, hint=f"rename the {declared[0].kind}, or the option")
     if expr.name not in kind.values:
         return ck.error(
             "unknown-choice",
