@@ -72,6 +72,8 @@ def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
 
 def unknown_material(ck: Checker, ctx: Context, name: str, span: Span) -> None:
     hint = missing(name, ctx.module.named("material"), "material") or f"declare it: `material {name} {{ ... }}`"
+    if name == "none":
+        hint = "what has no material of its own takes that of the part around it: put the `material` statement under a `when`"
     ck.unknown(ctx.module, name, "unknown-material", span, f"there is no material `{name}` here", hint)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..diagnostics.suggest import did_you_mean
+from ..diagnostics.suggest import any_of, did_you_mean
 from ..language import DIRECTIONS, FACES, FUNCTIONS, WORDS
 from ..source import Span
 from ..syntax import ast
@@ -64,6 +64,9 @@ if TYPE_CHECKING:
     from .checker import Checker, Context
 
 
+_NAMED = 3  # parts in a hint
+
+
 def name(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
     """The type of a bare name."""
     word = expr.name
@@ -118,11 +121,10 @@ def _declared(ctx: Context, word: str, home: BodyScope) -> Meaning:
 
 def _unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     """Reports a name that nothing declares."""
-    hint = (
-        _within_repeat(ctx, word)
-        or did_you_mean(word, [*ctx.names(), *(w.name for w in WORDS.values() if w.kind != "place")])
-        or foreign.NAMES.get(word)
-    )
+    near = did_you_mean(word, [*ctx.names(), *(w.name for w in WORDS.values() if w.kind != "place")])
+    parts = _within_parts(ck, ctx, word)
+    owned = f"a part has it: write {any_of(parts[:_NAMED])}" if parts else None
+    hint = _within_repeat(ctx, word) or " ".join(filter(None, (near, owned))) or foreign.NAMES.get(word)
     return ck.unknown(ctx.module, word, "unknown-name", span, f"there is no `{word}` here", hint)
 
 
@@ -135,6 +137,18 @@ def _within_repeat(ctx: Context, word: str) -> str | None:
                 return f"`{word}` is the index of the repeat `{around[-1]}` and only exists inside it"
             return f"`{word}` is declared inside the repeat `{around[-1]}`: write `{'.'.join([*around, word])}`"
     return None
+
+
+def _within_parts(ck: Checker, ctx: Context, word: str) -> list[str]:
+    """What the parts of this body and of those around it declare by that name, as one writes it here."""
+    found = []
+    for entry in (e for scope in (ctx.scope.chain() if ctx.scope is not None else ()) for e in scope.entries):
+        if isinstance(entry.node, ast.PartDecl):
+            symbols = (ctx.module.find(alternative.name or "") for alternative in entry.node.alternatives)
+            bodies = [ck.scope_of(symbol) for symbol in symbols if symbol is not None and symbol.body]
+            if any(not inner.private for body in bodies for inner in body.table.get(word, ())):
+                found.append(f"{entry.name}.{word}")
+    return found
 
 
 def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:

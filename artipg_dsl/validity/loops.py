@@ -30,7 +30,8 @@ def find_open(tree: Tree) -> list[Fault]:
     for state, (lead, apart, values) in enumerate((rest, *moved)):
         beyond = loops.beyond(values)
         shut = ~np.isin(joints.owner[beyond], loops.owner[apart])  # values of an open loop say nothing
-        excess = np.where(shut, loops.excess(beyond, values), 0.0)
+        excess = loops.excess(beyond, values)
+        excess = np.where(shut & (excess < np.pi), excess, -excess)  # nor those of one that has turned over
         near = -np.abs(values - joints.rest)[lead[loops.owner[apart]]]
         for owner, which, words, much, rows in (
             (loops.owner[apart], loops.which[apart], closing, near, np.full(len(apart), -1)),
