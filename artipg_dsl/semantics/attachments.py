@@ -9,7 +9,7 @@ from ..records import dataclass
 from ..source import Span
 from ..syntax import ast
 from ..syntax.walk import path_root
-from .guards import VERSUS, And, Condition, Not, Or, assignments, conjunction, consistent
+from .guards import TRUE, VERSUS, And, Condition, Not, Or, assignments, conjunction, consistent
 from .scope import BodyScope, Entry, Guards, Variant
 from .types import PartType
 
@@ -19,11 +19,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Attachment:
-    """A ``connect`` or ``joint`` whose subject is the part, with what holds where it stands."""
+    """A ``connect`` or ``joint`` whose subject is the part, with what holds where it stands.
+
+    ``there``: what holds where its ``subject``, as it is written, exists; without that the statement is void.
+    """
 
     span: Span
     word: str
     condition: Condition
+    there: Condition
+    subject: str
 
 
 def check(ck: Checker, scope: BodyScope) -> None:
@@ -33,13 +38,16 @@ def check(ck: Checker, scope: BodyScope) -> None:
     for at, stmt, guards in _statements(scope, scope.owner.body, ()):
         subject = ast.placed(stmt)
         first = None if subject is None else path_root(subject)
-        if not isinstance(first, ast.NameExpr):
+        if subject is None or not isinstance(first, ast.NameExpr):
             continue
         condition = ck.condition(guards)
+        there = conjunction((condition, ck.subjects.get(id(subject), TRUE)))
         for entry in at.find(first.name):
             if entry.kind == "part" and consistent(condition, ck.entry_condition(entry)):
                 word = "connect" if isinstance(stmt, ast.ConnectStmt) else "joint"
-                found.setdefault(id(entry), []).append(Attachment(stmt.span, word, condition))
+                found.setdefault(id(entry), []).append(
+                    Attachment(stmt.span, word, condition, there, subject.span.words)
+                )
     roots: list[Entry] = []
     for inner in scope.below():
         for entry in inner.entries:
@@ -84,12 +92,7 @@ def _count(ck: Checker, entry: Entry, found: list[Attachment], needed: bool, roo
                     "two-attachments",
                     later.span,
                     f"`{entry.name}` is attached twice",
-                    hint="a part has only one attachment; "
-                    + (
-                        "to tie a loop of joints, leave one out and write `close point on point`, or two lines"
-                        if earlier.word == later.word == "joint"
-                        else "`align` places without attaching"
-                    ),
+                    hint=f"a part has only one attachment; {_instead(exists, earlier, later)}",
                     notes=((earlier.span, "the first attachment"),),
                 )
                 return
@@ -103,15 +106,34 @@ def _count(ck: Checker, entry: Entry, found: list[Attachment], needed: bool, roo
             hint=f"write `connect {entry.name} to ...` or give it a joint; `align` only places it",
         )
         return
-    open_cases = assignments(And((exists, Not(Or(tuple(a.condition for a in found))))))
+    open_cases = assignments(And((exists, Not(Or(tuple(a.there for a in found))))))
     case = next(open_cases, None) if open_cases is not None else None
     if case is not None:
         ck.error(
             "no-attachment",
             entry.span,
             f"`{entry.name}` is not attached {_words(case)}",
-            notes=((found[0].span, "attached here, under a guard"),),
+            hint="attach it in each case, under a `when` and its `else`",
+            notes=((found[0].span, _attached(entry, found[0])),),
         )
+
+
+def _instead(exists: Condition, earlier: Attachment, later: Attachment) -> str:
+    """What to write instead of two attachments."""
+    if not consistent(exists, earlier.there, later.there):
+        return "put each under a `when` of its own, or under the `else` of the other"
+    if earlier.word == later.word == "joint":
+        return "to tie a loop of joints, leave one out and write `close point on point`, or two lines"
+    return "`align` places without attaching"
+
+
+def _attached(entry: Entry, there: Attachment) -> str:
+    """Where a part is attached that is not attached everywhere."""
+    return (
+        "attached here, under a guard"
+        if there.subject == entry.name
+        else f"attached here, where `{there.subject}` exists"
+    )
 
 
 def _words(case: dict[str, Hashable]) -> str:

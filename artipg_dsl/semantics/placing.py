@@ -13,6 +13,7 @@ from . import foreign
 from .declarations import check_range
 from .fold import components, constant
 from .gates import check_gate
+from .guards import conjunction
 from .meanings import Clearance, Declared, Word
 from .mimic import check_mimic
 from .types import (
@@ -53,6 +54,7 @@ def subject(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
     """What a statement goes with: without it the statement is void, so the rest may take its presence for granted."""
     noted: list[Any] = []
     kind = ck.infer(ctx.but(lenient=noted, ends=True, subject=True), expr)
+    ck.subjects[id(expr)] = conjunction(noted)
     return kind, ctx.given(*noted)
 
 
