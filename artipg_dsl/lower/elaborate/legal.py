@@ -67,7 +67,8 @@ def legalize(links: Links, env: Env) -> None:
     sources: dict[str, Source] | None = None
     refused: set[object] = set()
     seen: set[tuple[Scope, Expr, Legal, Expr]] = set()
-    for quantity in _quantities(links):
+    void = (quantity for element in context.named for quantity in of_element(element))
+    for quantity, needed in (*((q, True) for q in _quantities(links)), *((q, False) for q in void)):
         key = (quantity.scope, quantity.value, quantity.legal, quantity.guard)
         if key in seen or holds(quantity, intervals, defined):
             continue
@@ -78,7 +79,7 @@ def legalize(links: Links, env: Env) -> None:
             if not follows and str(quantity.where) not in refused:  # of one statement, what is told first
                 refuse(context, quantity, intervals, sources)
             refused |= {str(quantity.where), quantity.legal}
-        else:
+        elif needed:
             asked.setdefault((quantity.scope, f"{quantity.name}: {quantity.legal.words}", quantity.where), []).append(
                 quantity
             )
@@ -126,7 +127,7 @@ def refuse(context: Draft, quantity: Quantity, intervals: Intervals, sources: di
     if place is not None and place.file in sources:
         span = _line_of(sources[place.file], place)
     if quantity.legal is ELEMENT:
-        context.report.error("illegal-value", span, f"{quantity.name}: {ELEMENT.words}", hint="they are counted from 0")
+        context.report.error("illegal-value", span, f"{quantity.name}: {ELEMENT.words}", hint="they are counted from 0; `[last]` is the last one")
         return
     hint = "lengths are in metres, angles in radians" if quantity.legal.measured else None
     said = f"{quantity.name} is {amount}, but {quantity.legal.refusal(low)}"

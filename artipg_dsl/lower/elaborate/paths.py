@@ -10,6 +10,7 @@ from ...language import JOINTS
 from ...semantics.meanings import Current, Declared, Inner, Previous
 from ...semantics.types import ANGLE, LENGTH
 from ...syntax import ast
+from ..expressions.context import Fetched
 from ..expressions.env import Element, Env, Hinge
 from ..expressions.evaluate import Evaluator
 from ..expressions.members import At
@@ -77,6 +78,7 @@ def _element_named(env: Env, at: Reached, node: ast.IndexExpr) -> Expr:
             "this index varies over instances that the elements do not belong to",
             hint="use a number, `last` or a count as index, or put the statement inside the repeat, under a `when`",
         )
+    env.context.named.append(Fetched(env.scope, index, element.count, node.span, env.context.known))
     return E.call("eq", E.rank(element.scope), index)
 
 

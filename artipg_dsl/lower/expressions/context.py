@@ -154,6 +154,7 @@ class Draft:
     counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
     fetched: list[Fetched] = field(default_factory=list)  # elements of repeats that have to be there
+    named: list[Fetched] = field(default_factory=list)  # elements without which the statement that names them is void
     known: Expr = E.TRUE  # what holds where the expression that is being lowered counts
     solids: dict[Hashable, Lowered] = field(default_factory=dict)  # by their symbols and the shapes of their paths
     labels: list[tuple[int, Label]] = field(default_factory=list)  # with the depths of their targets
