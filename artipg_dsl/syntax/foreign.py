@@ -74,6 +74,7 @@ CLAUSES_ELSEWHERE = {
     **{("part", word): _PLACED for word in ("at", "on", "to", "in", "fit")},
     ("part", "mirror"): "for a mirrored pair, write `repeat x mirror across y { ... }`",
     ("param", "|"): _CHOICE,
+    ("param", ".."): "a range follows `in`, and `=` gives the default: `param x : length in 1cm .. 2cm = 15mm`",
     ("align", "gap"): "put the distance into the equation: `align a.left = b.left + 1cm`",
     **{
         ("connect", word): "a moving part is attached by a `joint`"

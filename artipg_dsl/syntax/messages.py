@@ -19,7 +19,7 @@ from .foreign import CHARACTERS, CLAUSES_ELSEWHERE, MICROMETRES, STATEMENTS_ELSE
 from .grammar import Machine, terminal_words
 from .mistakes import key, table
 from .recover import opening_brace
-from .words import OPERATORS, file_words, statement_words
+from .words import COMPARISONS, OPERATORS, file_words, statement_words
 
 Notes = tuple[tuple[Span, str], ...]
 Maker = Callable[..., "Found"]
@@ -28,6 +28,7 @@ _VALUE = frozenset({"NUMBER", "NAME", "LPAR"})
 _BEGINS_VALUE = frozenset("NUMBER QUANTITY FRACTION NAME STRING LPAR LSQB HOLE".split())
 _ENDS_VALUE = frozenset("NUMBER QUANTITY FRACTION NAME STRING RPAR RSQB HOLE".split())
 _CONDITIONS = frozenset("WHEN WHEN_BLOCK REQUIRE PREFER WHERE IF".split())
+_ALSO_VALUES = frozenset("OUT BOX INSIDE CLOSE FREE CLEAR FIELD LIMIT".split())  # words that may stand in brackets
 _PAIRS = {"LPAR": "(", "LSQB": "["}
 _SIGNS = {
     "LBRACE": "`{`",
@@ -180,16 +181,7 @@ def _never_closed(bracket: Token, source: Source) -> Found:
 def _unclosed(token: Token, history: list[Token], source: Source) -> Found | None:
     """A statement begins, or a block ends, within brackets."""
     bracket = _open_bracket(history)
-    begins = token.type in (statement_words() | file_words()) - {
-        "OUT",
-        "BOX",
-        "INSIDE",
-        "CLOSE",
-        "FREE",
-        "CLEAR",
-        "FIELD",
-        "LIMIT",
-    }
+    begins = token.type in (statement_words() | file_words()) - _ALSO_VALUES
     if bracket is not None and token.type == "LBRACE" and history[-1].type in ("EQUAL", "COMMA", "LPAR", "LSQB"):
         start = token.start_pos or 0
         return Found(
@@ -228,6 +220,8 @@ def _by_history(
     if token.type == "ON" and accepted == {"LBRACE"} and [t.type for t in history[-2:]] == ["MATERIAL", "NAME"]:
         # `material oak on` of a body, not the declaration `material oak {`
         return _misplaced(history[-2], history[:-2], True, source, text)
+    if token.type == "LBRACE" and [t.type for t in history[-2:]] == ["MATERIAL", "NAME"] and accepted == {"ON"}:
+        return _misplaced(history[-2], history[:-2], False, source, text)  # the declaration within a body
     if last is None or last.type in ("_NL", "LBRACE", "RBRACE"):
         beginning = _at_beginning(token, history, accepted, tools, found, source, text)
         return beginning._replace(line_alone=True) if beginning is not None else None
@@ -267,11 +261,27 @@ def _by_history(
     ):
         if (last.type, token.type) not in (("STAR", "STAR"), ("UNTIL", "DOT")):
             return found(f"a value is missing between `{last.value}` and {_quoted(token)}")
+    if statement is not None and statement.type == "ALIGN" and token.type == "_NL":
+        begin = statement.end_pos or 0
+        compared = next((t for t in history if (t.start_pos or 0) >= begin and t.type in COMPARISONS), None)
+        if compared is not None:
+            return _compared(compared, source)
+    if statement is not None and statement.type == last.type == "LIMIT" and not _first_on_line(last, source):
+        where = _span(last, source, text)
+        return Found("syntax", where, "`joint` takes no `limit`", where.start, CLAUSES_ELSEWHERE["joint", "limit"])
     if token.type == "EQUAL" and statement is not None and statement.type in _CONDITIONS:
         return found("`=` gives a name its value; it does not compare", "to compare, write `==`")
     if last.type in _ENDS_VALUE and token.type in _BEGINS_VALUE:
         return _two_values(token, last, history, accepted, found)
     return None
+
+
+def _compared(sign: Token, source: Source) -> Found:
+    """An ``align`` that compares."""
+    where = _span(sign, source, source.text)
+    said = source.line(where.line).partition("align ")[2].split("#")[0].strip()
+    hint = f"to require a comparison, write `require {said}`"
+    return Found("syntax", where, "`align` states an equation with a single `=`", where.start, hint)
 
 
 def _at_beginning(
@@ -427,5 +437,7 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
         near = suggest(token.value, clauses)
         listed = ", ".join(f"`{c}`" for c in clauses)
         hint = f"did you mean `{near}`?" if near else f"expected {listed}" if 0 < len(clauses) <= 12 else None
+        if near is None and statement.type == "PARAM" and [t.type for t in history[-2:]] == ["COLON", "NAME"]:
+            hint = "a range follows `in`, a default `=`; a choice is written `param kind : choice one | two`"
         return found(f"{shown} cannot be part of this `{statement.value}`", hint)
     return found(f"{shown} is not allowed here")

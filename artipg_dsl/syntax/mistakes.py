@@ -330,16 +330,9 @@ MISTAKES = (
         ("port x : frame ?", "port x[2] : frame ?"),
     ),
     Mistake(
-        "`align` states an equation with a single `=`",
-        "to require a comparison, write `require a == b`",
-        (
-            "align a == b",
-            "align a.left == b.left",
-            "align a <= b",
-            "align a >= b",
-            "align a < b",
-            "align a.left <= b.left",
-        ),
+        "the options of a choice are written without quotes",
+        "for example `param kind : choice round | square = round`",
+        ('param x : choice "a" | "b"', 'param x : choice a | "b"'),
     ),
     Mistake("a power is written with `^`", "for example `r ^ 2`", ("let x = a ** 2",)),
     Mistake(

@@ -12,6 +12,8 @@ OPERATORS = frozenset(
 )
 """What stands between two others."""
 
+COMPARISONS = frozenset("EQUALS UNEQUAL LESS AT_MOST MORE AT_LEAST".split())
+
 
 @cache
 def statement_words() -> frozenset[str]:
