@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -100,9 +100,24 @@ def _warn_of_materials(lowering: Lowering, span: Span, report: Report) -> None:
 
 def _how_to_place(part: Component) -> str:
     """How a part is placed that has its attachment already: a joint places by its own faces, a second `connect` is an error."""
+    mount = next(_mounts(part), None)
     if any(attachment.joint is not None for attachment in part.attachments):
-        return f"with `align`, or by faces in its joint, as in `... -> {part.name}.bottom`"
-    return f"with `connect {part.name}.bottom on ...` or `align`"
+        by = "faces" if mount is None else "its port and another"
+        return f"with `align`, or by {by} in its joint, as in `... -> {part.name}.{mount or 'bottom'}`"
+    return f"with `connect {part.name}.{'bottom on' if mount is None else f'{mount} to'} ...` or `align`"
+
+
+def _mounts(part: Component) -> Iterator[str]:
+    """The ports by which a part can be mounted, whatever it is."""
+    from .lower.values.kinds import Frame  # start-up
+    from .syntax import ast  # start-up
+
+    bodies = [instance.symbol.body for instance in part.instances]
+    for port in bodies[0] if bodies else ():
+        if isinstance(port, ast.PortDecl) and port.index is None:
+            shared = all(any(isinstance(s, ast.PortDecl) and s.name == port.name for s in body) for body in bodies)
+            if shared and isinstance(part.own(port.name), Frame):
+                yield port.name
 
 
 @dataclass(frozen=True, slots=True)

@@ -180,9 +180,10 @@ class Checker:
         if isinstance(wanted, ScalarType | VecType) and isinstance(given, ScalarType | VecType):
             need = wanted.dimension
             if given.dimension == NONE and need not in (NONE, None) and is_unitless(expr):
-                unit = expressions.usual_unit(need)
-                text = expr.span.text
-                hint = f"write {text}{unit}" if isinstance(expr, ast.NumberExpr) else f"give the numbers units: {unit}"
+                hint = f"give the numbers units: {expressions.usual_unit(need)}"
+                if isinstance(expr, ast.NumberExpr):
+                    units = expressions.likely_units(need, expr.value)
+                    hint = f"write {' or '.join(expr.span.text + unit for unit in units)}"
                 self.error("missing-unit", expr.span, f"{what} needs a unit: {wanted} is expected", hint=hint)
                 return
             each = None

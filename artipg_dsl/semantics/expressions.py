@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import pi
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
@@ -119,6 +120,13 @@ def _number(ck: Checker, expr: ast.NumberExpr) -> Type:
 def usual_unit(dimension: Dimension) -> str:
     """The unit to suggest for a dimension."""
     return _USUAL_UNITS.get(dimension_name(dimension), "")
+
+
+def likely_units(dimension: Dimension, value: float) -> list[str]:
+    """The units to suggest for a number: small ones may be metres or radians."""
+    small = {"length": ("m", value < 1), "angle": ("rad", value < 2 * pi and value % 1 > 0)}
+    unit, meant = small.get(dimension_name(dimension), ("", False))
+    return [usual_unit(dimension), *[unit] * meant]
 
 
 def _vector(ck: Checker, ctx: Context, expr: ast.VectorExpr) -> Type:

@@ -117,9 +117,9 @@ def _on_face(ck: Checker, node: ast.Attaching, expr: ast.Expr, kind: Type) -> No
     if node.on is None:
         return
     target = node.on.value
-    for end, found in ((expr, kind), (target, ck.types.get(id(target), UNKNOWN))):
+    for end, found, face in ((expr, kind, "bottom"), (target, ck.types.get(id(target), UNKNOWN), "top")):
         if found not in (PLANE, FRAME, UNKNOWN):
-            hint = f"name one of its faces, as in `{end.span.words}.top`" if isinstance(found, PartType) else None
+            hint = f"name one of its faces, as in `{end.span.words}.{face}`" if isinstance(found, PartType) else None
             ck.unfit(end, found, "`on` lays a face on a face", hint=hint)
     if node.fit is not None and not (isinstance(target, ast.MemberExpr | ast.NameExpr) and target.name in FACES):
         ck.error("wrong-type", node.fit.span, "`fit` needs a face of a box behind `on`, as in `on body.front fit left`")

@@ -162,7 +162,7 @@ CONSTANT = {
     "a closing direction": (
         GRASP.format(0, "-z", "z", "size.y", 1),
         2,
-        "`close` beside `approach` of the grasp `g` is 0",
+        "the part of `close` across the `approach` of the grasp `g` is 0",
     ),
     "an opening": (
         GRASP.format(0, "-z", "y", "-1cm", 1),

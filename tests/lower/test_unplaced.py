@@ -57,3 +57,23 @@ def test_a_part_in_the_middle_by_default_is_warned_of(inner: str, outer: str, to
     assert not session.report.failed
     jointed = "joint" in outer and told == ["lid"]  # a second attachment would be an error
     assert all((d.hint or "").startswith("place it with `align`, or by faces in its joint") == jointed for d in found)
+
+
+@pytest.mark.parametrize(
+    ("outer", "told"),
+    [
+        ("connect lid to body", "`connect lid.seat to ...`"),
+        (
+            "joint j : prismatic body -> lid along z range 0 .. 5cm",
+            "by its port and another in its joint, as in `... -> lid.seat`",
+        ),
+    ],
+    ids=["connected", "by a joint"],
+)
+def test_a_part_with_a_port_is_placed_by_it(outer: str, told: str) -> None:
+    session = Session.of_text(
+        TEXT.format(KNOB + "\n  port rim : point = plate.center\n  port seat = plate.bottom", outer), "box.apg"
+    )
+    session.advise()
+    (found,) = [d for d in session.report.diagnostics if d.code == "unplaced"]
+    assert told in (found.hint or "")

@@ -127,7 +127,12 @@ def refuse(context: Draft, quantity: Quantity, intervals: Intervals, sources: di
     if place is not None and place.file in sources:
         span = _line_of(sources[place.file], place)
     if quantity.legal is ELEMENT:
-        context.report.error("illegal-value", span, f"{quantity.name}: {ELEMENT.words}", hint="they are counted from 0; `[last]` is the last one")
+        context.report.error(
+            "illegal-value",
+            span,
+            f"{quantity.name}: {ELEMENT.words}",
+            hint="they are counted from 0; `[last]` is the last one",
+        )
         return
     hint = "lengths are in metres, angles in radians" if quantity.legal.measured else None
     said = f"{quantity.name} is {amount}, but {quantity.legal.refusal(low)}"
@@ -306,7 +311,9 @@ def _of_grasp(grasp: Grasp) -> Iterator[Quantity]:
         yield from each(f"the place of {name}", scope, at, PLACE, place)
         yield Quantity(f"the length of `approach` of {name}", scope, norm(approach), DIRECTION, place)
         yield Quantity(f"the length of `close` of {name}", scope, norm(close), DIRECTION, place)
-        yield Quantity(f"`close` beside `approach` of {name}", scope, norm(cross(approach, close)), APART, place)
+        yield Quantity(
+            f"the part of `close` across the `approach` of {name}", scope, norm(cross(approach, close)), APART, place
+        )
         yield Quantity(f"the opening of {name}", scope, formulas[9], OPENING, place)
         yield Quantity(f"the quality of {name}", scope, formulas[10], SHARE, place)
         yield from each(f"the hand of {name}", scope, formulas[11:], HELD, place)
