@@ -229,6 +229,8 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
     )
     if option is not None:
         hint = f"`{option}` is declared here, so it is not the option of that name: rename what is declared"
+    elif isinstance(left, StyleType) and isinstance(right, StyleType):
+        hint = f"to test what a style is, write `{expr.left.span.words} is {expr.right.span.words}`"
     elif isinstance(left, PartType) or isinstance(right, PartType):
         hint = "to test what a part is, write `part is Template`"
     elif STRING in (left, right) and (isinstance(left, ChoiceType) or isinstance(right, ChoiceType)):

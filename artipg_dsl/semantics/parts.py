@@ -16,6 +16,7 @@ from .presence import declared, guarded, optional, relevant, renamed
 from .scope import BodyScope, Entry, Variant
 from .symbols import Symbol, names_of
 from .types import (
+    BOOL,
     BOX,
     CURVE,
     FRAME,
@@ -25,6 +26,7 @@ from .types import (
     UNKNOWN,
     ArrayType,
     Boxed,
+    ChoiceType,
     ElementType,
     FunctionType,
     JointType,
@@ -232,7 +234,10 @@ def _lacking(
     what = " or ".join(dict.fromkeys(v.name for v in part.variants))
     if promised is not None:
         return ck.error("optional-outside-when", span, f"`{word}` is optional in the role, and {what} does not bind it")
-    offered = sorted({n for v in part.variants if v.symbol is not None for n in _member_names(ck, v.symbol)})
+    symbols = [v.symbol for v in part.variants if v.symbol is not None]
+    offered = sorted(
+        {n for symbol in symbols for n in _member_names(ck, symbol) if not ctx.ends or _is_place(ck, symbol, n)}
+    )
     code, missing = ("unknown-port", f"port or part `{word}`") if ctx.ends else ("unknown-member", f"`{word}`")
     return ck.error(
         code,
@@ -259,7 +264,18 @@ def _member_names(ck: Checker, symbol: Symbol) -> list[str]:
     scope = ck.scope_of(symbol)
     own = [entry.name for entry in scope.entries if not entry.private]
     role = [] if symbol.kind == "role" else [n for n in ck.interface_of(symbol)]
-    return [*dict.fromkeys([*own, *role]), *BOX_MEMBERS]
+    made = [n for n in _MADE if symbol.kind == "primitive" and _made(symbol, n) is not None]
+    return [*dict.fromkeys([*own, *role, *made]), *BOX_MEMBERS]
+
+
+def _is_place(ck: Checker, symbol: Symbol, word: str) -> bool:
+    """Whether a member can be an end of a connection: no number, no formula."""
+    kind = _symbol_member(ck, symbol, word)
+    return (
+        word != "size"
+        and kind not in (BOOL, CURVE)
+        and not isinstance(kind, ScalarType | VecType | ChoiceType | FunctionType)
+    )
 
 
 def _symbol_member(ck: Checker, symbol: Symbol, word: str) -> Type | None:
@@ -292,10 +308,13 @@ def _names_in_repeats(scope: BodyScope) -> set[str]:
     return {name for inner in scope.below() if inner is not scope for name in inner.table}
 
 
+_MADE = ("start", "end", "rim")
+
+
 def _made(symbol: Symbol, word: str) -> Type | None:
     """What an operator supplies: along a path the ports ``start`` and ``end``, every solid surfaces of those names."""
     for stmt in symbol.body:
-        if isinstance(stmt, ast.SolidDecl) and word in ("start", "end", "rim"):
+        if isinstance(stmt, ast.SolidDecl) and word in _MADE:
             return FRAME if _along_path(symbol, stmt) and word != "rim" else SURFACE
     return None
 

@@ -124,7 +124,12 @@ def _unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     near = did_you_mean(word, [*ctx.names(), *(w.name for w in WORDS.values() if w.kind != "place")])
     parts = _within_parts(ck, ctx, word)
     owned = f"a part has it: write {any_of(parts[:_NAMED])}" if parts else None
-    hint = _within_repeat(ctx, word) or " ".join(filter(None, (near, owned))) or foreign.NAMES.get(word)
+    hint = (
+        _within_repeat(ctx, word)
+        or " ".join(filter(None, (near, owned)))
+        or foreign.NAMES.get(word)
+        or _within_category(ck, ctx, word)
+    )
     return ck.unknown(ctx.module, word, "unknown-name", span, f"there is no `{word}` here", hint)
 
 
@@ -137,6 +142,18 @@ def _within_repeat(ctx: Context, word: str) -> str | None:
                 return f"`{word}` is the index of the repeat `{around[-1]}` and only exists inside it"
             return f"`{word}` is declared inside the repeat `{around[-1]}`: write `{'.'.join([*around, word])}`"
     return None
+
+
+def _within_category(ck: Checker, ctx: Context, word: str) -> str | None:
+    """How a template gets a value that the category of its file declares."""
+    category = next((symbol for symbol in ctx.module.own() if symbol.kind == "category"), None)
+    owner = ctx.scope.root.owner if ctx.scope is not None else category
+    if category is None or owner is None or owner.kind == "category" or not ck.scope_of(category).find(word):
+        return None
+    return (
+        f"`{category.name}` declares it, and a {owner.kind} sees its own names only: "
+        f"give `{owner.name}` a parameter, and hand it over: `{owner.name}({word} = {word})`"
+    )
 
 
 def _within_parts(ck: Checker, ctx: Context, word: str) -> list[str]:

@@ -15,9 +15,9 @@ from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 from ..diagnostics.suggest import suggest
 from ..source import Source, Span
 from ..units import UNITS
+from .examples import key, table
 from .foreign import CHARACTERS, CLAUSES_ELSEWHERE, MICROMETRES, STATEMENTS_ELSEWHERE
 from .grammar import Machine, terminal_words
-from .mistakes import key, table
 from .recover import opening_brace
 from .words import COMPARISONS, OPERATORS, file_words, statement_words
 

@@ -1,17 +1,11 @@
 """Syntax errors that people make, by example: what to say about each, and sentences that contain it.
 
-The sentences are parsed once, when the first syntax error needs words; the state of the parser and the token at
-which each stops are the key to its message. ``{}`` stands for the offending token.
+``{}`` stands for the offending token. ``examples`` finds the message for an error by these sentences.
 """
 
 from __future__ import annotations
 
-from functools import cache
 from typing import NamedTuple
-
-from lark import Token, UnexpectedToken
-
-from .grammar import Machine
 
 
 class Mistake(NamedTuple):
@@ -330,6 +324,30 @@ MISTAKES = (
         ("port x : frame ?", "port x[2] : frame ?"),
     ),
     Mistake(
+        "the box is missing before `along`",
+        "for example `spread body along y`",
+        (
+            "repeat x[i] in 0 ..< 3 spread along y {",
+            "repeat x[i] in 0 ..< 3 split along y {",
+            "repeat x[i] fill along y every 1cm {",
+        ),
+    ),
+    Mistake(
+        "a material must be named here",
+        "to choose among materials, declare a style: `style look : material = steel when dark | oak`",
+        ("material (a if b else c) on x",),
+    ),
+    Mistake(
+        "`use` names a module, without path or quotes",
+        "for example `use primitives { Cuboid }`: a file `my.apg` beside this one is the module `my`",
+        ('top:use "primitives.apg" { Cuboid }',),
+    ),
+    Mistake(
+        "each name must be imported by itself",
+        "for example `use primitives { Cuboid, Cylinder }`; the library page lists what a module declares",
+        ("top:use primitives { * }", "top:use primitives { Cuboid, * }"),
+    ),
+    Mistake(
         "the options of a choice are written without quotes",
         "for example `param kind : choice round | square = round`",
         ('param x : choice "a" | "b"', 'param x : choice a | "b"'),
@@ -412,32 +430,3 @@ MISTAKES = (
         ),
     ),
 )
-
-
-def _wrapped(sentence: str) -> str:
-    """A whole program that holds the sentence."""
-    return sentence.removeprefix("top:") + "\n" if sentence.startswith("top:") else f"category C {{\n{sentence}\n}}\n"
-
-
-@cache
-def table(tools: Machine) -> dict[tuple[int, str], Mistake]:
-    """State and token type to what to say."""
-    found: dict[tuple[int, str], Mistake] = {}
-    for mistake in MISTAKES:
-        for sentence in mistake.sentences:
-            where = stop(tools, sentence)
-            if where is not None:
-                found.setdefault(where, mistake)
-    return found
-
-
-def stop(tools: Machine, sentence: str) -> tuple[int, str] | None:
-    """The state and the type of the token at which the parser stops in a sentence; None where it goes through."""
-    text = _wrapped(sentence)
-    error = tools.mistake(text)
-    return key(error) if isinstance(error, UnexpectedToken) else None
-
-
-def key(error: UnexpectedToken) -> tuple[int, str]:
-    assert isinstance(error.token, Token)
-    return error.interactive_parser.parser_state.position, error.token.type

@@ -318,11 +318,14 @@ def _surplus(
             continue
         if cancelled and rest.constant is not None:
             length = any(unknowns[u].kind == "position" for u in users)
+            hint = "drop or correct one of them; `gap` is measured outwards from the face before it"
+            if any(equations[k].span == equation.span for k in sources):  # both sides of what has a size of its own
+                hint = "leave the size between the faces open (`_`, or no argument), or place one of them alone: `fit left`"
             raise env.context.error(
                 "contradictory",
                 equation.span,
                 f"this equation contradicts the others{guard}: its two sides always differ by {amount(rest.constant, length)}",
-                hint="drop or correct one of them; `gap` is measured outwards from the face before it",
+                hint=hint,
                 notes=notes,
             )
         named = " and ".join(unknowns[u].name for u in users[:3])
