@@ -173,9 +173,18 @@ class _Looked:
                     "floating-part",
                     part.span,
                     alone(own[0], links[own[0]]),
-                    hint=f"place it {_how_to_place(part)}, or attach it to what it does touch; "
-                    f'if that is meant, write `allow floating {part.name} because "..."`',
+                    hint=f"{self._how_to_hold(part)}; if that is meant, write `allow floating {part.name} because \"...\"`",
                 )
+
+    def _how_to_hold(self, part: Component) -> str:
+        """What to write so that a part that floats touches its link."""
+        free = ["xyz"[axis] for axis in sorted(self.lowering.context.centred.get(part, ()))]
+        if not 0 < len(free) < 3:
+            return f"place it {_how_to_place(part)}, or attach it to what it does touch"
+        return (
+            f"nothing places it along {' and '.join(free)}, where it is centred by default: "
+            f"say where with `align`; behind `on` a face, `at center` puts it in the middle of that face"
+        )
 
     def warn_invalid(self) -> None:
         """Report links that collide at rest in each of the objects that have both, and other faults that all objects have."""

@@ -49,7 +49,7 @@ class Lowering:
         """The parts in the text of the category that nothing places along any axis; not those that stand in an element of a repeat,
         nor the first of a template, by which the others go."""
         for part, axes in self.context.centred.items():
-            if axes < 3 or part.span.source is not self.root.module.source:
+            if len(axes) < 3 or part.span.source is not self.root.module.source:
                 continue
             owner = part.env.root.instance
             if part.env.element is None and (owner is None or part not in first_parts(owner)):

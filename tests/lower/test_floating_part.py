@@ -66,3 +66,26 @@ def test_the_warning_names_the_link_that_the_part_is_on(carrier: str, told: list
     session.advise()
     found = [d.message for d in session.report.diagnostics if d.code == "floating-part"]
     assert [message.rpartition(", ")[2] for message in found] == told
+
+
+@pytest.mark.parametrize(
+    ("where", "told"),
+    [
+        ("connect pin.bottom on arm.top", "nothing places it along x and y, where it is centred by default"),
+        ("connect pin.bottom on arm.top at x = 0", "nothing places it along y, where it is centred by default"),
+        ("connect pin.bottom on arm.top at center gap 1mm", "place it with `connect pin.bottom on ...` or `align`"),
+    ],
+    ids=["two axes", "one axis", "a gap"],
+)
+def test_the_hint_tells_along_what_nothing_places_the_part(where: str, told: str) -> None:
+    outer = f"""part arm : Cuboid(size = [2cm, 20cm, 2cm])
+  connect arm.right on body.left
+  align arm.bottom = body.top - 1cm
+  part pin : Cuboid(size = [1cm, 1cm, 1cm])
+  {where}
+  part lid : Lid
+  connect lid.top on body.bottom"""
+    session = Session.of_text(TEXT.format("0cm", outer), "box.apg")
+    session.advise()
+    (found,) = [d for d in session.report.diagnostics if d.code == "floating-part"]
+    assert (found.hint or "").startswith(told)

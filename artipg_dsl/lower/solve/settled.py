@@ -28,7 +28,7 @@ def default(
         value = tidy(centred(unknown))
         reason = "centred"
         if not fresh and unknown.part is not None:
-            context.centred[unknown.part] = context.centred.get(unknown.part, 0) + 1
+            context.centred.setdefault(unknown.part, set()).add(unknown.axis)
     elif unknown.kind == "default":
         assert unknown.default is not None
         value, reason = unknown.default, "default"
