@@ -19,7 +19,7 @@ from ..values.kinds import Frame, Line, Vec
 from ..values.vectors import direct, normalized, place
 from .connect import Attachment, named_box
 from .part import Component
-from .place import bare
+from .place import bare, moved
 
 if TYPE_CHECKING:
     from .links import Links
@@ -113,8 +113,10 @@ def axis_of(ev: Evaluator, part: Component, statement: ast.JointDecl, kind: str)
     node = statement.parent if clause is None else clause.value
     assert node is not None
     match None if clause is None and bare(ev.env, node) else ev.value(node):
-        case Line(point=point, direction=direction) | Frame(origin=point, out=direction):
+        case Line(point=point, direction=direction):
             return point, direction
+        case Frame(out=direction) as frame:
+            return moved(ev, frame, statement.at if clause is None else None), direction
         case Vec(items=(a, b, c), point=False) if clause is not None:
             return center, (a, b, c)
     if clause is not None:

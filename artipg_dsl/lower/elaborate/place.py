@@ -221,7 +221,7 @@ def _mount_pose(part: Component, mount: Mount) -> Pose:
     if inner != IDENTITY and not (isinstance(own, Face) and all(signed_axis(row) is not None for row in inner)):
         _turned_in_vain(part, mount)  # a face turns with its part unless it lies along the axes
     own, value = _mounted(ev, own, mount.subject, ONE), _mounted(ev, ev.value(mount.target), mount.target, MINUS)
-    origin = _locate_mount(value, mount, ev)
+    origin = moved(ev, value, statement.at)
     out, up = value.out, value.up
     side = triple(row[1] for row in value.rotation)
     rotation = product(columns(times(out, MINUS), times(side, MINUS), up), transpose(own.rotation))
@@ -266,10 +266,10 @@ def _own_value(part: Component, subject: ast.Expr, env: Env, rotation: Matrix = 
     return Evaluator(env, instead={id(path_root(subject)): own}).value(subject)
 
 
-def _locate_mount(frame: Frame, mount: Mount, ev: Evaluator) -> Triple:
-    """The origin of the target, moved by ``at y = ..., z = ...`` within its plane."""
+def moved(ev: Evaluator, frame: Frame, at: ast.Clause[tuple[ast.Argument, ...]] | None) -> Triple:
+    """The origin of a target, moved by ``at y = ..., z = ...`` within its plane."""
     origin = list(frame.origin)
-    for argument in ast.value_of(mount.statement.at) or ():
+    for argument in ast.value_of(at) or ():
         name, node = argument.name, argument.value
         if name in AXES:
             axis = AXES.index(name)
