@@ -173,7 +173,7 @@ class _Looked:
                     "floating-part",
                     part.span,
                     alone(own[0], links[own[0]]),
-                    hint=f"{self._how_to_hold(part)}; if that is meant, write `allow floating {part.name} because \"...\"`",
+                    hint=f'{self._how_to_hold(part)}; if that is meant, write `allow floating {part.name} because "..."`',
                 )
 
     def _how_to_hold(self, part: Component) -> str:

@@ -65,6 +65,7 @@ class Component:
     found: Pose | None = None  # its pose, once it is known
     seeking: bool = False  # its pose, just now
     unplaced: bool = False
+    mounted: Span | None = None  # the statement that fixes its whole pose, where one does
     previous: Pose | None = None  # of the element before, while that is what its own is sought from
     _box: Box | None = None
 

@@ -174,6 +174,7 @@ def _sought(part: Component) -> Pose:
     found = mounts_of(part)
     if not found:
         return Pose(part.rotation(), part.position(), ONE)
+    part.mounted = found[0].statement.span
     poses = [(m.env.scope, _mount_pose(part, m)) for m in found]
     if not everywhere(part, [scope for scope, _ in poses]):
         return partly(part, [(m, pose) for m, (_, pose) in zip(found, poses, strict=True)])

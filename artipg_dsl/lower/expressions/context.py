@@ -147,7 +147,9 @@ class Draft:
     bends: dict[int, Bend] = field(default_factory=dict)  # those of the requirements that are about one
     ledger: list[tuple[Component | None, Unknown]] = field(default_factory=list)
     parts: list[Component] = field(default_factory=list)
-    centred: dict[Component, set[int]] = field(default_factory=dict)  # the axes along which nothing says where a part is
+    centred: dict[Component, set[int]] = field(
+        default_factory=dict
+    )  # the axes along which nothing says where a part is
     preferred: dict[int, Span] = field(
         default_factory=dict
     )  # the preferences that the category itself states, and where

@@ -19,6 +19,7 @@ from ...graph.linear import Circle, Linear
 from ...graph.matching import Matching, match
 from ...graph.substitution import substitute
 from ...records import dataclass
+from ...source import Span
 from ..expressions.context import Abort, Equation, Settled, Unknown
 from ..expressions.env import Env
 from .cases import TooManyCases, combinations, condition
@@ -29,6 +30,7 @@ from .systems import Stated, solve_system
 
 _DEEPEST = 64  # definitions that read one another; more only where they go in a circle, which the plan reports
 _RANK = {"size": 0, "derived": 0, "position": 1, "default": 2, "param": 3}
+_MOUNTED = "a mount leaves nothing to equations: move it by `at y = ...`, `gap` or `sink`, or attach the part by its name alone"
 
 
 def settle(env: Env) -> None:
@@ -301,6 +303,8 @@ def _surplus(
         users = [u for u in range(len(unknowns)) if e in matching.edges[u] and matching.equation_of[u] >= 0]
         sources = {matching.equation_of[u]: f"determines {unknowns[u].name}" for u in users}
         notes = tuple((equations[k].span, why) for k, why in list(sources.items())[:4])
+        mounts = _mounts(env, equation)
+        notes += mounts
         difference = _written_out(E.sub(equation.left, equation.right), definitions)
         terms, rest = Linear(lambda c: True, {}).parts(difference)
         cancelled = all(f.constant is not None and abs(f.constant) < 1e-12 for f in terms.values())
@@ -317,10 +321,12 @@ def _surplus(
             )
             continue
         if cancelled and rest.constant is not None:
-            length = any(unknowns[u].kind == "position" for u in users)
+            length = bool(mounts) or any(unknowns[u].kind == "position" for u in users)
             hint = "drop or correct one of them; `gap` is measured outwards from the face before it"
             if any(equations[k].span == equation.span for k in sources):  # both sides of what has a size of its own
                 hint = "leave the size between the faces open (`_`, or no argument), or place one of them alone: `fit left`"
+            if mounts and not users:
+                hint = _MOUNTED
             raise env.context.error(
                 "contradictory",
                 equation.span,
@@ -342,8 +348,19 @@ def _surplus(
         roots = [part.name for part in env.context.parts if part.declaration.root]
         if not users and roots and re.search(rf"\b{roots[0]}\b", equation.span.words):
             hint = f"`{roots[0]}` is the root, whose frame is the object's: place the other parts by it"
+        if mounts and not users:
+            hint = _MOUNTED
         message = f"this equation is one too many{guard}: {said}"
         raise env.context.error("over-determined", equation.span, message, hint=hint, notes=notes)
+
+
+def _mounts(env: Env, equation: Equation) -> tuple[tuple[Span, str], ...]:
+    """What fixes the whole pose of the parts that an equation names."""
+    words = equation.span.words
+    placed = {part.name: part.mounted for part in env.parts if part.mounted is not None}
+    return tuple(
+        (span, f"places all of `{name}`") for name, span in placed.items() if re.search(rf"(?<![.\w]){name}\b", words)
+    )
 
 
 def _written_out(node: Expr, definitions: dict[Column, Expr]) -> Expr:
