@@ -35,7 +35,8 @@ class Loops:
     definition ``which`` (C,) of the program.
 
     ``joint`` (E,) moves the point ``side`` of closure ``at``, ``rate`` times as fast as the joint ``leads`` that it follows.
-    ``slot`` numbers the leading joints of an object; ``follows`` (B, V) tells which of them the loops determine.
+    ``slot`` numbers the leading joints of an object; ``follows`` (B, V) tells which of them the loops determine, and ``together``
+    the first slot to which loops tie each.
     """
 
     joints: JointTable
@@ -51,6 +52,7 @@ class Loops:
     slot: np.ndarray
     variable: np.ndarray  # (B, V): the leading joint of each slot, -1 for none
     follows: np.ndarray
+    together: np.ndarray
 
     def apart(self, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
         """The closures that are open with the links posed by ``turn`` and ``shift``."""
@@ -71,14 +73,24 @@ class Loops:
         return np.maximum(low - values[joint], values[joint] - high)
 
     def driven(self, leader: np.ndarray) -> np.ndarray:
-        """The joint that each joint follows, ``leader`` for what mimics, where loops determine it the first that drives them."""
-        drives = np.where(self.follows | (self.variable < 0), len(leader), self.variable).min(
-            axis=1, initial=len(leader)
-        )
+        """The joint that each joint follows, ``leader`` for what mimics, where loops determine it the first that drives these."""
+        first = np.full(self.variable.shape, len(leader), dtype=np.int64)
+        owner, slot = np.nonzero(~self.follows & (self.variable >= 0))
+        np.minimum.at(first, (owner, self.together[owner, slot]), self.variable[owner, slot])
         instead = np.arange(len(leader))
-        owner, slot = np.nonzero(self.follows & (drives < len(leader))[:, None])
-        instead[self.variable[owner, slot]] = drives[owner]
+        owner, slot = np.nonzero(self.follows)
+        drives = first[owner, self.together[owner, slot]]
+        led = drives < len(leader)
+        instead[self.variable[owner, slot][led]] = drives[led]
         return instead[leader]
+
+    def drivers(self) -> np.ndarray:
+        """The joints that drive loops, several of one loop among them."""
+        moved = np.zeros(self.variable.shape, dtype=bool)
+        owner, slot = np.nonzero(self.follows)
+        moved[owner, self.together[owner, slot]] = True
+        drives = ~self.follows & (self.variable >= 0) & np.take_along_axis(moved, self.together, axis=1)
+        return self.variable[drives]
 
     def slopes(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Gaps (B, M) and their derivatives by the leading joints (B, M, V), 0 where an object has fewer of either."""
@@ -202,15 +214,14 @@ def loops_of(batch: Batch) -> Loops | None:
     owner, link = np.concatenate(owners)[order], np.concatenate(rows, axis=1)[:, order]
     which, point = np.concatenate(kinds)[order], np.concatenate(points, axis=1)[:, order]
     leader, rate = leaders_of(joints)
-    at, side, joint = _joints_above(batch, link)
+    at, side, joint, matter = _joints_above(batch, link)
     used = distinct(leader[joint])
     used = used[np.argsort(joints.owner[used], kind="stable")]
     slot_of = np.zeros(len(leader), dtype=np.int64)
     slot_of[used] = np.arange(len(used)) - np.searchsorted(joints.owner[used], joints.owner[used])
     variable = np.full((len(batch), int(slot_of[used].max(initial=0)) + 1), -1, dtype=np.int64)
     variable[joints.owner[used], slot_of[used]] = used
-    matter = np.zeros(len(leader), dtype=bool)
-    matter[joint] = True
+    slot = slot_of[leader[joint]]
     made = Loops(
         joints,
         JointChains(links, joints, matter),
@@ -222,12 +233,25 @@ def loops_of(batch: Batch) -> Loops | None:
         side,
         joint,
         rate[joint],
-        slot_of[leader[joint]],
+        slot,
         variable,
         np.zeros_like(variable, dtype=bool),
+        _tied(owner, at, slot, variable.shape),
     )
     made.follows[...] = _determined(made.slopes(follow(joints, joints.rest))[1])
     return made
+
+
+def _tied(owner: np.ndarray, at: np.ndarray, slot: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """The first slot of an object (B, V) that closures tie each to, itself where none does; ``slot`` moves the closure ``at``."""
+    found = np.tile(np.arange(shape[1]), (shape[0], 1))
+    while True:
+        least = np.full(len(owner), shape[1])
+        np.minimum.at(least, at, found[owner[at], slot])
+        before = found.copy()
+        np.minimum.at(found, (owner[at], slot), least[at])
+        if np.array_equal(found, before):
+            return found
 
 
 def leaders_of(joints: JointTable) -> tuple[np.ndarray, np.ndarray]:
@@ -241,8 +265,9 @@ def leaders_of(joints: JointTable) -> tuple[np.ndarray, np.ndarray]:
     return leader, rate
 
 
-def _joints_above(batch: Batch, link: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Every joint above the links (2, C): (closure, side, row of the table of joints)."""
+def _joints_above(batch: Batch, link: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Every joint above one of two links (2, C) and not above the other: (closure, side, row of the table of joints); last which
+    joints (J,) are above any. Those above both move both, and the loop with them."""
     links, joints = batch.links(), batch.joints()
     first = np.searchsorted(links.owner, joints.owner)
     holder, mover = np.full(len(links.owner), -1, dtype=np.int64), np.full(len(links.owner), -1, dtype=np.int64)
@@ -256,7 +281,12 @@ def _joints_above(batch: Batch, link: np.ndarray) -> tuple[np.ndarray, np.ndarra
         side, at, row, joint = side[keep], at[keep], row[keep], joint[keep]
         found.append(np.stack([at, side, joint]))
         row = holder[row]
-    return tuple(np.concatenate(found, axis=1))
+    at, side, joint = np.concatenate(found, axis=1)
+    matter = np.zeros(len(joints.owner), dtype=bool)
+    matter[joint] = True
+    _, where, count = np.unique(at * len(matter) + joint, return_inverse=True, return_counts=True)
+    alone = count[where] == 1
+    return at[alone], side[alone], joint[alone], matter
 
 
 def _determined(slope: np.ndarray) -> np.ndarray:

@@ -61,6 +61,8 @@ class Tree:
         self._poses: dict[bytes, RestPoses] = {}
         self.alone = np.bincount(self.leader, minlength=len(base))[self.leader] == 1
         self.alone &= ~self.joints.that("tilts")  # a ball turns about no axis of the table
+        if batch.loops is not None:
+            self.alone[batch.loops.drivers()] = False
 
     def named(self, found: Collisions) -> dict[tuple[str, str, str], np.ndarray]:
         """Per pair of paths of links and path of the joint ("" at rest): the rows of ``found``."""

@@ -129,3 +129,69 @@ def test_what_a_loop_moves_rests_where_that_puts_it() -> None:
     assert (joints.rest[joints.name.index("knee")] != 0.0) and batch.loops is not None
     np.testing.assert_array_equal(batch.settle(batch.rest()), batch.rest())
     assert not len(batch.loops.apart(*batch.pose()))
+
+
+TURNTABLE = """root part plate : Cuboid(size = [20cm, 20cm, 1cm])
+  part frame_block : Cuboid(size = [2cm, 2cm, 2cm])
+  align frame_block.bottom = plate.top + 1mm
+  joint swivel : continuous plate -> frame_block about line(at = plate.center, along = z)"""
+SECOND = (
+    CRANK[CRANK.index("  part crank") : CRANK.rindex("}")]
+    .replace("turn :", "turn_2 :")
+    .replace("knee", "knee_2")
+    .replace("slide", "slide_2")
+    .replace("crank", "crank_2")
+    .replace("rod", "rod_2")
+    .replace("block :", "block_2 :")
+    .replace("-> block ", "-> block_2 ")
+    .replace("block.center", "block_2.center")
+    .replace("frame_block_2", "frame_block")
+)
+CARRIAGE = """part carriage : Cuboid(size = [1cm, 5mm, 1cm])
+  align carriage.center = [13cm, 6cm, 0]
+  joint carry : prismatic frame_block -> carriage along x range 0cm .. 30cm
+  part block : Cuboid"""
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (
+            CRANK.replace("root part frame_block : Cuboid(size = [2cm, 2cm, 2cm])", TURNTABLE).replace("-20cm", "-1cm"),
+            "the loop takes slide beyond its range while turn moves",
+        ),
+        (
+            CRANK[: CRANK.rindex("}")] + SECOND.replace("-20cm", "-1cm") + "}\n",
+            "the loop takes slide_2 beyond its range while turn_2 moves",
+        ),
+        (
+            CRANK.replace("part block : Cuboid", CARRIAGE).replace(
+                "slide : prismatic frame_block", "slide : prismatic carriage"
+            ),
+            "the loop takes slide beyond its range while carry moves",
+        ),
+    ],
+    ids=["on a turntable", "the second of two loops", "the second joint that drives a loop"],
+)
+def test_every_joint_that_drives_a_loop_is_moved(text: str, told: str) -> None:
+    batch = Session(Source("crank.apg", text), None).sampler.batch(np.arange(2), seed=0, checked=False)
+    found = [fault for fault in find_faults(batch).others if told in fault.words]
+    assert [fault.objects.tolist() for fault in found] == [[0, 1]]
+
+
+def test_a_joint_below_a_loop_moves_it_as_a_whole() -> None:
+    text = CRANK.replace("root part frame_block : Cuboid(size = [2cm, 2cm, 2cm])", TURNTABLE)
+    batch, bare = (
+        Session(Source("crank.apg", t), None).sampler.batch(np.arange(1), seed=0, checked=False) for t in (text, CRANK)
+    )
+    names = batch.joints().name
+    for angle in (0.4, 2.9):
+        states = batch.rest().copy()
+        states[names.index("swivel")], states[names.index("turn")] = 1.2, angle
+        alone = bare.rest().copy()
+        alone[bare.joints().name.index("turn")] = angle
+        values, expected = batch.settle(states), bare.settle(alone)
+        for name in bare.joints().name:
+            assert abs(values[names.index(name)] - expected[bare.joints().name.index(name)]) < 1e-9
+        assert values[names.index("swivel")] == 1.2 and batch.loops is not None
+        assert not len(batch.loops.apart(*batch.pose(states)))
