@@ -141,7 +141,8 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
         kind = of_reference(ck, ctx, node.type)
     if "size" in node.names and kind not in (SIZE, UNKNOWN):
         span = node.name_spans[node.names.index("size")]
-        ck.error("reserved-name", span, "`size` is the size of the box, so its type must be `length[3]`")
+        said = "`size` is the size of the box, so its type must be `length[3]`"
+        ck.error("reserved-name", span, said, hint="for another size, choose another name, such as `width` or `tall`")
     what = f"`{node.names[0]}`"
     if node.domain is not None or node.positive or node.test is not None:
         if not isinstance(kind, ScalarType | VecType) and kind != UNKNOWN:
