@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from ...graph.expr import Scope
 from ...graph.feasible import Conflict, find_conflicts, find_idle, find_settled, is_certain
@@ -10,6 +11,9 @@ from ...graph.interval import Intervals
 from ...graph.program import Program
 from ...source import Span
 from ..expressions.context import Bend, Draft
+
+if TYPE_CHECKING:
+    from ..elaborate.part import Component
 
 
 def judge(context: Draft, hollow: list[tuple[Scope, tuple[int, ...]]], own: str) -> None:
@@ -55,6 +59,7 @@ def _tell(context: Draft, conflict: Conflict) -> None:
         if column in context.spans:
             chain.append((context.spans[column], f"`{column.name}` is drawn here"))
     tight = None if bend is None else _too_tight(program, bend)
+    hint = "widen a range, or correct the requirement"
     span: Span | None
     if bend is not None and tight is not None:
         span = bend.place
@@ -78,14 +83,30 @@ def _tell(context: Draft, conflict: Conflict) -> None:
         said = program.requirements[conflict.reasons[0]].message if len(conflict.reasons) == 1 else ""
         if span is not None and said not in ("", span.words):
             message = f"{said}, for every draw"
+        asked = (part for part in context.parts if part.span == span and said.startswith(f"{part.path}: "))
+        if user := next(asked, None):  # what a primitive requires
+            outer = _in_category(context, user)
+            chain += [(user.span, "this part of it")] * (outer is not user)
+            span, hint = (
+                outer.span,
+                f"change the arguments of `{outer.name}`, its sizes, or the ranges that they come from",
+            )
     if span is None:
         return  # what a primitive requires of its parameters is told where it is used
-    hint = "widen a range, or correct the requirement" if tight is None else "bend it less, or use a thinner section"
+    if tight is not None:
+        hint = "bend it less, or use a thinner section"
     if conflict.certain:
         context.report.error("impossible", span, message, hint=hint, notes=tuple(chain))
     else:
         message += f"; so {context.in_words(conflict.scope)} is never drawn"
         context.report.warning("impossible", span, message, hint=hint, notes=tuple(chain))
+
+
+def _in_category(context: Draft, part: Component) -> Component:
+    """The part of the category that a part of a library template is in; a part in the file of the category itself."""
+    file = next((p.span.source for p in context.parts if p.declaration.root), part.span.source)
+    around = (p for p in context.parts if p.span.source is file and f"{part.path}.".startswith(f"{p.path}."))
+    return max(around, key=lambda p: len(p.path), default=part)
 
 
 def _too_tight(program: Program, bend: Bend) -> str | None:
