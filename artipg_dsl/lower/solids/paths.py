@@ -239,12 +239,13 @@ def _refuse_odd(curve: Curve, steps: Sequence[Step], known: Intervals) -> None:
             c.constant is not None and abs(c.constant) < _PARALLEL for c in cross(along, triple(step.numbers[2:]))
         ):
             said = "this `arc` turns towards the direction in which the path runs there, or away from it"
-            raise error(
-                "bad-curve",
-                piece.span,
-                said,
-                hint="`towards` names a side of the path, such as x where it runs along z",
-            )
+            hint = "`towards` names a side of the path, such as x where it runs along z"
+            if axis := next(
+                (a for a, c in zip("xyz", along, strict=True) if abs(c.constant or 0.0) > 1 - _PARALLEL), None
+            ):
+                one, other = (letter for letter in "xyz" if letter != axis)
+                hint = f"the path runs along {axis} there: `towards` names a side of it, {one}, -{one}, {other} or -{other}"
+            raise error("bad-curve", piece.span, said, hint=hint)
         along = rail.towards(1.0)
 
 
