@@ -48,21 +48,20 @@ def check(ck: Checker, scope: BodyScope) -> None:
                 found.setdefault(id(entry), []).append(
                     Attachment(stmt.span, word, condition, there, subject.span.words)
                 )
-    roots: list[Entry] = []
-    for inner in scope.below():
-        for entry in inner.entries:
-            if entry.kind == "part":
-                root = isinstance(entry.node, ast.PartDecl) and entry.node.root
-                if root:
-                    roots.append(entry)
-                _count(ck, entry, found.get(id(entry), []), category and not root, root)
+    parts = [entry for inner in scope.below() for entry in inner.entries if entry.kind == "part"]
+    roots = [entry for entry in parts if isinstance(entry.node, ast.PartDecl) and entry.node.root]
+    foremost = next((entry for entry in scope.entries if entry.kind == "part"), None)
+    for entry in parts:
+        meant = (
+            entry in roots or not roots and entry is foremost
+        )  # the first of a category without a root, which is told
+        _count(ck, entry, found.get(id(entry), []), category and not meant, entry in roots)
     if category:
-        _check_roots(ck, scope, roots)
+        _check_roots(ck, scope, roots, foremost)
 
 
-def _check_roots(ck: Checker, scope: BodyScope, roots: list[Entry]) -> None:
+def _check_roots(ck: Checker, scope: BodyScope, roots: list[Entry], first: Entry | None) -> None:
     if not roots:
-        first = next((e for e in scope.entries if e.kind == "part"), None)
         hint = f"write `root part {first.name}`" if first is not None else "write `root part body : ...`"
         span = scope.owner.decl.name_span
         ck.error("no-root", span, f"the category `{scope.owner.name}` has no root part", hint=hint)
