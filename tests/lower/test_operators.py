@@ -11,6 +11,8 @@ from artipg_dsl.geometry.patches import rows_of
 from artipg_dsl.geometry.selftest import check_primitive
 from artipg_dsl.geometry.surface import evaluate
 from artipg_dsl.geometry.trial import draw_trial
+from artipg_dsl.graph.formula import compile_formula
+from artipg_dsl.lower.solids.profiles import SLOPE
 
 from .operators import (
     ARCH,
@@ -56,6 +58,21 @@ ALIKE = [RAM, LEVER, RIBBON, SPRING, STRAP, SIDEWAYS, UPRIGHT, SADDLE]  # other 
 def test_any_path_takes_any_section(text):
     """In every plane and in space, along `up` and without, over several turns, along formulas."""
     assert check_primitive(lowered(text).primitive, samples=1) == []
+
+
+def test_an_end_of_a_path_may_be_nearer_than_a_foot_beside_it():
+    """Beyond the centre of curvature at an end, where the distance along the path falls and rises within one cut."""
+    rod = LEVER.replace("loft(rectangle(2 * w, 3 * w), rectangle(4 * w, w))", "sweep(circle(w))")
+    primitive = lowered(rod).primitive
+    r, w = 0.04, 0.002
+    across, along, up = np.meshgrid(np.linspace(0.5, 1.1, 13), np.linspace(-0.1, 0.1, 9), np.linspace(0.3, 0.8, 11))
+    points = r * np.stack([across.ravel(), along.ravel(), up.ravel()], axis=-1)
+    t = np.linspace(0.0, np.pi, 20001)
+    path = r * np.stack([np.cos(t), np.sin(t), np.sin(t) ** 2], axis=-1)
+    expected = np.array([np.sqrt(((path - p) ** 2).sum(axis=-1)).min() for p in points])
+    formula = compile_formula((primitive.inside,), (*primitive.parameters, "p.x", "p.y", "p.z"))
+    found = formula(r, w, *points.T)[0] / SLOPE.constant + w
+    assert found == pytest.approx(expected, rel=1e-3)
 
 
 @pytest.mark.parametrize(

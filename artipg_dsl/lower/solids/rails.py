@@ -158,7 +158,9 @@ def ports_of(rails: list[Stretch], first: Across, last: Across) -> dict[str, Val
 
 
 def nearest(probe: Probe, rail: Stretch) -> tuple[Expr, Expr]:
-    """Squared distance of p to the path of a formula, and its parameter there, by Newton's method from the nearest cut."""
+    """Squared distance of p to the path of a formula, and its parameter there, by Newton's method from the nearest cuts; or at an
+    end, which may be nearer than a foot in its own cut.
+    """
     speed: Triple = triple(derive(c, "v") for c in rail.place)
     bend: Triple = triple(derive(c, "v") for c in speed)
 
@@ -178,6 +180,9 @@ def nearest(probe: Probe, rail: Stretch) -> tuple[Expr, Expr]:
                 away = minus(away, times(tangent, E.sub(after, t)))
             t = after
         found.append((dot(away, away), t))
+    for end in (0.0, 1.0):
+        away = minus(P, rail.at(end))
+        found.append((dot(away, away), E.const(end)))
     square, v = found[0]
     for other, there in found[1:]:
         v = E.where(E.call("lt", other, square), there, v)
