@@ -43,13 +43,13 @@ def _climb(up: np.ndarray, known: np.ndarray) -> np.ndarray:
 
 def lineages_of(parts: PartTable, of: np.ndarray, words: tuple[str, ...], category: str) -> list[str | None]:
     """``Microwave/door/handle`` for each part that has a semantic word of its own, None for the others."""
-    first = np.searchsorted(parts.owner, parts.owner).tolist()
-    semantic, known = np.asarray(parts.semantic).tolist(), {}
-
-    def name(row: int) -> str:
-        if row not in known:
-            around = category if of[row] < 0 else name(first[row] + int(of[row]))
-            known[row] = f"{around}/{words[semantic[row]]}"
-        return known[row]
-
-    return [name(row) if word else None for row, word in enumerate(semantic)]
+    above = np.where(of < 0, -1, np.searchsorted(parts.owner, parts.owner) + of).tolist()
+    semantic = np.asarray(parts.semantic).tolist()
+    found: list[str | None] = []
+    for row, word in enumerate(semantic):
+        names, at = [], row
+        while at >= 0:
+            names.append(words[semantic[at]])
+            at = above[at]
+        found.append("/".join([category, *reversed(names)]) if word else None)
+    return found
