@@ -24,8 +24,14 @@ GRIPPED = ["faucet", "foldingrack", "globe", "kettle", "usb", "washing_machine"]
 
 
 @cache
-def batch(category: str) -> Batch:
-    return Session.of(str(ROOT / "categories" / f"{category}.apg")).sampler.batch(np.arange(2), 1)
+def batch(category: str, moving: bool = False) -> Batch:
+    """The first two objects; of those that have a joint, where that is asked for: most mugs and chairs have none."""
+    sampler = Session.of(str(ROOT / "categories" / f"{category}.apg")).sampler
+    numbers = np.arange(2)
+    if moving:
+        joints = sampler.batch(np.arange(12), 1).joints()
+        numbers = np.unique(joints.owner[np.array(joints.kind) != "fixed"])[:2]
+    return sampler.batch(numbers, 1)
 
 
 @pytest.mark.parametrize("category", SHIPPED if EVERY else PUSHED)
@@ -33,7 +39,9 @@ def test_what_is_labelled_moves(category: str) -> None:
     pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install 'artipg_dsl[sim]'")
     from .hands import trials
 
-    found = [trial for trial in trials(batch(category), points=150, each=1, others=False) if trial.labelled]
+    found = [
+        trial for trial in trials(batch(category, moving=True), points=150, each=1, others=False) if trial.labelled
+    ]
     still = [trial for trial in found if not trial.moved]
     assert found
     assert len(still) <= 0.05 * len(found), still
