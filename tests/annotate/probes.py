@@ -42,7 +42,7 @@ category Probe {{
   align probed.center = base.center{shift}
   label semantic.rest on base
   label semantic.probed on probed
-  label touch.push on probed where p.z > 0.005 * size.z and n.x > -0.437
+  label touch.push on probed where p.z > 0.00537 * size.z and n.x > -0.437
   label touch.grasp on probed = 0.5 + 0.25 * n.y
   field height : ratio on probed = p.z / size.z
   field corner : vec on probed = p / size.z - 2 * n
