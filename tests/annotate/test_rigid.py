@@ -2,7 +2,7 @@
 
 A small program around each template and primitive of the library is compiled twice: with the shape upright, and turned
 and shifted as a whole. All that is said of its points must be the same at the same places, and all places and directions
-must be carried. A few shapes are tried always, all of them, in five minutes, with ``ARTIPG_EVERY=1``. Whole categories
+must be carried. A few shapes are tried always, all of them, in eight minutes, with ``ARTIPG_EVERY=1``. Whole categories
 are moved in ``test_equivariance.py``.
 """
 
