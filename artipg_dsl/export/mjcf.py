@@ -1,4 +1,4 @@
-"""MJCF for MuJoCo 3 and later: the object fixed to the world, the same free to move, and a scene with a floor for each.
+"""MJCF for MuJoCo 3.3.3 and later: the object fixed to the world, the same free to move, and a scene with a floor for each.
 
 What is seen are OBJ meshes, what collides are boxes, round bars and convex hulls given by their points. A screw is a hinge and
 a slide on one axis, tied by an equality; a joint that follows another is tied in the same way, and so is a loop where it closes.
