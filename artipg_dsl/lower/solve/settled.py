@@ -32,7 +32,7 @@ def default(
     elif unknown.kind == "default":
         assert unknown.default is not None
         value, reason = unknown.default, "default"
-    elif unknown.draw is not None:
+    elif unknown.draw is not None and (fresh or unknown.kind != "derived"):
         return drawn(env, unknown, unknown.draw, fresh), "drawn"
     else:
         if unknown.part is None or not unknown.part.unplaced:  # else its mount is at fault, which has been said
@@ -63,7 +63,8 @@ def _remedy(unknown: Unknown) -> str:
     name = unknown.name.strip("`")
     owner, _, axis = name.rpartition(".size.")
     if unknown.kind == "derived":
-        return f"state an equation that determines it (`align ... = {name}`), or drop `derived` and give it a range"
+        otherwise = "give it a range" if unknown.draw is None else "it is drawn from its range"
+        return f"state an equation that determines it (`align ... = {name}`), or drop `derived` and {otherwise}"
     if owner:
         low, high = {"x": ("back", "front"), "y": ("right", "left"), "z": ("bottom", "top")}[axis]
         return (
