@@ -139,8 +139,7 @@ def _number(draw: Draw, text: str) -> float:
         )
     match = _NUMBER.fullmatch(text)
     if match is None:
-        example = _EXAMPLES.get(unit, "3" if draw.kind == "count" else "0.5")
-        raise SettingError(f"`{name}` cannot be `{text}`: a number is needed", f"for example {name}={example}")
+        raise SettingError(f"`{name}` cannot be `{text}`: a number is needed", _example(draw))
     number, written = float(match.group(1)), match.group(2)
     if written not in UNITS and written:
         fitting = [u for u, (_, dimension) in UNITS.items() if u and dimension == UNITS[unit or "%"][1]]
@@ -155,10 +154,20 @@ def _number(draw: Draw, text: str) -> float:
     if dimension == wanted or (number == 0 and not written):
         return number * factor
     noun = _NOUNS.get(unit, "a number without a unit" if not unit else f"in {unit}")
-    example = f"for example {name}={_EXAMPLES.get(unit, '1' + unit)}"
     if not written:
-        raise SettingError(f"{name}={text} has no unit: `{name}` is {noun}", example)
-    raise SettingError(f"{name}={text} has the wrong unit: `{name}` is {noun}", example)
+        raise SettingError(f"{name}={text} has no unit: `{name}` is {noun}", _example(draw))
+    raise SettingError(f"{name}={text} has the wrong unit: `{name}` is {noun}", _example(draw))
+
+
+def _example(draw: Draw) -> str:
+    """A setting of a draw that is in its domain, if that is known."""
+    low, high = (None if end is None else end.constant for end in (draw.low, draw.high))
+    if low is None or high is None:
+        shown = _EXAMPLES.get(draw.unit, "3" if draw.kind == "count" else f"1{draw.unit}" if draw.unit else "0.5")
+    else:
+        middle = (low + high) / 2
+        shown = show_value(float(int(middle) if draw.kind == "count" else middle), draw.unit)
+    return f"for example {draw.column.name}={shown}"
 
 
 def unknown_name(program: Program, name: str) -> SettingError:

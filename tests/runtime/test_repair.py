@@ -321,7 +321,7 @@ def test_what_was_drawn_is_the_object_again_also_where_alternatives_share_names(
 
 def test_an_error_in_values_names_the_file_and_the_object():
     sampler = sampler_of("param width : length in 1cm .. 2cm")
-    with pytest.raises(UserError, match=r"values, object 1: width=9 has no unit"):
+    with pytest.raises(UserError, match=r"values, object 1: width=9 has no unit.*for example width=1\.5cm"):
         given(sampler, {"width": "1cm"}, {"width": "9"})
 
 
