@@ -63,9 +63,9 @@ def find_turns(boxes: Boxes, onto: Boxes) -> np.ndarray:
     several = np.arange(len(towards))[:, None]
     alike = np.abs(towards)[several, np.arange(3), _ORDERS[:, None]].sum(axis=2).T
     source = _ORDERS[np.argmax(np.round(alike, 9), axis=1)]
-    both = boxes.long & onto.long
-    np.put_along_axis(by_length := np.empty_like(source), onto.order, boxes.order, axis=1)
-    source = np.where(both[:, None], by_length, source)
+    by_length = np.empty_like(source)
+    np.put_along_axis(by_length, onto.order, boxes.order, axis=1)
+    source = np.where((boxes.long & onto.long)[:, None], by_length, source)
     cosine = np.take_along_axis(towards, source[:, :, None], axis=2)[:, :, 0]
     turns = np.zeros((len(towards), 3, 3))
     turns[several, np.arange(3), source] = np.where(cosine < -_TOWARDS, -1.0, 1.0)
