@@ -132,7 +132,9 @@ class _Queue(Generic[T, R]):
                 self.calls.append(call)
                 call.add_done_callback(self._next)
 
-    def _next(self, _: Future[R]) -> None:
+    def _next(self, call: Future[R]) -> None:
+        if isinstance(call.exception(), BrokenProcessPool):
+            return  # told with the pool locked, which takes no more: to ask would be to wait for ever
         with self.lock:
             self.free += 1
             self._submit()

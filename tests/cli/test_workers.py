@@ -185,6 +185,22 @@ def test_workers_that_die_before_they_read_their_task_end_the_run(
     assert told == ["a worker process died, perhaps for lack of memory"]
 
 
+def test_a_worker_that_dies_at_work_ends_the_run() -> None:
+    """Since Python 3.12 its calls are told of it with the pool locked: who then gives it the next would wait for ever."""
+    told: list[str] = []
+
+    def share() -> None:
+        try:
+            list(map_each(os._exit, [3] * 200, 2, here=lambda _: time.sleep(0.05)))
+        except UserError as error:
+            told.append(error.message)
+
+    run = threading.Thread(target=share, daemon=True)
+    run.start()
+    run.join(60)
+    assert told == ["a worker process died, perhaps for lack of memory"]
+
+
 def test_the_process_that_shares_work_does_its_part() -> None:
     """It begins while the others start, nothing is done twice, and results come in their order."""
     here: list[str] = []
