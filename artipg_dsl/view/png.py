@@ -76,7 +76,7 @@ def read_png(data: bytes) -> np.ndarray:
         at += size + 12
     width, height, depth, colours, *_ = struct.unpack(">IIBBBBB", head) if len(head) == 13 else (0,) * 7
     channels = {0: 1, 2: 3}.get(colours, 0)
-    rows = np.frombuffer(zlib.decompress(packed), dtype=np.uint8) if packed else np.zeros(0, dtype=np.uint8)
+    rows: np.ndarray = np.frombuffer(zlib.decompress(packed), dtype=np.uint8) if packed else np.zeros(0, dtype=np.uint8)
     if depth != 8 or not channels or len(rows) != height * (1 + width * channels):
         raise ValueError("not an image of 8 bits, grey or red, green and blue")
     rows = rows.reshape(height, -1)
