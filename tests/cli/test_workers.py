@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import pytest
@@ -163,6 +164,22 @@ def alive(process: int) -> bool:
     return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
 
 
+def ends_by_a_death(work: Callable[[], Iterable[object]]) -> None:
+    """Work that is shared ends, within a minute, and says that a process died."""
+    told: list[str] = []
+
+    def share() -> None:
+        try:
+            list(work())
+        except UserError as error:
+            told.append(error.message)
+
+    run = threading.Thread(target=share, daemon=True)
+    run.start()
+    run.join(60)
+    assert told == ["a worker process died, perhaps for lack of memory"]
+
+
 def test_workers_that_die_before_they_read_their_task_end_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -171,34 +188,12 @@ def test_workers_that_die_before_they_read_their_task_end_the_run(
     dying.write_text(f'#!/bin/sh\ncase "$*" in *spawn_main*) kill -9 $$;; esac\nexec {sys.executable} "$@"\n')
     dying.chmod(0o700)
     monkeypatch.setattr(multiprocessing.spawn, "_python_exe", os.fsencode(dying))
-    told: list[str] = []
-
-    def share() -> None:
-        try:
-            list(map_each(len, ["one", "two"], 2, print, "x" * 1_000_000, here=len))
-        except UserError as error:
-            told.append(error.message)
-
-    run = threading.Thread(target=share, daemon=True)
-    run.start()
-    run.join(60)
-    assert told == ["a worker process died, perhaps for lack of memory"]
+    ends_by_a_death(lambda: map_each(len, ["one", "two"], 2, print, "x" * 1_000_000, here=len))
 
 
 def test_a_worker_that_dies_at_work_ends_the_run() -> None:
     """Since Python 3.12 its calls are told of it with the pool locked: who then gives it the next would wait for ever."""
-    told: list[str] = []
-
-    def share() -> None:
-        try:
-            list(map_each(os._exit, [3] * 200, 2, here=lambda _: time.sleep(0.05)))
-        except UserError as error:
-            told.append(error.message)
-
-    run = threading.Thread(target=share, daemon=True)
-    run.start()
-    run.join(60)
-    assert told == ["a worker process died, perhaps for lack of memory"]
+    ends_by_a_death(lambda: map_each(os._exit, [3] * 200, 2, here=lambda _: time.sleep(0.05)))
 
 
 def test_the_process_that_shares_work_does_its_part() -> None:
