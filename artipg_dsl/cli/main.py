@@ -132,6 +132,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             from ..native import backend
 
             backend.choose(options.backend)
+        if hasattr(options, "workers"):  # long work, on arrays
+            from ..pages import hold_pages
+
+            hold_pages()
         with heeding():
             code = importlib.import_module(f".{options.command}", __package__).run(options)
         sys.stdout.flush()

@@ -21,6 +21,7 @@ from tempfile import mkstemp
 from typing import Any, Generic, TypeVar
 
 from ..errors import UserError
+from ..pages import hold_pages
 from .chunk import Chunk
 from .job import Job
 from .memory import Room
@@ -170,6 +171,7 @@ def _begin(task: str) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all of them: who started the run decides
     parent = mp.parent_process()
     assert parent is not None
+    hold_pages()
 
     def outlive_nobody() -> None:
         parent.join()
