@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .lower.elaborate.part import Component
     from .lower.program import Lowering
     from .runtime.batch import Batch
+    from .sampling.statistics import Statistics
     from .semantics.check import TypedProgram
 
 _OBJECTS = 8  # that are drawn, to see what floats, what collides and what their check takes
@@ -25,8 +26,9 @@ _NAMED = 6  # parts that a warning names
 _SLACK = 1e-6  # radians or metres, by which rounding takes a joint out of its range
 _RANKS = re.compile(r"\[\d+\]")  # of elements of repeats, in the name of a part
 
-Draw = Callable[[np.ndarray], "Batch"]
-"""The objects of some numbers, unchecked. Raises CompileError, which it has told the report, and what sampling raises."""
+Draw = Callable[[np.ndarray, "Statistics"], "Batch"]
+"""The objects of some numbers, unchecked, counting attempts. Raises CompileError, which it has told the report, and what sampling raises.
+"""
 
 
 def advise(typed: TypedProgram, lowering: Lowering | None, draw: Draw, report: Report) -> None:
@@ -58,10 +60,13 @@ def _drawn(draw: Draw, lowering: Lowering, span: Span, report: Report) -> Batch 
     """A few objects to look at; None where not all can be drawn, which is reported."""
     from .runtime.kernels import TooMany  # start-up
     from .runtime.repairs import describe_cause  # start-up
-    from .sampling.statistics import Exhausted  # start-up
+    from .sampling.statistics import Exhausted, Statistics  # start-up
 
+    counted = Statistics()
     try:
-        return draw(np.arange(_OBJECTS))
+        batch = draw(np.arange(_OBJECTS), counted)
+        _warn_of_undefined(lowering, counted, report)
+        return batch
     except CompileError:
         return None
     except TooMany as error:
@@ -80,6 +85,25 @@ def _drawn(draw: Draw, lowering: Lowering, span: Span, report: Report) -> Batch 
             else "widen the ranges, or state what one value leaves to the next",
         )
     return None
+
+
+def _warn_of_undefined(lowering: Lowering, counted: Statistics, report: Report) -> None:
+    """Name the operations that were given numbers of which they have no value."""
+    from .graph.defined import PARTIAL  # start-up
+
+    seen: set[Span] = set()
+    for (kind, number), count in counted.failures().items():
+        if kind != "requirement" or number not in lowering.context.undefined:
+            continue
+        span, op = lowering.context.undefined[number]
+        if span not in seen:
+            seen.add(span)
+            report.warning(
+                "undefined-value",
+                span,
+                f"`{span.words}` has no value in {count} of {counted.attempts} attempts at an object: {PARTIAL[op]}",
+                hint="narrow the ranges of what it is made of, or avoid such values by `a if c else b`",
+            )
 
 
 def _warn_of_materials(lowering: Lowering, span: Span, report: Report) -> None:

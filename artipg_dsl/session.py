@@ -19,8 +19,12 @@ from .source import Source
 from .syntax.load import load
 
 if TYPE_CHECKING:  # start-up: what is kept of a compilation needs neither the parser nor the checker
+    import numpy as np
+
     from .lower.program import Lowering
+    from .runtime.batch import Batch
     from .sampling.sample import Sampler
+    from .sampling.statistics import Statistics
     from .semantics.check import TypedProgram
     from .semantics.modules import Workspace
     from .semantics.symbols import ModuleScope
@@ -263,7 +267,10 @@ class Session:
         from .advice import advise  # start-up
 
         if self.typed is not None:
-            advise(self.typed, self.lowering, lambda numbers: self.sampler.batch(numbers, 0), self.report)
+            advise(self.typed, self.lowering, self._draw, self.report)
+
+    def _draw(self, numbers: np.ndarray, counted: Statistics) -> Batch:
+        return self.sampler.batch(numbers, 0, statistics=counted)
 
     @cached_property
     def _text(self) -> Source | None:

@@ -35,6 +35,19 @@ _PASSING = frozenset(
 )  # of infinite numbers these make no nan
 
 
+PARTIAL = {
+    "div": "it divides by zero",
+    "mod": "it divides by zero",
+    "sqrt": "negative numbers have no square root",
+    "log": "only numbers above 0 have a logarithm",
+    "asin": "it takes numbers from -1 to 1",
+    "acos": "it takes numbers from -1 to 1",
+    "exp": "it is too large for a number",
+    "pow": "a negative number has only whole powers, and 0 no negative ones",
+}
+"""Operations that not all numbers have a value of, and why not."""
+
+
 class Sharp(Intervals):
     """Narrower intervals: of ranks and sums by how many rows there are, of angles by where they lie."""
 
@@ -107,6 +120,17 @@ class Defined:
                 stack.append(node)  # a value that needs itself is not certain: the plan reports it
                 stack.extend(a for a in self.reads(node) if a not in self.memo and a not in self.running)
         return self.memo[root]
+
+    def culprit(self, root: Expr) -> Expr | None:
+        """The first of the ``PARTIAL`` operations, of what are numbers, that may give none; None where there is none."""
+        node, seen = root, set[Expr]()
+        while node not in seen and not self.certain(node):
+            seen.add(node)
+            part = next((a for a in self.reads(node) if not self.certain(a)), None)
+            if part is None:
+                return node if node.op in PARTIAL else None
+            node = part
+        return None
 
     def reads(self, node: Expr) -> tuple[Expr, ...]:
         """What a value is made of; definitions are read through, a draw lies between its ends."""

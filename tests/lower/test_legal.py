@@ -213,7 +213,7 @@ def test_properties_of_materials_are_legal(properties: str, message: str) -> Non
 
 RATIO = "param q : ratio in -1 .. 1\n"
 DRAWN = {
-    "a place": (CUBE + "align b.center.y = sqrt(q) * 1cm", 1),
+    "a place": (CUBE + "align b.center.y = sqrt(q) * 1cm", 3),
     "rest": (SLIDE + "rest q * 9cm", 2),
     "an end of a range": (BLOCK + "joint j : prismatic body -> b along x range 0cm .. sqrt(q) * 5cm", 2),
     "damping": (SLIDE + "damping q * 5Ns/m", 2),
@@ -294,3 +294,36 @@ def test_shipped_categories_ask_little_beyond_what_is_certain() -> None:
     assert lowering is not None
     asked = [r for r in lowering.program.requirements if ": " in r.message and "1 km" in r.message]
     assert len(asked) < 10
+
+
+UNDEFINED = {
+    "an arc": ("asin(0.8 + 0.4 * q) / 1rad", "it takes numbers from -1 to 1"),
+    "a root": ("sqrt(q - 0.5)", "negative numbers have no square root"),
+}
+
+
+@pytest.mark.parametrize(("formula", "why"), UNDEFINED.values(), ids=UNDEFINED)
+def test_an_operation_without_a_value_is_told_instead_of_what_follows_from_it(formula: str, why: str) -> None:
+    """Once, by its own place, however many numbers are made of it."""
+    said = formula.removesuffix(" / 1rad")
+    made, first = session(
+        f"param q : ratio in 0 .. 1\nlet k = {formula}\n{CUBE}align b.center.y = k * 1cm\nlabel affordance.push on b = k / 9"
+    )
+    asked = [r for r in made.sampler.program.requirements if "has no value" in r.message]
+    assert [(r.message, r.where and (r.where.line, r.where.column)) for r in asked] == [
+        (f"`{said}` has no value: {why}", (first + 1, 9))
+    ]
+    made.advise()
+    (found,) = [d for d in made.report.diagnostics if d.code == "undefined-value"]
+    assert found.severity == "warning" and found.span is not None and found.span.text == said
+    assert found.message.startswith(f"`{said}` has no value in ") and found.message.endswith(
+        f" attempts at an object: {why}"
+    )
+
+
+def test_a_formula_that_is_avoided_where_it_has_no_value_is_no_warning() -> None:
+    made, _ = session(
+        f"param q : ratio in 0 .. 1\nlet k = sqrt(q - 0.5) if q >= 0.5 else 0\n{CUBE}align b.center.y = k * 1cm"
+    )
+    made.advise()
+    assert not [d for d in made.report.diagnostics if d.code == "undefined-value"]

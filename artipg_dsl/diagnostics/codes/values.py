@@ -136,7 +136,8 @@ VALUES = (
         "a formula has no value",
         """
         The formula divides by zero, takes the root or the logarithm of a negative number, or exceeds the largest
-        number, for every draw. If it has no value for some draws only, those objects are invalid and drawn again.
+        number, for every draw. If it has no value for some draws only, those objects are invalid and drawn again, which
+        is a warning where it happens to one of the few that `apgc check` draws.
         Correct the formula, or say where it applies: `a / n if n > 0 else 0cm`.
         """,
         """

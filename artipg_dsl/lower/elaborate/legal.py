@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from ...graph import expr as E
-from ...graph.defined import Defined, Sharp
+from ...graph.defined import PARTIAL, Defined, Sharp
 from ...graph.expr import Expr, Scope
 from ...graph.feasible import is_certain
 from ...graph.formula import row_values
@@ -19,6 +19,7 @@ from ...graph.primitive import triple
 from ...graph.program import Draw, Grasp, Joint, Label, Part, Pose, Program, Requirement, Where
 from ...graph.substitution import substitute
 from ...language import DISTRIBUTIONS, JOINTS
+from ...records import dataclass
 from ...source import Source, Span
 from ..expressions.context import Draft, Fetched, where
 from ..expressions.env import Env
@@ -63,7 +64,7 @@ def legalize(links: Links, env: Env) -> None:
     context, program = links.context, links.context.program
     intervals = Sharp(program.draws, program.definitions)
     defined = Defined(intervals)
-    asked: dict[tuple[Scope, str, Where | None], list[Quantity]] = {}
+    asked: dict[_Asked, list[Quantity]] = {}
     sources: dict[str, Source] | None = None
     refused: set[object] = set()
     seen: set[tuple[Scope, Expr, Legal, Expr]] = set()
@@ -80,13 +81,36 @@ def legalize(links: Links, env: Env) -> None:
                 refuse(context, quantity, intervals, sources)
             refused |= {str(quantity.where), quantity.legal}
         elif needed:
-            asked.setdefault((quantity.scope, f"{quantity.name}: {quantity.legal.words}", quantity.where), []).append(
-                quantity
-            )
-    for (scope, message, place), several in asked.items():
+            asked.setdefault(_Asked.of(quantity, context, intervals, defined), []).append(quantity)
+    for one, several in asked.items():
         condition = E.all_of(E.either(E.negate(quantity.guard), within(quantity)) for quantity in several)
         if condition is not E.TRUE:
-            program.requirements.append(Requirement(scope, condition, E.TRUE, message, place, text=several[0].name))
+            place, text = one.where, several[0].name
+            if one.operation is not None:
+                span = context.operations[one.operation]
+                place, text = where(span), span.words
+                context.undefined[len(program.requirements)] = span, one.operation.op
+            program.requirements.append(Requirement(one.scope, condition, E.TRUE, one.message, place, text=text))
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """What is told where a number is not legal: that of all the numbers that one ``operation`` leaves without a value, once."""
+
+    scope: Scope
+    message: str
+    where: Where | None
+    operation: Expr | None = None
+
+    @staticmethod
+    def of(quantity: Quantity, context: Draft, intervals: Intervals, defined: Defined) -> _Asked:
+        low, high = intervals.of(quantity.value)
+        if quantity.legal.low <= low and high <= quantity.legal.high:
+            operation = defined.culprit(quantity.value)
+            if operation is not None and operation in context.operations:
+                words = context.operations[operation].words
+                return _Asked(quantity.scope, f"`{words}` has no value: {PARTIAL[operation.op]}", None, operation)
+        return _Asked(quantity.scope, f"{quantity.name}: {quantity.legal.words}", quantity.where)
 
 
 def holds(quantity: Quantity, intervals: Intervals, defined: Defined) -> bool:

@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
+from ...graph.defined import PARTIAL
 from ...graph.expr import Expr
 from ...semantics.meanings import Global, Word
 from ...semantics.symbols import Symbol
@@ -60,7 +61,11 @@ def applied(ev: Evaluator, node: ast.CallExpr, name: str, arguments: list[Expr])
 
 def counted(ev: Evaluator, span: Span, result: Expr, of: tuple[Expr, ...]) -> Expr:
     """The result of an operation, which is a number if what it is made ``of`` are numbers."""
-    if result.constant is None or math.isfinite(result.constant):
+    if result.constant is None:
+        if result.op in PARTIAL:
+            ev.env.context.operations.setdefault(result, span)
+        return result
+    if math.isfinite(result.constant):
         return result
     if all(a.constant is None or math.isfinite(a.constant) for a in of):
         raise undefined(ev, span, f"`{span.words}` is too large for a number")

@@ -144,6 +144,9 @@ class Draft:
     stated: dict[int, tuple[Span, bool]] = field(
         default_factory=dict
     )  # requirement -> its place, if the category's own
+    operations: dict[Expr, Span] = field(default_factory=dict)  # where the text first has them
+    # requirement -> the operation that it asks to have a value: where, and which
+    undefined: dict[int, tuple[Span, str]] = field(default_factory=dict)
     bends: dict[int, Bend] = field(default_factory=dict)  # those of the requirements that are about one
     ledger: list[tuple[Component | None, Unknown]] = field(default_factory=list)
     parts: list[Component] = field(default_factory=list)
