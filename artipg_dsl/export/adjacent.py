@@ -25,26 +25,34 @@ def find_adjacent(robot: Robot) -> list[tuple[str, str]]:
         groups.setdefault(group, []).append(link)
     held = [(joint.parent, joint.child) for joint in robot.joints if joint.traits.moves]
     held += [closure.links for closure in robot.closures]
-    held += [(a.parent, b.child) for a in robot.joints for b in robot.joints if _through_a_light_link(robot, a, b)]
+    below: dict[int, list[RobotJoint]] = {}
+    for joint in robot.joints:
+        below.setdefault(joint.parent, []).append(joint)
     held += [
-        (a.child, b.child) for i, a in enumerate(robot.joints) for b in robot.joints[i + 1 :] if _on_one_axle(a, b)
+        (a.parent, b.child) for a in robot.joints for b in below.get(a.child, ()) if _is_light(robot, a.child, b.child)
     ]
+    held += [(a.child, b.child) for a, b in _followers(robot) if _on_one_axle(a, b)]
     pairs = [(a, b) for one, other in held for a in groups[welded[one]] for b in groups[welded[other]]]
     pairs += [pair for pair in robot.overlaps if pair[::-1] not in pairs]
     pairs += [(a, b) for group in groups.values() for i, a in enumerate(group) for b in group[i + 1 :]]
     return [(robot.links[a].name, robot.links[b].name) for a, b in dict.fromkeys(pairs)]
 
 
-def _through_a_light_link(robot: Robot, one: RobotJoint, other: RobotJoint) -> bool:
+def _is_light(robot: Robot, between: int, link: int) -> bool:
     """Whether two joints are one mechanism: the ring in which a stem slides and with which it turns weighs next to nothing."""
-    return one.child == other.parent and robot.links[one.child].mass < _LIGHT * robot.links[other.child].mass
+    return robot.links[between].mass < _LIGHT * robot.links[link].mass
+
+
+def _followers(robot: Robot) -> list[tuple[RobotJoint, RobotJoint]]:
+    """Pairs of joints of which one follows the other, in their order."""
+    number = {joint.name: k for k, joint in enumerate(robot.joints)}
+    led = {(number[joint.mimic[0]], k) for k, joint in enumerate(robot.joints) if joint.mimic is not None}
+    return [(robot.joints[a], robot.joints[b]) for a, b in sorted({(min(pair), max(pair)) for pair in led})]
 
 
 def _on_one_axle(one: RobotJoint, other: RobotJoint) -> bool:
-    """Whether two links turn about one line of their parent, one following the other: the halves of scissors on their pin."""
+    """Whether two links turn about one line of their parent: the halves of scissors on their pin, one following the other."""
     if one.parent != other.parent or any(joint.advance is not None or not joint.traits.turns for joint in (one, other)):
-        return False
-    if (one.mimic or ("",))[0] != other.name and (other.mimic or ("",))[0] != one.name:
         return False
     off = [np.cross(one.axis, vector) for vector in (other.axis, other.origin - one.origin)]
     return bool(np.abs(off).max() < 1e-6)

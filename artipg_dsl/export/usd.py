@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..annotate.frames import quaternion
-from ..geometry.vectors import extent
 from ..native.digits import print_blocks, print_rows
 from ..records import dataclass
 from .adjacent import find_adjacent
@@ -38,6 +37,7 @@ _TYPES = {
     "ball": "PhysicsSphericalJoint",
     "fixed": "PhysicsFixedJoint",
 }
+_NO_WORD = re.compile(r"\W", re.ASCII)
 _DEGREES = float(np.degrees(1.0))
 _POINT, _INDEX = ("(", ", ", ", ", ")\n"), ("", ", ")
 
@@ -49,7 +49,7 @@ class Names:
         self.taken = set(taken)
 
     def __call__(self, name: str) -> str:
-        plain = re.sub(r"\W", "_", name, flags=re.ASCII)
+        plain = _NO_WORD.sub("_", name)
         plain = plain if not plain[:1].isdigit() else f"_{plain}"
         found, count = plain, 1
         while found in self.taken:
@@ -66,15 +66,22 @@ def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
     name, bodies = Names()(robot.name), Names("Looks", "joints")
     link_names = [bodies(link.name) for link in robot.links]
     named = robots.batch.link_words[int(robots.link_start[i]) :]
-    meshes = _Meshes.of(robot)
-    links = [
-        _link(robot, k, pose, words, named[k], meshes) | {"name": link_names[k]}
-        for k, pose in enumerate(rest_poses(robot))
-    ]
+    told = _Told.of(robot)
     moments, axes = find_principal(np.stack([link.inertia for link in robot.links]))
-    for k, link in enumerate(links):
+    turns, shifts = (np.stack(column) for column in zip(*rest_poses(robot), strict=True))
+    columns = {
+        "center": _tuples(np.stack([link.center for link in robot.links])),
         # a button's moments are tiny: significant digits, not decimals
-        link |= {"moments": "({:.9g}, {:.9g}, {:.9g})".format(*moments[k].tolist()), "axes": _quat(quaternion(axes[k]))}
+        "moments": ["({:.9g}, {:.9g}, {:.9g})".format(*own) for own in moments.tolist()],
+        "axes": _tuples(quaternion(axes)),
+        "turn": _tuples(quaternion(turns)),
+        "shift": _tuples(shifts),
+        "name": link_names,
+    }
+    links = [
+        _link(robot, k, words, named[k], told) | {key: column[k] for key, column in columns.items()}
+        for k in range(len(robot.links))
+    ]
     for link, filtered in zip(links, _filtered(robot), strict=True):
         link["filtered"] = ", ".join(f"</{name}/{link_names[other]}>" for other in filtered)
     own = Names()
@@ -124,9 +131,7 @@ def _looks(robot: Robot) -> list[dict[str, str]]:
     return found
 
 
-def _link(
-    robot: Robot, k: int, pose: tuple[np.ndarray, np.ndarray], words: tuple[str, ...], named: str, told: _Meshes
-) -> dict[str, Any]:
+def _link(robot: Robot, k: int, words: tuple[str, ...], named: str, told: _Told) -> dict[str, Any]:
     """A body. Its class is the word of the part that it is, else that of the first mesh that has one."""
     link, names = robot.links[k], Names("colliders")
     pieces = Names()
@@ -136,9 +141,6 @@ def _link(
         "title": link.name,
         "label": labels[0] if labels else "",
         "mass": f"{link.mass:.9g}",
-        "center": _vector(link.center),
-        "turn": _quat(quaternion(pose[0])),
-        "shift": _vector(pose[1]),
         "meshes": meshes,
         "pieces": [_piece(collider, told) | {"name": pieces(collider.name)} for collider in link.colliders],
     }
@@ -149,11 +151,10 @@ def _mesh(visual: Visual, words: tuple[str, ...]) -> dict[str, str]:
     return {"title": visual.name, "look": _identifier(visual.look.name), "label": words[semantic] if semantic else ""}
 
 
-def _piece(collider: Collider, told: _Meshes) -> dict[str, Any]:
+def _piece(collider: Collider, told: _Told) -> dict[str, Any]:
     look = {"look": _identifier(collider.material.name)}
-    place = {"turn": _quat(collider.turn), "shift": _vector(collider.center)}
     if collider.size is not None:
-        return look | place | {"type": "Cube", "scale": _vector(np.array(collider.size))}
+        return look | next(told.placed) | {"type": "Cube", "scale": next(told.scales)}
     if collider.bar is not None:
         bar, reach = collider.bar, collider.bar.length / 2 + collider.bar.radius * collider.bar.capped
         corner = np.array([bar.radius, bar.radius, reach])
@@ -161,27 +162,25 @@ def _piece(collider: Collider, told: _Meshes) -> dict[str, Any]:
         lines = [f"float3[] extent = {ends}", f"double radius = {bar.radius:.9g}"]
         if bar.kind != "sphere":
             lines += ['uniform token axis = "Z"', f"double height = {bar.length:.9g}"]
-        return look | place | {"type": bar.kind.capitalize(), "lines": lines}
+        return look | next(told.placed) | {"type": bar.kind.capitalize(), "lines": lines}
     return look | {"type": "Mesh"} | next(told.met)
 
 
 @dataclass(frozen=True, slots=True)
-class _Meshes:
-    """What the file says of the visuals, and of the colliders that are meshes, in the order of links: numbers of all are printed at
-    once."""
+class _Told:
+    """What the file says of the visuals, of the colliders that are meshes, of where the others are, and of how large boxes are, in the
+    order of links: numbers of all are printed at once."""
 
     seen: Iterator[dict[str, str]]
     met: Iterator[dict[str, str]]
+    placed: Iterator[dict[str, str]]
+    scales: Iterator[str]
 
     @staticmethod
-    def of(robot: Robot) -> _Meshes:
+    def of(robot: Robot) -> _Told:
         seen = [(visual.item, link.origin) for link in robot.links for visual in link.visuals]
-        hulls = [
-            collider.hull
-            for link in robot.links
-            for collider in link.colliders
-            if collider.size is None and collider.bar is None and collider.hull is not None
-        ]
+        plain = [collider for link in robot.links for collider in link.colliders if not _is_mesh(collider)]
+        hulls = [c.hull for link in robot.links for c in link.colliders if _is_mesh(c) and c.hull is not None]
         shadings = [item.group.shading for item, _ in seen]
         points = [item.group.vertices[item.k][item.group.shading.source] - origin for item, origin in seen]
         faces = [shading.faces for shading in shadings] + [hull.faces for hull in hulls]
@@ -189,13 +188,26 @@ class _Meshes:
         normals = [shading.normals[item.k] for (item, _), shading in zip(seen, shadings, strict=True)]
         shaded = _vectors(normals, 5)
         pairs = zip(told, shaded, strict=False)
-        return _Meshes(iter([mesh | {"normals": normal} for mesh, normal in pairs]), iter(told[len(seen) :]))
+        turns, shifts = (_tuples(np.array([getattr(c, name) for c in plain])) for name in ("turn", "center"))
+        return _Told(
+            iter([mesh | {"normals": normal} for mesh, normal in pairs]),
+            iter(told[len(seen) :]),
+            ({"turn": turn, "shift": shift} for turn, shift in zip(turns, shifts, strict=True)),
+            iter(_tuples(np.array([c.size for c in plain if c.size is not None]))),
+        )
+
+
+def _is_mesh(collider: Collider) -> bool:
+    return collider.size is None and collider.bar is None
 
 
 def _polygons(points: list[np.ndarray], faces: list[np.ndarray]) -> list[dict[str, str]]:
     """Meshes with points (V, 3) and triangles (F, 3) each."""
-    extents = [np.stack(extent(own)) for own in points]
-    told = zip(_vectors(points), _vectors(extents), faces, strict=True)
+    if not points:
+        return []
+    rows, starts = np.concatenate(points), np.cumsum([0, *map(len, points[:-1])])
+    ends = np.stack([np.minimum.reduceat(rows, starts), np.maximum.reduceat(rows, starts)], axis=1)
+    told = zip(_vectors(points), _vectors(list(ends)), faces, strict=True)
     return [_triangles(own.astype(np.int32).tobytes()) | {"extent": box, "points": text} for text, box, own in told]
 
 
@@ -369,6 +381,7 @@ def _times(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     )
 
 
+@lru_cache(maxsize=512)
 def _identifier(name: str) -> str:
     return Names()(name)
 
@@ -380,6 +393,14 @@ def _vector(values: np.ndarray) -> str:
 def _quat(values: np.ndarray) -> str:
     """A quaternion w x y z."""
     return _vector(np.asarray(values, dtype=np.float64).reshape(4))
+
+
+def _tuples(rows: np.ndarray) -> list[str]:
+    """Each of several vectors or quaternions (n, k) as ``_vector`` has it."""
+    if not len(rows):
+        return []
+    ends = ("(", *[", "] * (rows.shape[1] - 1), ")\n")
+    return print_rows(np.round(rows, 12) + 0.0, "%.9g", ends)[:-1].split("\n")
 
 
 def _vectors(blocks: list[np.ndarray], decimals: int = 12) -> list[str]:
