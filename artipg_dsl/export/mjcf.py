@@ -6,8 +6,7 @@ a slide on one axis, tied by an equality; a joint that follows another is tied i
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -20,10 +19,8 @@ from .naming import Names
 from .pose import link_poses, rest_values
 from .primitives import Collider
 from .robot import Robot, RobotJoint, RobotLink
+from .template import template
 from .write import ExportError
-
-if TYPE_CHECKING:
-    from jinja2 import Template
 
 _TYPES = {
     "revolute": "hinge",
@@ -45,10 +42,16 @@ def mjcf_files(robot: Robot) -> dict[str, bytes]:
     files = dict(model.files)
     low, high = _bounds(robot)
     center, extent = (low + high) / 2, float(np.max(high - low))
-    for end, free in (("", False), ("_free", True)):
-        text = _template("object.mjcf.j2").render(model.context, note=robot.note, free=free, rest=model.rest(free))
+    write: Any = template("object.mjcf.j2").module
+    shared = {
+        "assets": write.assets(**model.assets),
+        "inside": write.inside(model.root),
+        "rules": write.rules(**model.rules),
+    }
+    for end, base in (("", ""), ("_free", model.base)):
+        text = write.model(robot.name, robot.note, root=model.root, free=base, rest=model.rest(bool(base)), **shared)
         files[f"object{end}.xml"] = (text + "\n").encode("utf-8")
-        scene = _template("scene.mjcf.j2").render(
+        scene = template("scene.mjcf.j2").render(
             name=robot.name,
             file=f"object{end}.xml",
             center=numbers(center),
@@ -80,12 +83,10 @@ class _Model:
         robot.refuse_coupled_balls("MuJoCo", "mjcf")
         self.advances = {screw: slide for slide, screw in advances(robot).items()}
         looks = {visual.look.name: visual.look for link in robot.links for visual in link.visuals}
-        root = self._body(0, None, below)
-        self.order = self._joint_order(root)
-        self.context: dict[str, Any] = {
-            "name": robot.name,
-            "root": root,
-            "base": Names(self.order)(f"{robot.links[0].name}_free"),  # the joint of a base that is free to move
+        self.root = self._body(0, None, below)
+        self.order = self._joint_order(self.root)
+        self.base = Names(self.order)(f"{robot.links[0].name}_free")  # the joint of a base that is free to move
+        self.assets: dict[str, Any] = {
             "looks": [
                 {
                     "name": name,
@@ -97,6 +98,8 @@ class _Model:
             ],
             "meshes": self.meshes,
             "hulls": self.hulls,
+        }
+        self.rules: dict[str, Any] = {
             "excludes": find_adjacent(robot),
             "couplings": self.couplings,
             "gates": [
@@ -246,13 +249,3 @@ def _bounds(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
 def numbers(values: Any) -> str:
     """Numbers with ten significant digits and a blank between."""
     return decimals.numbers(values, 10)
-
-
-@lru_cache(maxsize=2)
-def _template(name: str) -> Template:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("artipg_dsl.export"), undefined=StrictUndefined, autoescape=True, auto_reload=False
-    )
-    return environment.get_template(name)

@@ -23,11 +23,10 @@ from .mesh_obj import Shape, move_points, mtl_text, obj_texts
 from .partnet_frame import DatasetFrame, to_dataset_axes
 from .partnet_tree import CategoryWords, build_tree, said_of, to_entry, words_of
 from .partnet_words import JOINTS, LIFTED, link_label, root_label, spell_category, to_snake_case
+from .template import template
 from .write import ExportError
 
 if TYPE_CHECKING:
-    from jinja2 import Template
-
     from .primitives import Collider, SeenMaterial, Visual
     from .robot import Robot, RobotJoint, RobotLink, Robots
 
@@ -131,7 +130,7 @@ class _Folder:
 
     def urdf(self, drawn: dict[int, Any]) -> bytes:
         links = [_urdf_link(member, self.members, drawn) for member in self.members]
-        return (_template().render(model=self.model, links=links) + "\n").encode()
+        return (template("mobility.urdf.j2").render(model=self.model, links=links) + "\n").encode()
 
     def described(self, more: dict[str, str]) -> dict[str, bytes]:
         """The files that tell of links, parts and the whole; ``more``: of the whole."""
@@ -421,13 +420,3 @@ def _short(values: np.ndarray) -> Any:
 
 def _json(data: Any) -> bytes:
     return (json.dumps(data, separators=(", ", ": ")) + "\n").encode()
-
-
-@lru_cache(maxsize=1)
-def _template() -> Template:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("artipg_dsl.export"), undefined=StrictUndefined, autoescape=True, auto_reload=False
-    )
-    return environment.get_template("mobility.urdf.j2")

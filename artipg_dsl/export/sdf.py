@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,10 +12,8 @@ from .mesh_obj import link_meshes, piece_meshes
 from .pose import link_poses
 from .primitives import Collider
 from .robot import Robot, RobotJoint, RobotLink
+from .template import template
 from .write import ExportError
-
-if TYPE_CHECKING:
-    from jinja2 import Template
 
 _KINDS = ("revolute", "continuous", "prismatic", "screw", "ball", "fixed")
 _APART = 1e-6  # metres: points of a loop that are farther apart do not meet
@@ -33,9 +30,9 @@ def sdf_files(robot: Robot) -> dict[str, bytes]:
     links = [_link(link, files, pieces) for link in robot.links]
     joints = [*(_joint(joint, robot) for joint in robot.joints), *_closures(robot)]
     robot.refuse_coupled_balls("SDFormat", "sdf")
-    text = _template("model.sdf.j2").render(name=robot.name, links=links, joints=joints)
+    text = template("model.sdf.j2").render(name=robot.name, links=links, joints=joints)
     files["model.sdf"] = (text + "\n").encode("utf-8")
-    files["model.config"] = (_template("model.config.j2").render(name=robot.name) + "\n").encode("utf-8")
+    files["model.config"] = (template("model.config.j2").render(name=robot.name) + "\n").encode("utf-8")
     return files
 
 
@@ -143,13 +140,3 @@ def _closures(robot: Robot) -> list[dict[str, Any]]:
 def _numbers(values: Any) -> str:
     """Numbers with ten significant digits and a blank between."""
     return numbers(values, 10)
-
-
-@lru_cache(maxsize=2)
-def _template(name: str) -> Template:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("artipg_dsl.export"), undefined=StrictUndefined, autoescape=True, auto_reload=False
-    )
-    return environment.get_template(name)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,10 +13,8 @@ from .mesh_obj import link_meshes, piece_meshes
 from .primitives import Collider
 from .robot import Robot, RobotJoint, RobotLink
 from .substitute import simple_joints
+from .template import template
 from .write import ExportError
-
-if TYPE_CHECKING:
-    from jinja2 import Template
 
 _APART = "Default"  # the word of an SRDF for pairs that no joint holds, and the only one that SAPIEN heeds
 _KINDS = ("revolute", "continuous", "prismatic", "fixed")
@@ -39,8 +36,8 @@ def urdf_files(robot: Robot) -> dict[str, bytes]:
     links = [_link(link, files, looks, pieces) | {"group": groups.get(link.name)} for link in robot.links]
     joints = [_joint(joint, robot) for joint in robot.joints]
     materials = [{"name": name, "rgba": rgba} for name, rgba in looks.items()]
-    known = _template("robot.srdf.j2").render(name=robot.name, pairs=pairs) + "\n"
-    write: Any = _template("robot.urdf.j2").module
+    known = template("robot.srdf.j2").render(name=robot.name, pairs=pairs) + "\n"
+    write: Any = template("robot.urdf.j2").module
     looks_of, solid = [], []
     for link in links:
         inertial, collisions = write.inertial(link), write.collisions(link)
@@ -92,16 +89,6 @@ def _groups(pairs: list[tuple[str, str]]) -> dict[str, dict[str, int]]:
         for link, other in (pair, pair[::-1]):
             masks[link] = masks.get(link, -1) & ~bits[other]
     return {link: {"group": bits[link], "mask": masks[link]} for link in bits}
-
-
-@lru_cache(maxsize=2)
-def _template(name: str) -> Template:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("artipg_dsl.export"), undefined=StrictUndefined, autoescape=True, auto_reload=False
-    )
-    return environment.get_template(name)
 
 
 def _link(link: RobotLink, files: dict[str, bytes], looks: dict[str, str], pieces: dict[bytes, str]) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from functools import lru_cache
 from itertools import accumulate
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -24,10 +24,8 @@ from .pose import rest_poses
 from .primitives import Collider, Visual
 from .principal import find_principal
 from .robot import Robot, RobotClosure, RobotJoint, Robots
+from .template import template
 from .write import ExportError
-
-if TYPE_CHECKING:
-    from jinja2 import Template
 
 _TYPES = {
     "revolute": "PhysicsRevoluteJoint",
@@ -90,7 +88,7 @@ def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
     joints += [
         _closure(closure, name, link_names) | {"name": own(f"closure_{n}")} for n, closure in enumerate(robot.closures)
     ]
-    text = _template().render(name=name, looks=_looks(robot), links=links, joints=joints)
+    text = template("object.usda.j2").render(name=name, looks=_looks(robot), links=links, joints=joints)
     return {"object.usda": (text + "\n").encode("utf-8")}
 
 
@@ -410,11 +408,3 @@ def _vectors(blocks: list[np.ndarray], decimals: int = 12) -> list[str]:
     rows = np.round(np.concatenate(blocks), decimals) + 0.0
     lines = print_blocks(rows, [0, *accumulate(map(len, blocks))], "%.9g", _POINT)
     return [f"[{text[:-1]}]".replace("\n", ", ") for text in lines]
-
-
-@lru_cache(maxsize=1)
-def _template() -> Template:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(loader=PackageLoader("artipg_dsl.export"), undefined=StrictUndefined, auto_reload=False)
-    return environment.get_template("object.usda.j2")
