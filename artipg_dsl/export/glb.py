@@ -8,15 +8,18 @@ from __future__ import annotations
 
 import json
 import struct
+from collections.abc import Iterator
+from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
 
+from ..records import dataclass
 from ..runtime.motion import perpendicular_to
 from .materials import to_linear
 from .naming import Names
 from .pose import open_values, rest_values
-from .primitives import SeenMaterial
+from .primitives import SeenMaterial, Visual
 from .robot import Robot, RobotJoint
 
 FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
@@ -43,8 +46,15 @@ class _Buffer:
         self.views: list[dict[str, Any]] = []
         self.accessors: list[dict[str, Any]] = []
 
-    def add(self, array: np.ndarray, kind: str, component: int, target: int | None = None, bounds: bool = False) -> int:
-        """The number of a new accessor over ``array``."""
+    def add(
+        self,
+        array: np.ndarray,
+        kind: str,
+        component: int,
+        target: int | None = None,
+        bounds: tuple[list[float], list[float]] | None = None,
+    ) -> int:
+        """The number of a new accessor over ``array``, of which ``bounds`` are the least and the most."""
         data = np.ascontiguousarray(array).tobytes()
         view = {"buffer": 0, "byteOffset": self.length, "byteLength": len(data)}
         if target is not None:
@@ -54,9 +64,8 @@ class _Buffer:
         self.length += len(self.chunks[-1])
         count = array.size if kind == "SCALAR" else len(array)
         accessor = {"bufferView": len(self.views) - 1, "componentType": component, "count": count, "type": kind}
-        if bounds:
-            rows = array.reshape(count, -1)
-            accessor |= {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()}
+        if bounds is not None:
+            accessor |= {"min": bounds[0], "max": bounds[1]}
         self.accessors.append(accessor)
         return len(self.accessors) - 1
 
@@ -78,12 +87,13 @@ def glb_bytes(robot: Robot) -> bytes:
     nodes: list[dict[str, Any]] = [top, *({"name": link.name} for link in robot.links)]
     links = {node["name"] for node in nodes}
     named = Names(links)
+    shapes = _shapes(robot)
     for k, link in enumerate(robot.links):
         children = nodes[1 + k].setdefault("children", [])
         for visual in link.visuals:
             # the link keeps the plain name, and of several primitives of a part the first
             name = named(f"{visual.name}.solid" if visual.name in links else visual.name)
-            meshes.append(_mesh(visual, name, link.origin, buffer, looks))
+            meshes.append(_mesh(visual, name, next(shapes), buffer, looks))
             nodes.append({"name": name, "mesh": len(meshes) - 1, "extras": {"part": visual.name}})
             children.append(len(nodes) - 1)
     values = rest_values(robot)
@@ -126,19 +136,36 @@ def _pack(document: dict[str, Any], binary: bytes) -> bytes:
     return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks
 
 
-def _mesh(
-    visual: Any, name: str, origin: np.ndarray, buffer: _Buffer, looks: dict[SeenMaterial, int]
-) -> dict[str, Any]:
-    group, k = visual.item.group, visual.item.k
-    shading = group.shading
-    position = (group.vertices[k][shading.source] - origin).astype("<f4")
-    normal = shading.normals[k].astype("<f4") + np.float32(0.0)
-    small = len(position) < 0xFFFF
-    index = shading.faces.astype("<u2" if small else "<u4").ravel()
+@dataclass(frozen=True, slots=True)
+class _Shape:
+    """Corners (n, 3), the least and the most of them, and their normals (n, 3), as float32."""
+
+    position: np.ndarray
+    bounds: tuple[list[float], list[float]]
+    normal: np.ndarray
+
+
+def _shapes(robot: Robot) -> Iterator[_Shape]:
+    """What is seen, in the order of links; all of an object are made together."""
+    seen = [(visual.item.group, visual.item.k, link.origin) for link in robot.links for visual in link.visuals]
+    if not seen:
+        return
+    points = [group.vertices[k][group.shading.source] - origin for group, k, origin in seen]
+    position = np.concatenate(points).astype("<f4")
+    normal = np.concatenate([group.shading.normals[k] for group, k, _ in seen]).astype("<f4") + np.float32(0.0)
+    start = [0, *accumulate(map(len, points))]
+    low, high = (best.reduceat(position, start[:-1]).tolist() for best in (np.minimum, np.maximum))
+    for k, (begin, end) in enumerate(pairwise(start)):
+        yield _Shape(position[begin:end], (low[k], high[k]), normal[begin:end])
+
+
+def _mesh(visual: Visual, name: str, shape: _Shape, buffer: _Buffer, looks: dict[SeenMaterial, int]) -> dict[str, Any]:
+    small = len(shape.position) < 0xFFFF
+    index = visual.item.group.shading.faces.astype("<u2" if small else "<u4").ravel()
     primitive = {
         "attributes": {
-            "POSITION": buffer.add(position, "VEC3", FLOAT, VERTICES, bounds=True),
-            "NORMAL": buffer.add(normal, "VEC3", FLOAT, VERTICES),
+            "POSITION": buffer.add(shape.position, "VEC3", FLOAT, VERTICES, shape.bounds),
+            "NORMAL": buffer.add(shape.normal, "VEC3", FLOAT, VERTICES),
         },
         "indices": buffer.add(index, "SCALAR", UNSIGNED_SHORT if small else UNSIGNED_INT, INDICES),
         "material": looks.setdefault(visual.look, len(looks)),
@@ -185,7 +212,7 @@ def _turns(joint: RobotJoint, values: np.ndarray) -> np.ndarray:
 
 
 def _short(values: np.ndarray) -> list[float]:
-    return (np.round(values, 9) + 0.0).tolist()
+    return [round(value * 1e9) / 1e9 for value in values.tolist()]  # as NumPy rounds
 
 
 def _describe(joint: RobotJoint) -> dict[str, Any]:
@@ -239,7 +266,9 @@ def _animation(robot: Robot, rest: dict[str, float], buffer: _Buffer) -> dict[st
             values = joint.following(_course(by_name[lead], rest[lead], ends[lead]))
         if len(values) not in clocks:
             times = np.arange(len(values)) * (_OPENING / (len(values) - 1))
-            clocks[len(values)] = buffer.add(times.astype("<f4"), "SCALAR", FLOAT, bounds=True)
+            clock = times.astype("<f4")
+            span = [float(clock.min())], [float(clock.max())]
+            clocks[len(values)] = buffer.add(clock, "SCALAR", FLOAT, bounds=span)
         for path in _PATHS[joint.kind]:
             keys, kind = (_translations, "VEC3") if path == "translation" else (_turns, "VEC4")
             output = buffer.add(keys(joint, values).astype("<f4"), kind, FLOAT)

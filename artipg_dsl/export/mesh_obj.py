@@ -141,7 +141,8 @@ def _placed(visual: Visual, turn: np.ndarray, shift: np.ndarray) -> Shape:
     """A visual with the pose of its link."""
     shading, still = visual.item.group.shading, np.zeros(3)
     normals = move_points(shading.normals[visual.item.k], turn, still), shading.faces
-    return Shape(visual.name, move_points(visual.shape.vertices, turn, shift), visual.shape.faces, normals)
+    shape = visual.shape
+    return Shape(visual.name, move_points(shape.vertices, turn, shift), shape.faces, normals)
 
 
 def move_points(points: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:

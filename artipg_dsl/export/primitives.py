@@ -25,12 +25,18 @@ class SeenMaterial:
 
 @dataclass(frozen=True, slots=True)
 class Visual:
-    """A primitive to be seen: vertices and faces in the link's frame, closed; ``shading`` for formats with normals."""
+    """A primitive to be seen, on a link with ``origin`` (3,)."""
 
     name: str
     look: SeenMaterial
-    shape: Shape
+    origin: np.ndarray
     item: solids.Item[solids.SolidGroup] = field(repr=False)  # refers to the whole batch
+
+    @property
+    def shape(self) -> Shape:
+        """Vertices and faces in the link's frame, closed."""
+        group = self.item.group
+        return Shape(self.name, group.vertices[self.item.k] - self.origin, group.faces)
 
 
 @dataclass(frozen=True, slots=True)

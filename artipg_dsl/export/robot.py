@@ -338,9 +338,7 @@ class Robots:
         return self.origins[int(self.link_start[i]) + int(item.group.table.link[item.row])]
 
     def _visual(self, i: int, item: solids.Item[solids.SolidGroup]) -> Visual:
-        group, name = item.group, self._name(i, item)
-        shape = Shape(name, group.vertices[item.k] - self._origin(i, item), group.faces)
-        return Visual(name, self.look(i, item), shape, item)
+        return Visual(self._name(i, item), self.look(i, item), self._origin(i, item), item)
 
     def _collider(self, i: int, piece: Hull, name: str, full: str) -> Collider:
         item = piece.item

@@ -16,15 +16,15 @@ _SPECIAL = re.compile("[&<>\"']")
 _QUOTES = {'"': "&#34;", "'": "&#39;"}
 
 
-def escaped(value: Any) -> str:
+def _escaped(value: Any) -> str:
     """A value as text of XML, also between quotation marks."""
     text = str(value)
     return text if _SPECIAL.search(text) is None else escape(text, _QUOTES)
 
 
-def attributes(values: Mapping[str, Any]) -> str:
+def _attributes(values: Mapping[str, Any]) -> str:
     """What is not None of ``values`` as attributes of an element, with a blank before each."""
-    return "".join([f' {key}="{escaped(value)}"' for key, value in values.items() if value is not None])
+    return "".join([f' {key}="{_escaped(value)}"' for key, value in values.items() if value is not None])
 
 
 @lru_cache(maxsize=16)
@@ -35,5 +35,5 @@ def template(name: str) -> Template:
     environment = Environment(
         loader=PackageLoader("artipg_dsl.export"), undefined=StrictUndefined, autoescape=False, auto_reload=False
     )
-    environment.filters |= {"e": escaped, "attributes": attributes}
+    environment.filters |= {"e": _escaped, "attributes": _attributes}
     return environment.get_template(name)

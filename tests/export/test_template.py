@@ -5,12 +5,13 @@ from __future__ import annotations
 import pytest
 from jinja2 import UndefinedError
 
-from artipg_dsl.export.template import attributes, template
+from artipg_dsl.export.template import template
 
 
 def test_attributes_are_escaped_and_what_is_none_left_out() -> None:
-    assert attributes({"name": 'a<b> & "c"', "data": None, "size": 0}) == ' name="a&lt;b&gt; &amp; &#34;c&#34;" size="0"'
-    assert attributes({}) == ""
+    gate = {"name": 'a<b> & "c"', "data": None, "size": 0}
+    rules = template("object.mjcf.j2").module.rules([], [gate], [], [], [])  # type: ignore[attr-defined]
+    assert '<text name="a&lt;b&gt; &amp; &#34;c&#34;" size="0"/>' in rules
 
 
 def test_names_are_escaped() -> None:
