@@ -3,7 +3,8 @@
 In: a batch, with joint values unless it is shown at rest. Out: arrays with a row per object, and dictionaries that
 JSON can hold. Begin with ``annotation`` (everything of an object) and ``cloud`` (everything of its points).
 
-    annotation, hierarchy, interactions      an object as plain data; what a handle belongs to; where to act, and in which direction
+    annotation, rows                         an object as plain data, and as a line of text
+    hierarchy, interactions                  what a handle belongs to; where to act, and in which direction
     cloud, sampling, shares, soup            points on the surface: how many for what, and the triangles they lie on
     points                                   labels and fields evaluated at points
     rebind                                   the same points on other objects of the program

@@ -1,11 +1,8 @@
-"""The annotation of an object as plain data: joints, parts, grasps, keypoints, what was drawn, what was repaired.
-
-Numbers are rounded to 1e-9 (a nanometre, a nanoradian), so that they print short and read back as they are.
-"""
+"""The annotation of an object as plain data, and as a line of text: joints, parts, grasps, keypoints, what was drawn, what was repaired."""
 
 from __future__ import annotations
 
-import json
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +16,7 @@ from .gripper import REASONS, STANDARD, Gripper, judge
 from .hierarchy import find_semantic_parents, lineages_of
 from .interactions import Interactions, directions_of, find_interactions
 from .poses import part_poses, symmetry_words
+from .rows import Column, Known, PerObject, PerState, Rows, tidy, to_text
 from .states import joint_twist, rest_values
 
 if TYPE_CHECKING:
@@ -38,37 +36,54 @@ def annotate(
 
     Lengths in metres, angles in radians, the object's frame (x front, y left, z up), quaternions w x y z.
     """
+    columns = _columns(batch, states, gripper)
+    plain = (column.plain(len(batch)) for column in columns.values())
+    return [dict(zip(columns, values, strict=True)) for values in zip(*plain, strict=True)]
+
+
+def annotation_lines(
+    batch: Batch,
+    states: np.ndarray | None = None,
+    gripper: Gripper | None = STANDARD,
+    details: list[dict[str, Any] | None] | None = None,
+) -> Iterator[str]:
+    """The same as text, ``to_text`` of each annotation; ``details`` of the objects, if they have any, are its last key."""
+    columns = _columns(batch, states, gripper) | ({} if details is None else {"details": PerObject(details)})
+    keys = [f"{to_text(name)}:" for name in columns]
+    for values in zip(*(column.text(len(batch)) for column in columns.values()), strict=True):
+        yield "{" + ",".join([key + value for key, value in zip(keys, values, strict=True)]) + "}"
+
+
+def _columns(
+    batch: Batch, states: np.ndarray | None, gripper: Gripper | None
+) -> dict[str, Rows | PerObject | PerState]:
+    """What the annotations of a batch are made of, keys in their order."""
     n = len(batch)
     grasps, reached, dropped = _reachable(batch, states, gripper)
     acting = find_interactions(batch)
-    columns = {
+    return {
+        "object": PerObject(np.asarray(batch.numbers).tolist()),
+        "category": PerObject([batch.program.name] * n),
+        "seed": PerObject([int(batch.seed)] * n),
         "links": _links(batch),
         "joints": _joints(batch),
         "parts": _parts(batch),
         "grasps": _grasps(batch, grasps, reached),
-        "dropped": dropped,
+        "dropped": PerObject(dropped),
         "keypoints": _keypoints(batch),
         "interactions": _interactions(batch, acting, None),
+        **({} if states is None else {"states": _states(batch, states, grasps, reached, acting)}),
+        "drawn": PerObject([_drawn(batch, i) for i in range(n)]),
+        # draws before this one that broke a requirement
+        "rejected": PerObject(np.asarray(batch.state.attempt).tolist()),
+        "repairs": PerObject(_repairs(batch)),
+        "version": PerObject([_VERSION] * n),
     }
-    if states is not None:
-        columns["states"] = _states(batch, states, grasps, reached, acting)
-    repaired = _repairs(batch)
-    made = []
-    for i in range(n):
-        drawn = batch.drawn(i)
-        made.append(
-            {
-                "object": int(batch.numbers[i]),
-                "category": batch.program.name,
-                "seed": int(batch.seed),
-                **{name: column[i] for name, column in columns.items()},
-                "drawn": {key: to_plain_data(drawn[key]) for key in sorted(drawn)},
-                "rejected": int(batch.state.attempt[i]),  # draws before this one that broke a requirement
-                "repairs": repaired[i],
-                "version": _VERSION,
-            }
-        )
-    return made
+
+
+def _drawn(batch: Batch, i: int) -> dict[str, Any]:
+    drawn = batch.drawn(i)
+    return {key: to_plain_data(drawn[key]) for key in sorted(drawn)}
 
 
 def _repairs(batch: Batch) -> list[list[dict[str, Any]]]:
@@ -78,19 +93,6 @@ def _repairs(batch: Batch) -> list[list[dict[str, Any]]]:
     for owner, entry in zip(log.owner.tolist(), log.plain(batch.program), strict=True):
         found[owner].append({key: to_plain_data(value) for key, value in entry.items()})
     return found
-
-
-def to_line(annotation: dict[str, Any]) -> str:
-    """An annotation as one line of JSON, the same text for the same numbers."""
-    return json.dumps(annotation, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-
-
-def _tidy(values: np.ndarray) -> list[Any]:
-    """An array as nested lists, rounded to 1e-9, without negative zeros; nan becomes None in one dimension."""
-    rounded = np.round(np.asarray(values, dtype=np.float64), 9) + 0.0
-    if rounded.ndim == 1 and np.isnan(rounded).any():
-        return [None if value != value else value for value in rounded.tolist()]
-    return rounded.tolist()
 
 
 def to_plain_data(value: Any) -> Any:
@@ -111,17 +113,9 @@ def to_plain_data(value: Any) -> Any:
     return value if value is None else str(value)
 
 
-def _grouped(owner: np.ndarray, n_objects: int, columns: dict[str, list[Any]]) -> list[list[dict[str, Any]]]:
-    """Rows (sorted by owner) as dictionaries, one list per object."""
-    names = list(columns)
-    rows = [dict(zip(names, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-    starts = np.searchsorted(owner, np.arange(n_objects + 1)).tolist()
-    return [rows[a:b] for a, b in zip(starts[:-1], starts[1:], strict=True)]
-
-
-def _links(batch: Batch) -> list[list[dict[str, Any]]]:
+def _links(batch: Batch) -> Rows:
     links = batch.links()
-    return _grouped(links.owner, len(batch), {"name": list(links.name), "number": np.asarray(links.number).tolist()})
+    return Rows(links.owner, {"name": list(links.name), "number": np.asarray(links.number)})
 
 
 def _names(table: Any, n_objects: int, owner: np.ndarray, number: np.ndarray) -> list[str | None]:
@@ -131,35 +125,34 @@ def _names(table: Any, n_objects: int, owner: np.ndarray, number: np.ndarray) ->
     return [table.name[k] if own >= 0 else None for k, own in zip(at, np.asarray(number).tolist(), strict=True)]
 
 
-def _joints(batch: Batch) -> list[list[dict[str, Any]]]:
+def _joints(batch: Batch) -> Rows:
     joints, links, n = batch.joints(), batch.links(), len(batch)
     parent = _names(links, n, joints.owner, joints.parent)
     child = _names(links, n, joints.owner, joints.child)
-    low, high = _tidy(joints.low), _tidy(joints.high)
-    limits = [None if a is None or b is None else [a, b] for a, b in zip(low, high, strict=True)]
     leader = _names(joints, n, joints.owner, joints.mimic)
-    follow = zip(leader, _tidy(joints.multiplier), _tidy(joints.offset), strict=True)
-    columns: dict[str, list[Any]] = {
+    follow = zip(leader, tidy(joints.multiplier), tidy(joints.offset), strict=True)
+    mimic: list[Any] = [None if a is None else {"joint": a, "multiplier": m, "offset": o} for a, m, o in follow]
+    for row, (lead, own) in tabulate(joints).items():  # of the straight line the ends alone are right
+        mimic[row]["curve"] = {"lead": tidy(lead), "value": tidy(own)}
+    columns: dict[str, Column] = {
         "name": list(joints.name),
         "type": list(joints.kind),
         "parent": parent,
         "child": child,
         **_axes(batch, None),
-        "range": limits,
-        "rest": _tidy(joints.rest),
-        "mimic": [None if a is None else {"joint": a, "multiplier": m, "offset": o} for a, m, o in follow],
+        "range": Known(np.stack([joints.low, joints.high], axis=-1)),
+        "rest": joints.rest,
+        "mimic": mimic,
     }
-    for row, (lead, own) in tabulate(joints).items():  # of the straight line the ends alone are right
-        columns["mimic"][row]["curve"] = {"lead": _tidy(lead), "value": _tidy(own)}
     if any(JOINTS[joint.kind].advances for joint in batch.program.joints):
-        columns["pitch"] = _tidy(joints.pitch)  # metres by a turn
+        columns["pitch"] = joints.pitch  # metres by a turn
     if any(joint.positions is not None for joint in batch.program.joints):
         columns["positions"] = [None if np.isnan(count) else int(count) for count in joints.positions]
     if any(joint.stiffness is not None for joint in batch.program.joints):
-        columns["stiffness"] = _tidy(joints.stiffness)  # N/m, N m/rad
+        columns["stiffness"] = joints.stiffness  # N/m, N m/rad
     if batch.gates is not None:
         columns["enabled_when"] = _enabled_when(batch, batch.gates)
-    return _grouped(joints.owner, n, columns)
+    return Rows(joints.owner, columns)
 
 
 def _enabled_when(batch: Batch, gates: Gates) -> list[list[dict[str, Any]] | None]:
@@ -167,19 +160,19 @@ def _enabled_when(batch: Batch, gates: Gates) -> list[list[dict[str, Any]] | Non
     joints = batch.joints()
     found: list[list[dict[str, Any]]] = [[] for _ in joints.name]
     ends = (np.where(np.isfinite(end), end, np.nan) for end in (gates.low, gates.high))
-    low, high = (_tidy(end) for end in ends)
+    low, high = (tidy(end) for end in ends)
     for own, gate, above, below in zip(gates.joint.tolist(), gates.gate.tolist(), low, high, strict=True):
         found[own].append({"joint": joints.name[gate], "from": above, "to": below})
     return [conditions or None for conditions in found]
 
 
-def _axes(batch: Batch, states: np.ndarray | None) -> dict[str, list[Any]]:
+def _axes(batch: Batch, states: np.ndarray | None) -> dict[str, Column]:
     """Origins and axes of the joints: an axis moves with the link it is fixed to."""
     joints, links = batch.joints(), batch.links()
     turn, shift = batch.pose(states)
     holder = np.searchsorted(links.owner, joints.owner) + joints.parent
     origin = rotate(turn[holder], joints.origin) + shift[holder]
-    return {"origin": _tidy(origin), "axis": _tidy(rotate(turn[holder], joints.axis))}
+    return {"origin": origin, "axis": rotate(turn[holder], joints.axis)}
 
 
 def _reachable(
@@ -211,37 +204,31 @@ def _reachable(
 
 def _states(
     batch: Batch, states: np.ndarray, grasps: GraspTable, reached: np.ndarray, acting: Interactions
-) -> list[list[dict[str, Any]]]:
+) -> PerState:
     """For each object, one entry per state: rows in the order of the lists ``joints``, ``parts``, ``grasps``,
     ``keypoints`` and ``interactions``, with what differs from rest."""
-    n, keypoints = len(batch), sample_keypoints(batch)
-    made: list[list[dict[str, Any]]] = [[] for _ in range(n)]
+    keypoints, made = sample_keypoints(batch), []
     for values, reachable in zip(states, reached[1:], strict=True):
         poses = part_poses(batch, values)
-        rows = {
-            "joints": _grouped(batch.joints().owner, n, {"value": _tidy(values), **_axes(batch, values)}),
-            "parts": _grouped(
-                batch.parts().owner, n, {"center": _tidy(poses.center), "quaternion": _tidy(poses.quaternion)}
-            ),
-            "grasps": _grouped(
-                grasps.owner, n, _grasp_frames(batch, grasps, values) | {"reachable": reachable.tolist()}
-            ),
-            "keypoints": _grouped(keypoints.owner, n, _places(batch, keypoints, values)),
-            "interactions": _grouped(acting.owner, n, _acts(batch, acting, values)),
+        rows: dict[str, tuple[np.ndarray, dict[str, Column]]] = {
+            "joints": (batch.joints().owner, {"value": values, **_axes(batch, values)}),
+            "parts": (batch.parts().owner, {"center": poses.center, "quaternion": poses.quaternion}),
+            "grasps": (grasps.owner, _grasp_frames(batch, grasps, values) | {"reachable": reachable}),
+            "keypoints": (keypoints.owner, _places(batch, keypoints, values)),
+            "interactions": (acting.owner, _acts(batch, acting, values)),
         }
-        for i in range(n):
-            made[i].append({name: column[i] for name, column in rows.items()})
-    return made
+        made.append({name: Rows(owner, columns) for name, (owner, columns) in rows.items()})
+    return PerState(made)
 
 
-def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
+def _parts(batch: Batch) -> Rows:
     parts, n = batch.parts(), len(batch)
     poses = part_poses(batch)
     words = batch.program.vocabularies.get("semantic", ())
     of = find_semantic_parents(parts)
     semantic = [words[i] if i else None for i in np.asarray(parts.semantic).tolist()]
-    columns: dict[str, list[Any]] = {
-        "number": np.asarray(parts.number).tolist(),
+    columns: dict[str, Column] = {
+        "number": np.asarray(parts.number),
         "name": list(parts.name),
         "path": list(parts.path),
         "template": list(parts.template),
@@ -250,28 +237,28 @@ def _parts(batch: Batch) -> list[list[dict[str, Any]]]:
         "of": [None if p < 0 else p for p in of.tolist()],
         "lineage": lineages_of(parts, of, words, batch.program.name),
         "link": _names(batch.links(), n, parts.owner, parts.link),
-        "center": _tidy(poses.center),
-        "quaternion": _tidy(poses.quaternion),
-        "size": _tidy(poses.size),
-        "scale": _tidy(poses.scale),
+        "center": poses.center,
+        "quaternion": poses.quaternion,
+        "size": poses.size,
+        "scale": poses.scale,
         "symmetry": symmetry_words(parts.symmetry),
     }
-    return _grouped(parts.owner, n, columns)
+    return Rows(parts.owner, columns)
 
 
-def _grasps(batch: Batch, grasps: GraspTable, reached: np.ndarray) -> list[list[dict[str, Any]]]:
+def _grasps(batch: Batch, grasps: GraspTable, reached: np.ndarray) -> Rows:
     links, n = batch.links(), len(batch)
-    columns: dict[str, list[Any]] = {
+    columns: dict[str, Column] = {
         "name": list(grasps.name),
         "link": _names(links, n, grasps.owner, grasps.link),
-        "t": _tidy(grasps.t),
+        "t": grasps.t,
         **_grasp_frames(batch, grasps, None),
-        "opening": _tidy(grasps.opening),
-        "quality": _tidy(grasps.quality),
-        "gripper": [_stated(row) for row in _tidy(grasps.hand)],
-        "reachable": reached[0].tolist(),
+        "opening": grasps.opening,
+        "quality": grasps.quality,
+        "gripper": [_stated(row) for row in tidy(grasps.hand)],
+        "reachable": reached[0],
     }
-    return _grouped(grasps.owner, n, columns)
+    return Rows(grasps.owner, columns)
 
 
 def _stated(hand: list[float]) -> dict[str, float] | None:
@@ -279,40 +266,40 @@ def _stated(hand: list[float]) -> dict[str, float] | None:
     return {name: value for name, value in zip(MEASURES, hand, strict=True) if value == value} or None
 
 
-def _grasp_frames(batch: Batch, grasps: GraspTable, states: np.ndarray | None) -> dict[str, list[Any]]:
+def _grasp_frames(batch: Batch, grasps: GraspTable, states: np.ndarray | None) -> dict[str, Column]:
     starts = np.searchsorted(batch.links().owner, np.arange(len(batch)))
     point, _, turned = grasps.moved(starts, *batch.pose(states))
-    return {"point": _tidy(point), "quaternion": _tidy(turned)}
+    return {"point": point, "quaternion": turned}
 
 
-def _places(batch: Batch, keypoints: KeypointTable, states: np.ndarray | None) -> dict[str, list[Any]]:
+def _places(batch: Batch, keypoints: KeypointTable, states: np.ndarray | None) -> dict[str, Column]:
     turn, shift = batch.pose(states)
     link = np.searchsorted(batch.links().owner, np.arange(len(batch)))[keypoints.owner] + keypoints.link
-    return {"point": _tidy(rotate(turn[link], keypoints.point) + shift[link])}
+    return {"point": rotate(turn[link], keypoints.point) + shift[link]}
 
 
-def _keypoints(batch: Batch) -> list[list[dict[str, Any]]]:
+def _keypoints(batch: Batch) -> Rows:
     keypoints, links, n = sample_keypoints(batch), batch.links(), len(batch)
-    columns: dict[str, list[Any]] = {
+    columns: dict[str, Column] = {
         "name": list(keypoints.name),
         "link": _names(links, n, keypoints.owner, keypoints.link),
         **_places(batch, keypoints, None),
     }
-    return _grouped(keypoints.owner, n, columns)
+    return Rows(keypoints.owner, columns)
 
 
-def _interactions(batch: Batch, acting: Interactions, states: np.ndarray | None) -> list[list[dict[str, Any]]]:
+def _interactions(batch: Batch, acting: Interactions, states: np.ndarray | None) -> Rows:
     links, joints = batch.links(), batch.joints()
-    columns: dict[str, list[Any]] = {
+    columns: dict[str, Column] = {
         "affordance": list(acting.name),
         "link": [links.name[k] for k in acting.link],
         "joint": [joints.name[k] for k in acting.joint],
         **_acts(batch, acting, states),
     }
-    return _grouped(acting.owner, len(batch), columns)
+    return Rows(acting.owner, columns)
 
 
-def _acts(batch: Batch, acting: Interactions, states: np.ndarray | None) -> dict[str, list[Any]]:
+def _acts(batch: Batch, acting: Interactions, states: np.ndarray | None) -> dict[str, Column]:
     """Where interactions act, which way and how fast their links move, and how far the joint can go each way."""
     turn, shift = batch.pose(states)
     joints = batch.joints()
@@ -320,15 +307,10 @@ def _acts(batch: Batch, acting: Interactions, states: np.ndarray | None) -> dict
     point = rotate(turn[acting.link], acting.point) + shift[acting.link]
     direction, speed = directions_of(joint_twist(batch, states), acting.joint, point)
     left = np.stack([joints.low - values, joints.high - values], axis=-1)[acting.joint]
-    acts: dict[str, list[Any]] = {}
+    acts: dict[str, Column] = {}
     if batch.gates is not None:
         shut = np.zeros(len(values), dtype=bool)
         shut[batch.gates.joint[batch.gates.held(values)]] = True
         left[shut[acting.joint]] = 0.0
-        acts["enabled"] = (~shut[acting.joint]).tolist()
-    return acts | {
-        "point": _tidy(point),
-        "direction": [None if row[0] != row[0] else row for row in _tidy(direction)],
-        "speed": _tidy(speed),
-        "travel": [None if low != low or high != high else [low, high] for low, high in _tidy(left)],
-    }
+        acts["enabled"] = ~shut[acting.joint]
+    return acts | {"point": point, "direction": Known(direction), "speed": speed, "travel": Known(left)}

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..annotate.annotation import annotate, to_line
+from ..annotate.annotation import annotation_lines
 from ..annotate.cameras import Cameras
 from ..annotate.cloud import sample_points
 from ..annotate.sampling import Sampling
@@ -107,10 +107,10 @@ def tables_shard(batch: Batch, content: Content) -> Arrays:
 def annotation_shard(batch: Batch, content: Content) -> bytes:
     """The lines of ``annotation-<shard>.jsonl``: one object each."""
     values = None if content.states.only_rest else joint_values(batch, content.states)
-    made = annotate(batch, values, content.gripper)
+    details = None
     if content.details is not None:
         from ..details.store import tell  # start-up: as above
 
-        for annotation, told in zip(made, tell(batch, content.details), strict=True):
-            annotation["details"] = told
-    return "".join(to_line(annotation) + "\n" for annotation in made).encode("utf-8")
+        details = tell(batch, content.details)
+    lines = annotation_lines(batch, values, content.gripper, details)
+    return "".join([line + "\n" for line in lines]).encode("utf-8")

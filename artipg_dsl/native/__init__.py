@@ -12,7 +12,7 @@ operation on numbers is an inner loop of NumPy itself. Knows neither expressions
     moments.c       sums over the surfaces of solids, as ``geometry.quadrature`` has it
     gaps.c          how far hulls reach from their pieces, as ``geometry.merge`` has it
     wrap.c          the faces of convex hulls, as ``geometry.wrap`` has them
-    digits.c        rows of numbers as text, with the bytes of Python's ``%``
+    digits.c        rows of numbers as text, with the bytes of Python's ``%`` and of its JSON
     points.c        candidates for points, as ``geometry.candidates`` and ``geometry.hidden`` have them
     depths.c        what of clouds can be seen, as ``fit.outer`` has it
     loops           the inner loops of NumPy's functions, and how an array lies in memory

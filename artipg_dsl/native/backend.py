@@ -57,6 +57,7 @@ class Machine:
                 "reach_of_cells",
                 "print_rows",
                 "print_told",
+                "print_records",
                 "deepest",
                 "wrap",
                 "near_rows",

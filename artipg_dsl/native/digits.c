@@ -1,5 +1,6 @@
-/* Numbers as text, with the bytes of C's %.{n}g, %.6f and %d in the "C" locale, which are Python's. A number times a power of ten is
-   kept as a sum of two, so that which way it rounds is always known; what is too large or too small for that is left to the caller. */
+/* Numbers as text, with the bytes of C's %.{n}g, %.6f and %d in the "C" locale, which are Python's, and of Python's JSON. A number times
+   a power of ten is kept as a sum of two, so that which way it rounds is always known; what is too large or too small for that is left to
+   the caller. */
 
 #include "bodies.h"
 
@@ -181,5 +182,83 @@ OUT int64_t print_told(int64_t rows, int64_t columns, const double *number, cons
         *at++ = '\n';
     }
     *length = top - head;
+    return at - out;
+}
+
+/* A whole number of billionths, as Python writes the number that is nearest to it: below 10^15 no shorter text tells it from all others. */
+static char *put_billionths(char *out, int64_t whole) {
+    char room[9];
+    int count = 9, k;
+    if (whole < 0) *out++ = '-', whole = -whole;
+    if (whole && whole < 100000) { /* below 1e-4 */
+        int digits = 1;
+        for (int64_t rest = whole; rest >= 10; rest /= 10) digits++;
+        for (k = digits; k > 0; k--, whole /= 10) room[k - 1] = (char)('0' + whole % 10);
+        for (count = digits; room[count - 1] == '0'; count--);
+        *out++ = room[0];
+        if (count > 1) *out++ = '.';
+        for (k = 1; k < count; k++) *out++ = room[k];
+        memcpy(out, "e-0", 3);
+        out[3] = (char)('0' + 10 - digits);
+        return out + 4;
+    }
+    out = put_whole(out, whole / 1000000000);
+    uint32_t behind = (uint32_t)(whole % 1000000000);
+    *out++ = '.';
+    for (k = 4; k > 0; k--, behind /= 100) memcpy(room + 2 * k - 1, PAIRS + 2 * (behind % 100), 2);
+    room[0] = (char)('0' + behind);
+    while (count > 1 && room[count - 1] == '0') count--;
+    memcpy(out, room, 9);
+    return out + count;
+}
+
+/* a column of records: words by their numbers (rows,); or whole numbers (rows,); or numbers (rows,), null where there is none; or rows
+   (rows, width) of numbers, null where they are ``absent``, if any may be */
+typedef struct {
+    int64_t form, width;
+    const void *values;
+    const unsigned char *absent;
+} column;
+
+/* Records in ``out``: what stands before each column and after the last is ``marks``, each up to its end in ``ends`` (columns + 1,); word k is
+   from ``word_ends[k]`` to ``word_ends[k + 1]``; where each record ends is ``done`` (rows,). Numbers are rounded to billionths, as NumPy does.
+   Returns the length, -1 where a number cannot be written here. */
+OUT int64_t print_records(int64_t rows, int64_t columns, const column *of, const char *marks, const int64_t *ends, const char *words,
+                          const int64_t *word_ends, char *out, int64_t *done) {
+    char *at = out;
+    for (int64_t row = 0; row < rows; row++) {
+        int64_t from = 0;
+        for (int64_t k = 0;; k++) {
+            memcpy(at, marks + from, (size_t)(ends[k] - from));
+            at += ends[k] - from;
+            from = ends[k];
+            if (k == columns) break;
+            if (of[k].form < 2) {
+                const int64_t own = ((const int64_t *)of[k].values)[row];
+                if (of[k].form) {
+                    at = put_whole(at, own);
+                    continue;
+                }
+                memcpy(at, words + word_ends[own], (size_t)(word_ends[own + 1] - word_ends[own]));
+                at += word_ends[own + 1] - word_ends[own];
+                continue;
+            }
+            const double *number = (const double *)of[k].values + row * of[k].width;
+            if (of[k].form == 2 ? isnan(*number) : of[k].absent && of[k].absent[row]) {
+                memcpy(at, "null", 4);
+                at += 4;
+                continue;
+            }
+            if (of[k].form == 3) *at++ = '[';
+            for (int64_t i = 0; i < of[k].width; i++) {
+                const double whole = rint(number[i] * 1e9);
+                if (!(fabs(whole) < 1e15)) return -1;
+                if (i) *at++ = ',';
+                at = put_billionths(at, (int64_t)whole);
+            }
+            if (of[k].form == 3) *at++ = ']';
+        }
+        done[row] = at - out;
+    }
     return at - out;
 }

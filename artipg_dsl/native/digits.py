@@ -1,4 +1,4 @@
-"""Rows of numbers as text, by compiled code where that is there: the bytes of Python's ``%``."""
+"""Rows of numbers as text, by compiled code where that is there: the bytes of Python's ``%`` and of its JSON."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ _WIDTH = 24  # more than a number takes
 _LINE = ord("\n")
 _FEW = 12  # numbers below which Python is as fast
 _FORMS = {"d": 0, "g": 1, "f": 2}
+_WORD, _WHOLE = 0, 1  # columns of records; then numbers, by their dimensions
 
 
 def print_rows(values: np.ndarray, form: str, marks: Sequence[str]) -> str:
@@ -72,6 +73,57 @@ def _printed(values: np.ndarray, form: str, marks: tuple[str, ...]) -> bytes | N
         rows, columns, row.form, row.digits, values.ctypes.data, row.text, row.ends.ctypes.data, out.ctypes.data
     )
     return None if length < 0 else out[:length].tobytes()
+
+
+class Words(NamedTuple):
+    """A column of words: what they are, and which of them stands in each row (n,)."""
+
+    said: Sequence[str]
+    which: np.ndarray
+
+
+class Numbers(NamedTuple):
+    """A column of whole numbers (n,), of others (n,), nan where there is none, or of rows (n, k), of which some may be ``absent`` (n,)."""
+
+    values: np.ndarray
+    absent: np.ndarray | None = None
+
+
+def print_records(columns: Sequence[Words | Numbers], marks: Sequence[str]) -> tuple[bytes, np.ndarray] | None:
+    """Rows of columns as JSON has them, and where the text of each row ends (n,); ``marks`` (columns + 1,) is what stands before each
+    column and after the last. Numbers but whole ones are rounded to billionths as NumPy rounds, and written as Python writes them; what
+    there is not is null, rows are lists. None where there is no machine, or where it leaves a number to Python."""
+    machine = backend.machine()
+    if machine is None:
+        return None
+    rows = len(columns[0].which if isinstance(columns[0], Words) else columns[0].values)
+    told = np.zeros((len(columns), 4), dtype=np.int64)  # form, width, addresses: of numbers, of which rows are absent
+    held: list[np.ndarray] = []  # what lies there
+    words: list[bytes] = []
+    room = 0
+    for own, column in zip(told, columns, strict=True):
+        form, width, absent = _WORD, 1, None
+        if isinstance(column, Words):
+            said = [word.encode() for word in column.said]
+            values = np.asarray(column.which, dtype=np.int64) + len(words)
+            words += said
+            room += int(np.array(list(map(len, said)), dtype=np.int64)[column.which].sum())
+        else:
+            values, absent = column
+            form = values.ndim + 1 if values.dtype.kind == "f" else _WHOLE
+            values = np.ascontiguousarray(values, dtype=np.int64 if form == _WHOLE else np.float64)
+            width = values[0].size if rows else 1
+            room += rows * ((_WIDTH + 1) * width + 2)
+        own[:3], held = (form, width, values.ctypes.data), [*held, values]
+        if absent is not None:
+            held.append(np.ascontiguousarray(absent, dtype=np.bool_))
+            own[3] = held[-1].ctypes.data
+    between = [mark.encode() for mark in marks]
+    out, done = np.empty(room + rows * sum(map(len, between)), dtype=np.uint8), np.empty(rows, dtype=np.int64)
+    ends, word_ends = (np.cumsum([0, *map(len, texts)]) for texts in (between, words))
+    given = (told, b"".join(between), ends[1:], b"".join(words), word_ends, out, done)
+    length = call(machine.library.print_records, rows, len(columns), *given)
+    return None if length < 0 else (out[:length].tobytes(), done)
 
 
 class _Row(NamedTuple):

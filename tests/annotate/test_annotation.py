@@ -9,11 +9,14 @@ import numpy as np
 import pytest
 from export.fake_batch import SEMANTIC, FakeBatch
 
-from artipg_dsl.annotate.annotation import annotate, to_line, to_plain_data
+from artipg_dsl.annotate.annotation import annotate, annotation_lines, to_plain_data
 from artipg_dsl.annotate.frames import axis_angle, compose, euler, quaternion, rotate, unrotate
 from artipg_dsl.annotate.grasps import grasp_frame, sample_grasps
+from artipg_dsl.annotate.gripper import STANDARD
 from artipg_dsl.annotate.points import field_kinds, label_points
 from artipg_dsl.annotate.poses import normalise, part_poses, symmetry_words
+from artipg_dsl.annotate.rows import to_text
+from artipg_dsl.annotate.states import joint_values, read_states
 from artipg_dsl.graph import expr as e
 from artipg_dsl.runtime.fields import Field
 from artipg_dsl.session import Session
@@ -183,10 +186,22 @@ def test_the_annotation_tells_the_whole_object() -> None:
 
 
 def test_a_line_is_json_short_and_the_same_from_any_batch() -> None:
-    text = to_line(annotate(FakeBatch(5))[3])
-    assert text == to_line(annotate(FakeBatch(1, first=3))[0]) and "\n" not in text
+    text = to_text(annotate(FakeBatch(5))[3])
+    assert text == to_text(annotate(FakeBatch(1, first=3))[0]) and "\n" not in text
     again = json.loads(text)
-    assert to_line(again) == text and "-0.0," not in text and "e-1" not in text
+    assert to_text(again) == text and "-0.0," not in text and "e-1" not in text
+
+
+@pytest.mark.parametrize("category", ["Microwave", "Keyboard", "Foldingrack"])
+def test_lines_are_the_text_of_annotations(category: str) -> None:
+    """Also of details, in several states, and without a gripper."""
+    batch = Session.of(category).sampler.batch(np.arange(5), seed=3)
+    details = [None, *({"donor": f"Öfen {i}", "worn": i / 7} for i in range(4))]
+    for states, gripper in ((None, STANDARD), (joint_values(batch, read_states("rest,open")), None)):
+        plain = annotate(batch, states, gripper)
+        assert list(annotation_lines(batch, states, gripper)) == [to_text(one) for one in plain]
+        told = [to_text(one | {"details": own}) for one, own in zip(plain, details, strict=True)]
+        assert list(annotation_lines(batch, states, gripper, details)) == told
 
 
 def test_plain_values() -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from artipg_dsl.annotate.annotation import annotate, to_line
+from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.cloud import sample_points
+from artipg_dsl.annotate.rows import to_text
 from artipg_dsl.export.glb import glb_bytes
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.shards import point_arrays
@@ -66,7 +67,7 @@ def test_an_object_is_the_same_alone(sampler: Sampler, batch: Batch, robots: Rob
     alone = sampler.batch(np.array([37]), seed=7)
     one = Robots(alone).robot(0)
     assert urdf_files(one) == urdf_files(robots.robot(7)) and glb_bytes(one) == glb_bytes(robots.robot(7))
-    assert to_line(annotate(alone)[0]) == to_line(annotate(batch)[7])
+    assert to_text(annotate(alone)[0]) == to_text(annotate(batch)[7])
     mine, theirs = point_arrays(alone, 128), point_arrays(batch, 128)
     assert list(mine) == list(theirs)
     for name, array in mine.items():
