@@ -12,6 +12,7 @@ from ..geometry import points as geometry
 from ..geometry.pointset import PointSet, Pools
 from ..records import dataclass
 from ..runtime.fields import read_pose, read_triples
+from ..validity.formulas import is_predicate
 from .frames import reflect, rotate
 from .points import field_name, select_holding
 from .states import Twist, own_joints
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
     from ..graph.program import Label, Target
     from ..runtime.batch import Batch
 
-_LOOKS = (64, 512)  # points on each primitive that an affordance may lie on
+_FEW, _MANY = 64, 512  # points on each primitive that an affordance may lie on
+_GLANCE = 8  # where it lies on all of a primitive or nowhere: so many of one round show that there is surface to see
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,26 +128,30 @@ def _found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Iter
     """For each label and target the rows of the target's site on whose visible surface the label holds.
 
     Only on links that are ``moving`` (L,), which says so by numbers from 0 on. Labels run from outer to inner ones.
-    What few points do not show is looked for at many, where it may be.
+    What few points do not show is looked for at many, where it may be; what holds on all of a row at a glance first.
     """
     tables = batch.sites()
     first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
-    asked = {target.site for label in labels for target in label.targets}
-    wanted = [
-        np.full(len(table), table.number in asked) & (moving[first[table.owner] + table.link] >= 0) for table in tables
-    ]
     possible = find_possible(batch, labels)
     held = {pair: np.zeros(len(may), dtype=bool) for pair, may in possible.items()}
-    for count in _LOOKS:
-        points = look_at(batch, wanted, count)
+    wanted, mixed = ([np.zeros(len(table), dtype=bool) for table in tables] for _ in range(2))
+    for (label, target), may in possible.items():
+        wanted[target.site] |= may
+        if target.surfaces or not is_predicate(label) or any(formula.reads for formula in label.formulas):
+            mixed[target.site] |= may  # it may hold at some points alone
+    for table, mine in zip(tables, wanted, strict=True):
+        mine &= moving[first[table.owner] + table.link] >= 0
+    for few, many in ((_GLANCE, _FEW), (_FEW, _MANY)):
+        counts = [mine * np.where(own, many, few) for mine, own in zip(wanted, mixed, strict=True)]
+        points = look_at(batch, counts)
         for label, target, at in select_holding(batch, tables, points, labels):
             held[label, target][points.row.ravel()[at]] = True
         missed = [np.zeros(len(table), dtype=bool) for table in tables]
         for (label, target), found in held.items():
             missed[target.site] |= possible[label, target] & ~found
-        shown = [np.zeros(len(table), dtype=bool) for table in tables]
-        for number in asked:
-            shown[number][points.row[:, 0][points.site[:, 0] == number]] = True
+        shown = [~own for own in mixed]
+        for table, seen in zip(tables, shown, strict=True):
+            seen[points.row[:, 0][points.site[:, 0] == table.number]] = True
         wanted = [a & b & c for a, b, c in zip(wanted, missed, shown, strict=True)]
     for (label, target), found in held.items():
         if found.any():
@@ -175,20 +181,26 @@ def find_possible(batch: Batch, labels: Sequence[Label]) -> dict[tuple[Label, Ta
     return found
 
 
-def look_at(batch: Batch, wanted: Sequence[np.ndarray], count: int) -> PointSet:
-    """``count`` points on each ``wanted`` row of the sites that shows any surface: (P, count), a primitive each."""
+def look_at(batch: Batch, counts: Sequence[np.ndarray]) -> PointSet:
+    """Points on rows of the sites, ``counts`` (k,) of each, as far as they show any surface: (P, n), a primitive each. Those of few points come
+    first; where there is none, the site is -1. Rows of ``_GLANCE`` points are looked at once."""
     tables = batch.sites()
     pools = [
-        np.where(mine, np.int64(table.number + 1) << 32 | table.rank, 0)
-        for table, mine in zip(tables, wanted, strict=True)
+        np.where(count > 0, np.int64(table.number + 1) << 32 | table.rank, 0)
+        for table, count in zip(tables, counts, strict=True)
     ]
     address = np.asarray(batch.numbers).astype(np.uint64)
     if not any(pool.any() for pool in pools):
-        return PointSet.empty(0, count)
+        return PointSet.empty(0, _FEW)
     own = Pools.of(tables, pools, len(batch))
-    counts = np.where(own.label > 0, count, 0)
-    points, full, _ = geometry.sample_counts(tables, own, counts, random.key(batch.seed, "interactions"), address)
-    return points.take(np.flatnonzero(full & (own.label > 0)))
+    many = np.zeros(len(own.owner), dtype=np.int64)
+    for count, row in zip(counts, own.rows, strict=True):
+        many[row] = count
+    points, full, _ = geometry.sample_counts(
+        tables, own, many, random.key(batch.seed, "interactions"), address, once=many == _GLANCE
+    )
+    points.site[np.arange(points.site.shape[1]) >= np.where(full, many, 0)[:, None]] = -1
+    return points
 
 
 def directions_of(motion: Twist, joint: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

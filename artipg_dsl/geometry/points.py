@@ -101,11 +101,13 @@ def sample_counts(
     address: np.ndarray,
     *,
     outside: bool = False,
+    once: np.ndarray | None = None,
 ) -> tuple[PointSet, np.ndarray, np.ndarray]:
     """The same with a number of points of its own for each pool, ``counts`` (P,): they come first in rows (P, n) of the
-    largest number. Which pools have all of theirs (P,) bool, and their surface (P,)."""
+    largest number. Which pools have all of theirs (P,) bool, and their surface (P,). For pools that are asked ``once`` (P,) bool there is one
+    round of candidates."""
     named = random.mix(np.asarray(address, dtype=np.uint64)[pools.owner], pools.label)
-    found = _sample(sites, pools, counts, key, named, outside)
+    found = _sample(sites, pools, counts, key, named, outside, once)
     return found.points, found.full, found.area
 
 
@@ -119,7 +121,13 @@ class _Found:
 
 
 def _sample(
-    sites: list[SiteTable], pools: Pools, counts: np.ndarray, key: random.Key, address: np.ndarray, outside: bool
+    sites: list[SiteTable],
+    pools: Pools,
+    counts: np.ndarray,
+    key: random.Key,
+    address: np.ndarray,
+    outside: bool,
+    once: np.ndarray | None = None,
 ) -> _Found:
     count, n_points = len(pools.owner), int(counts.max(initial=0))
     found = _Found(PointSet.empty(count, n_points), np.ones(count, dtype=bool), np.zeros(count))
@@ -136,7 +144,8 @@ def _sample(
         rows = block_of(sites, first, stop)
         low, high = np.searchsorted(pools.owner, (first, stop)).tolist()
         pool = pool_of[starts[rows.site] + rows.row] - low
-        _Sampler(rows, pool, key, address[low:high], low, counts[low:high], outside).fill(found)
+        again = None if once is None else ~once[low:high]
+        _Sampler(rows, pool, key, address[low:high], low, counts[low:high], outside).fill(found, again)
     return found
 
 
@@ -189,8 +198,9 @@ class _Sampler:
         self.guess = np.maximum(seen / total, _LEAST_GUESS)
         self.head = slot == 0
 
-    def fill(self, found: _Found) -> None:
-        """Rounds of candidates until every pool has its points, or is found to have no surface for them."""
+    def fill(self, found: _Found, again: np.ndarray | None = None) -> None:
+        """Rounds of candidates until every pool has its points, or is found to have no surface for them; for some pools (pools,) bool
+        alone after the first."""
         n = self.n
         filled = np.zeros(len(self.address), dtype=np.int64)
         room = (self.total > 0.0) & (n > 0)
@@ -203,6 +213,8 @@ class _Sampler:
             seen += survivors
             filled = np.minimum(filled + survivors, n)
             missing = np.where((self.total > 0.0) & ((seen > 0) | (tried < hopeless)), n - filled, 0)
+            if again is not None:
+                missing *= again
             if not missing.any():
                 break
             share = np.maximum(seen / np.maximum(tried, 1), _LEAST)

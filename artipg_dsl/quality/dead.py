@@ -147,7 +147,7 @@ def find_dead_labels(batch: Batch) -> list[Dead]:
         some = evaluate_again(batch, np.arange(min(objects, len(batch))))
         tables = some.sites()
         asked = {target.site for label in labels if _statement(label) in left for target in label.targets}
-        points = look_at(some, [np.full(len(table), table.number in asked) for table in tables], count)
+        points = look_at(some, [np.full(len(table), count * (table.number in asked)) for table in tables])
         left -= {_statement(label) for label, _, _ in select_holding(some, tables, points, labels)}
     rows = dict.fromkeys(left, 0)
     for (label, _), may in find_possible(some, [label for label in labels if _statement(label) in left]).items():
@@ -191,7 +191,7 @@ def look_across(batch: Batch) -> dict[tuple[tuple[str, str], int], np.ndarray]:
     labels = [label for label in batch.program.labels if label.name in _PRESSES and label.vocabulary != "semantic"]
     tables, joints = batch.sites(), batch.joints()
     asked = {target.site for label in labels for target in label.targets}
-    points = look_at(batch, [np.full(len(table), table.number in asked) for table in tables], _LOOKS[0][1])
+    points = look_at(batch, [np.full(len(table), _LOOKS[0][1] * (table.number in asked)) for table in tables])
     position, normal = points.position.reshape(-1, 3), points.normal.reshape(-1, 3)
     motion = joint_twist(batch, np.zeros(len(joints.owner)))
     found: dict[tuple[tuple[str, str], int], list[np.ndarray]] = {}
