@@ -42,24 +42,30 @@ def _joined(name: str, arrays: list[np.ndarray]) -> np.ndarray:
 def npz_bytes(arrays: Mapping[str, np.ndarray], *, pack: bool = False) -> bytes:
     """The arrays as an .npz, packed if asked for."""
 
-    def pieces() -> Iterable[tuple[str, Any]]:
+    def members() -> Iterable[tuple[str, list[Any]]]:
         for name, array in arrays.items():
-            content = io.BytesIO()
-            np.lib.format.write_array(content, np.asarray(array, order="C"), version=(1, 0), allow_pickle=False)
-            yield f"{name}.npy", content.getbuffer()
+            head, plain = io.BytesIO(), np.asarray(array, order="C")
+            np.lib.format.write_array_header_1_0(head, np.lib.format.header_data_from_array_1_0(plain))
+            yield f"{name}.npy", [head.getvalue(), plain.reshape(-1).view(np.uint8).data]
 
-    return _zip_bytes(pieces(), pack=pack)
+    return _zip_bytes(members(), pack=pack)
 
 
-def _zip_bytes(members: Iterable[tuple[str, Any]], *, pack: bool = False) -> bytes:
-    """A zip archive whose bytes depend on the names, order and contents of its members alone."""
+def _zip_bytes(members: Iterable[tuple[str, list[Any]]], *, pack: bool = False) -> bytes:
+    """A zip archive whose bytes depend on the names, order and contents of its members alone, which are told in pieces."""
     stream = io.BytesIO()
     method, level = (zipfile.ZIP_DEFLATED, 1) if pack else (zipfile.ZIP_STORED, None)
     with zipfile.ZipFile(stream, "w", method, compresslevel=level) as archive:
-        for name, content in members:
+        for name, pieces in members:
             entry = zipfile.ZipInfo(name, _STAMP)
             entry.create_system, entry.external_attr, entry.compress_type = 3, 0o644 << 16, method
-            archive.writestr(entry, content, compresslevel=level)
+            if pack:
+                archive.writestr(entry, b"".join(pieces), compresslevel=level)
+                continue
+            entry.file_size = sum(map(len, pieces))  # large arrays are written as they lie
+            with archive.open(entry, "w") as file:
+                for piece in pieces:
+                    file.write(piece)
     return stream.getvalue()
 
 
@@ -85,7 +91,7 @@ def zarr_bytes(arrays: Mapping[str, np.ndarray], *, pack: bool = False) -> bytes
     for name, array in arrays.items():
         chunks = tuple(max(1, n) for n in array.shape)
         group.create_array(name, data=np.ascontiguousarray(array), chunks=chunks)
-    return _zip_bytes((name, found[name].to_bytes()) for name in sorted(found))
+    return _zip_bytes((name, [found[name].to_bytes()]) for name in sorted(found))
 
 
 def parquet_bytes(arrays: Mapping[str, np.ndarray], *, pack: bool = False) -> bytes:
