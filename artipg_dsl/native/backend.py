@@ -44,6 +44,7 @@ class Machine:
                 "add_moments",
                 "coarse",
                 "keep_points",
+                "in_frames",
                 "depth_pictures",
                 "depth_sides",
                 "chain",

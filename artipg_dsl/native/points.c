@@ -146,3 +146,26 @@ OUT void keep_points(int64_t n, const int64_t *wanted, const int64_t *seen, cons
         }
     }
 }
+
+/* frames of rows: turns (9, all) and shifts (3, all) that carry them to the object, mirrors (all,), and centres (3, all) that are taken off
+   there; null where there is none */
+typedef struct {
+    const double *turn, *shift, *mirror, *center;
+} frames;
+
+/* Of vectors (.., 3) those ``at`` (n,), each in the frame of its row: the coordinates along some ``axes`` (many,), (n,) each. */
+OUT void in_frames(int64_t n, const int64_t *at, const int64_t *row, const double *vectors, int64_t all, const frames *of, int64_t many,
+                   const int64_t *axes, double *const *out) {
+    for (int64_t k = 0; k < n; k++) {
+        const int64_t own = row[k];
+        const double *given = vectors + 3 * at[k];
+        double off[3];
+        for (int i = 0; i < 3; i++) off[i] = of->shift ? given[i] - of->shift[i * all + own] : given[i];
+        for (int64_t i = 0; i < many; i++) {
+            const double *turn = of->turn + axes[i] * all + own;
+            double value = turn[0] * off[0] + turn[3 * all] * off[1] + turn[6 * all] * off[2];
+            if (axes[i] == 1) value *= of->mirror[own];
+            out[i][k] = of->center ? value - of->center[axes[i] * all + own] : value;
+        }
+    }
+}

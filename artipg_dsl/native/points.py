@@ -40,6 +40,10 @@ class _Places(ctypes.Structure):
     _fields_ = [(name, ctypes.c_void_p) for name in ("site", "row", "patch", "u", "v", "position", "normal")]
 
 
+class _Frames(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_void_p) for name in ("turn", "shift", "mirror", "center")]
+
+
 def coarse(machine: Machine, stream: np.ndarray, lane: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Two numbers for each lane: of streams (n,) uint64 ``count`` (n,) from ``lane`` (n,) on."""
     u, v = np.empty((2, int(count.sum())))
@@ -139,3 +143,24 @@ def keep(
     each, size = numbers.pop(), surfaces[0].shape[1]
     given = (*candidates, begin, each, size, flat, cells, len(bent[0]), others, into)
     call(machine.library.keep_points, len(numbers[0]), *numbers, *given)
+
+
+def in_frames(
+    machine: Machine,
+    vectors: np.ndarray,
+    at: np.ndarray,
+    row: np.ndarray,
+    frames: tuple[np.ndarray, np.ndarray | None, np.ndarray, np.ndarray | None],
+    axes: Sequence[int],
+) -> list[np.ndarray]:
+    """Of vectors (m, 3) those ``at`` (n,), each in the frame of its ``row`` (n,): the coordinates along ``axes``, (n,) each.
+    Frames by turns (9, R), which carry them to the object, shifts (3, R), mirrors (R,) and centres (3, R), which are taken off there."""
+    out = [np.empty(len(at)) for _ in axes]  # small ones, for which there is memory at hand
+    places = np.array([array.ctypes.data for array in out], dtype=np.int64)
+    arrays = [None if array is None else np.ascontiguousarray(array, dtype=np.float64) for array in frames]
+    told = _Frames(*(None if array is None else array.ctypes.data for array in arrays))
+    where = (np.ascontiguousarray(array, dtype=np.int64) for array in (at, row))
+    chosen = np.array(axes, dtype=np.int64)
+    given = np.ascontiguousarray(vectors, dtype=np.float64)
+    call(machine.library.in_frames, len(at), *where, given, len(frames[2]), told, len(axes), chosen, places)
+    return out

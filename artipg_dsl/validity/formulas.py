@@ -16,6 +16,8 @@ from ..geometry.points import evaluate_flat
 from ..geometry.pointset import PointSet
 from ..graph.expr import Scope, variables
 from ..graph.program import Label, Program, Target
+from ..native import backend
+from ..native.points import in_frames
 from ..runtime.fields import Field, FieldReader, read_pose, read_triples
 from ..runtime.motion import apply
 from .fault import Fault, Key, list_faults
@@ -154,36 +156,46 @@ class _Place:
     """The variables ``p``, ``n`` and ``size`` of a target: those of their coordinates that ``names`` tells."""
 
     def __init__(self, reader: FieldReader, target: Target, scope: Scope, names: set[str], vector: bool):
-        self.names, self.kinds = sorted(names), {name.partition(".")[0] for name in names}
-        if vector or self.kinds & {"p", "n"}:
+        self.axes: dict[str, list[int]] = {}  # of each kind, in their order
+        for name in sorted(names):
+            kind, _, letter = name.partition(".")
+            self.axes.setdefault(kind, []).append("xyz".index(letter))
+        if vector or self.axes.keys() & {"p", "n"}:
             self.rotation, translation, self.mirror = read_pose(reader, target.frame, scope)
             self.columns = np.ascontiguousarray(self.rotation.reshape(-1, 9).T)
             self.translation = np.ascontiguousarray(translation.T)
-        if self.kinds & {"p", "size"}:
+        if self.axes.keys() & {"p", "size"}:
             size, center = read_triples(reader, [target.size, target.center], scope)
             self.size, self.center = np.ascontiguousarray(size.T), np.ascontiguousarray(center.T)
 
     def variables(self, row: np.ndarray, at: np.ndarray, points: BoundPoints) -> dict[str, np.ndarray]:
         """Values at the flat point numbers ``at``, whose rows are ``row``."""
-        away = {}
-        if "p" in self.kinds:
-            position = points.position.reshape(-1, 3)
-            away["p"] = [position[at, k] - self.translation[k][row] for k in range(3)]
-        if "n" in self.kinds:
-            normal = points.normal.reshape(-1, 3)
-            away["n"] = [normal[at, k] for k in range(3)]
-        out = {}
-        for name in self.names:
-            kind, _, letter = name.partition(".")
-            axis = "xyz".index(letter)
+        out: dict[str, np.ndarray] = {}
+        for kind, axes in self.axes.items():
             if kind == "size":
-                out[name] = self.size[axis][row]
-                continue
-            x, y, z = (self.columns[3 * k + axis][row] * away[kind][k] for k in range(3))
+                found = [self.size[axis][row] for axis in axes]
+            else:
+                vectors = points.position if kind == "p" else points.normal
+                found = self._in_frames(row, at, vectors.reshape(-1, 3), axes, placed=kind == "p")
+            out |= {f"{kind}.{'xyz'[axis]}": value for axis, value in zip(axes, found, strict=True)}
+        return out
+
+    def _in_frames(
+        self, row: np.ndarray, at: np.ndarray, vectors: np.ndarray, axes: list[int], placed: bool
+    ) -> list[np.ndarray]:
+        """Some coordinates of vectors (m, 3) in the frames of rows, from the middle of the target on if they are ``placed`` in the object."""
+        machine = backend.machine()
+        if machine is not None:
+            shift, center = (self.translation, self.center) if placed else (None, None)
+            return in_frames(machine, vectors, at, row, (self.columns, shift, self.mirror, center), axes)
+        away = [vectors[at, k] - self.translation[k][row] if placed else vectors[at, k] for k in range(3)]
+        found = []
+        for axis in axes:
+            x, y, z = (self.columns[3 * k + axis][row] * away[k] for k in range(3))
             value = x + y + z
             value = value * self.mirror[row] if axis == 1 else value
-            out[name] = value - self.center[axis][row] if kind == "p" else value
-        return out
+            found.append(value - self.center[axis][row] if placed else value)
+        return found
 
     def turned(self, row: np.ndarray, vectors: np.ndarray) -> np.ndarray:
         """Vectors of the target (m, 3) in the object's frame."""

@@ -10,7 +10,9 @@ from artipg_dsl.geometry.flat import BENT, PLANAR
 from artipg_dsl.geometry.pointset import PointSet
 from artipg_dsl.geometry.pointset import Pools as PointPools
 from artipg_dsl.native import points as native
+from artipg_dsl.runtime.fields import Field
 from artipg_dsl.session import Session
+from artipg_dsl.validity.formulas import _Place
 
 from .machine import bits, needs_compiler
 
@@ -58,6 +60,30 @@ def test_pools_that_get_no_points_change_nothing_for_others(using, name, backend
     for field in PointSet.__slots__:
         seen = [getattr(found, field)[asked & full] for found in (whole, some)]
         assert len(seen[0]) and bits(np.ascontiguousarray(seen[0])) == bits(np.ascontiguousarray(seen[1])), field
+
+
+@pytest.mark.parametrize("name", ["Microwave", "StorageFurniture"])
+def test_what_labels_read_at_points(using, name):
+    """Places and directions in the frames of targets, mirrored ones too."""
+    batch = Session.of(name).sampler.batch(np.arange(4), 2)
+    made = points.sample(batch.sites(), 4, 700, KEY, np.arange(4, dtype=np.uint64))
+    told: list[dict] = []
+    for backend in ("numpy", "c"):  # once each: the machine is compiled anew
+        using(backend)
+        told.append({})
+        for number, label in enumerate(batch.program.labels):
+            for target in label.targets:
+                at = np.flatnonzero(made.site == target.site)
+                row, scope = made.row.ravel()[at], batch.program.sites[target.site].scope
+                names = {name for name in Field.of(label.formulas).names if "." in name}
+                place = _Place(batch, target, scope, names, True)
+                values = place.variables(row, at, made)
+                told[-1] |= {(number, target.site, name): (values[name], place.mirror[row]) for name in names}
+    assert told[0].keys() == told[1].keys()
+    for key, (values, _) in told[0].items():
+        assert bits(values) == bits(told[1][key][0]), key
+    assert {key[2] for key, (values, _) in told[0].items() if len(values)} >= {"p.y", "n.x"}
+    assert name == "Microwave" or any((mirror < 0).any() for key, (_, mirror) in told[0].items() if key[2] == "p.y")
 
 
 def test_cells_of_all_shapes_are_looked_at():
