@@ -68,13 +68,13 @@ def label_points(
                 continue
             at, value = _evaluate(reader, label, target, at, points)
             if label.vocabulary == "semantic":
-                semantic[at[value > 0]] = classes[label.name]
+                semantic[at.compress(value > 0)] = classes[label.name]
                 continue
             into = fields[field_name(label)]
             if label.vocabulary == "field":  # the innermost one says what it is
                 into[at] = value
                 continue
-            _outdo(label, at[value > 0], levels[label.vocabulary], fields)
+            _outdo(label, at.compress(value > 0), levels[label.vocabulary], fields)
             into[at] = _merge(into[at], value)
     shape = np.asarray(points.site).shape
     made = {name: _finish(field).reshape(shape + field.shape[1:]) for name, field in fields.items()}
@@ -106,18 +106,18 @@ def select_holding(
             at = select_on_surfaces(chosen[target.site], tables[target.site], target, points)
             if len(at):
                 at, value = _evaluate(reader, label, target, at, points)
-                at, level = at[value > 0], levels[label.vocabulary]
+                at, level = at.compress(value > 0), levels[label.vocabulary]
                 level[at] = np.maximum(level[at], label.depth)
                 found.append((label, target, at))
     for label, target, at in found:
-        own = at[levels[label.vocabulary][at] == label.depth]
+        own = at.compress(levels[label.vocabulary][at] == label.depth)
         if len(own):
             yield label, target, own
 
 
 def _outdo(label: Label, at: np.ndarray, level: np.ndarray, fields: dict[str, np.ndarray]) -> None:
     """Where ``label`` holds (flat point numbers ``at``), take back what less deep ones of its vocabulary have said."""
-    over = at[level[at] < label.depth]
+    over = at.compress(level[at] < label.depth)
     level[over] = label.depth
     for name, field in fields.items():
         if name.startswith(f"{label.vocabulary}."):

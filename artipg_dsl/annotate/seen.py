@@ -70,7 +70,7 @@ def part_coordinates(batch: Batch, part: np.ndarray, points: np.ndarray) -> np.n
     scale = diagonal(parts.high - parts.low)
     scale = np.where(scale > 0, scale, 1.0)
     back = np.swapaxes(parts.rotation, -1, -2)
-    return rotate_rows(back, part, points - centers_of(parts)[part]) / scale[part][:, None]
+    return rotate_rows(back, part, points - centers_of(parts).take(part, axis=0)) / scale.take(part)[:, None]
 
 
 def read_classes(batch: Batch, points: BoundHits) -> np.ndarray:

@@ -51,13 +51,17 @@ class Block:
             own = chosen[shelf.start : shelf.stop]
             stop = start + int(np.count_nonzero(own))
             if stop > start:
-                params = {name: column[own] for name, column in shelf.params.items()}
+                params = {name: column.compress(own) for name, column in shelf.params.items()}
                 shelves.append(Shelf(shelf.primitive, params, start, stop))
             start = stop
-        owner, site, row, rank = (column[chosen] for column in (self.owner, self.site, self.row, self.rank))
         # compress leaves an array in the order of C, which compiled code reads
-        poses = self.rotation.compress(chosen, axis=1), self.translation.compress(chosen, axis=1), self.mirror[chosen]
-        boxes = self.low[chosen], self.high[chosen], self.diagonal[chosen]
+        owner, site, row, rank = (column.compress(chosen) for column in (self.owner, self.site, self.row, self.rank))
+        poses = (
+            self.rotation.compress(chosen, axis=1),
+            self.translation.compress(chosen, axis=1),
+            self.mirror.compress(chosen),
+        )
+        boxes = (*(end.compress(chosen, axis=0) for end in (self.low, self.high)), self.diagonal.compress(chosen))
         return Block(self.objects, tuple(shelves), owner, site, row, rank, *poses, *boxes)
 
 
@@ -109,7 +113,7 @@ Coordinates = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 def _placed_bounds(poses: Poses, row: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Boxes (m, 3) in the own frames of rows, bounded by boxes in the object's frame."""
-    rotation, translation, mirror = poses[0][:, row], poses[1][:, row], poses[2][row]
+    rotation, translation, mirror = poses[0].take(row, axis=1), poses[1].take(row, axis=1), poses[2].take(row)
     middle, half = (low + high) / 2, (high - low) / 2
     out_low, out_high = np.empty_like(middle), np.empty_like(middle)
     y = middle[:, 1] * mirror

@@ -122,9 +122,10 @@ class LoosePoints:
         at = cells.flat_position(cell[part], u[part], v[part])
         for axis in range(3):
             position[axis, part], normal[axis, part] = at[axis], cells.normal[axis][cell[part]]
-        order = np.argsort(cell, kind="stable")
-        self.cell, self.nth, self.u, self.v = cell[order], nth[order], u[order], v[order]
-        self.position, self.normal = position[:, order], normal[:, order]
+        turn = np.argsort(every)
+        order = runs(done[turn], count[turn])  # the points of a cell stand together
+        self.cell, self.nth, self.u, self.v = (column.take(order) for column in (cell, nth, u, v))
+        self.position, self.normal = position.take(order, axis=1), normal.take(order, axis=1)
         self.hidden = occlusion.loose_hidden(self.cell, self.position, self.normal)
 
     def part(self, begin: int, end: int, start: np.ndarray) -> Loose:

@@ -80,10 +80,10 @@ class Cells:
             for axis in range(3):
                 p, q, r = rotation[3 * axis], rotation[3 * axis + 1], rotation[3 * axis + 2]
                 placed = p * mine[:, 0] + q * y + r * mine[:, 2]
-                self.origin[axis, cell] = (placed[0] + translation[axis]).ravel()
+                self.origin[axis][cell] = (placed[0] + translation[axis]).ravel()
                 for k, into in ((1, self.a), (2, self.b), (3, self.c)):
-                    into[axis, cell] = placed[k].ravel()
-            self.normal[0, cell] = (mirror * sign).ravel()
+                    into[axis][cell] = placed[k].ravel()
+            self.normal[0][cell] = (mirror * sign).ravel()
         part = slice(shelf.start, shelf.stop)
         if any(s.guard is not None for s in surfaces(shelf.primitive)):
             here = self.first[part, None] + np.arange(len(surfaces(shelf.primitive)))
@@ -95,8 +95,8 @@ class Cells:
         element = self.element[:, part]
         planar = np.flatnonzero(self.shape[part] == PLANAR)
         middle = _cross(a, b)
-        bend = self.c[:, part][:, planar]
-        along_u, along_v = _cross(a[:, planar], bend), _cross(bend, b[:, planar])
+        bend = self.c[:, part].take(planar, axis=1)
+        along_u, along_v = _cross(a.take(planar, axis=1), bend), _cross(bend, b.take(planar, axis=1))
         for axis in range(3):
             middle[axis][planar] += along_u[axis] / 2 + along_v[axis] / 2
         length = np.sqrt(middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2])

@@ -124,7 +124,7 @@ class Occlusion:
             for axis in range(3):
                 kept &= low[axis][cell] <= row_high[axis][beside]
                 kept &= high[axis][cell] >= row_low[axis][beside]
-            found.append((chosen[cell[kept]], beside[kept]))
+            found.append((chosen[cell.compress(kept)], beside.compress(kept)))
         return np.concatenate([c for c, _ in found]), np.concatenate([o for _, o in found])
 
     def _flat_pairs(self, cell: np.ndarray, other: np.ndarray, group: np.ndarray) -> _Pairs:
@@ -217,7 +217,7 @@ class Occlusion:
         shelf_of = self.shelf[pairs.other[whole]]
         for number in distinct(shelf_of).tolist():
             shelf, mine = self.rows.shelves[number], whole[shelf_of == number]
-            origin, a, b, c = pairs.quad[:, :, mine]
+            origin, a, b, c = pairs.quad.take(mine, axis=2)
             ends = np.stack([origin + u * a + v * b + (u * v) * c for u, v in corners])
             row = pairs.other[mine] - shelf.start
             params = {name: value[row] for name, value in shelf.params.items()}
@@ -238,7 +238,8 @@ class Occlusion:
 
     def _at(self, chosen: np.ndarray | slice, u: np.ndarray | float, v: np.ndarray | float) -> np.ndarray:
         """(m,) depths in their rows of one place asked on the cell of each chosen pair."""
-        origin, a, b, c = (q[:, chosen] for q in self.pairs.quad)
+        quad = self.pairs.quad
+        origin, a, b, c = quad if isinstance(chosen, slice) else quad.take(chosen, axis=2)
         return self._depths(self.pairs.other[chosen], origin + u * a + v * b + (u * v) * c)
 
     def _depths(self, other: np.ndarray, local: _Places) -> np.ndarray:
@@ -298,13 +299,13 @@ class Occlusion:
         other = pairs.other[pair]
         edges = pairs.edges[group * shelves : (group + 1) * shelves + 1]
         depth = self._by_shelf(edges, pair, other, local)
-        out[point[depth < 0.0]] = True
+        out[point.compress(depth < 0.0)] = True
         about = _ABOUT * self.off[self.rows.owner[other]]
         close = np.flatnonzero((depth >= 0.0) & (depth <= about) & pairs.lower[pair])
         if len(close):
             pair, point, other = pair[close], point[close], other[close]
             behind = [local[k][close] + pairs.step[k][pair] for k in range(3)]
-            out[point[self._by_shelf(edges, pair, other, behind) < 0.0]] = True
+            out[point.compress(self._by_shelf(edges, pair, other, behind) < 0.0)] = True
 
     def _within_reach(
         self, asked: np.ndarray, start: np.ndarray, count: np.ndarray, u: np.ndarray, v: np.ndarray, spots: np.ndarray
@@ -351,13 +352,14 @@ class Occlusion:
         for part in np.split(np.arange(len(cell)), cuts):
             point, other, local = self._within_boxes(part, first[part], count[part], outer)
             depth = self._depths(other, local)
-            out[point[depth < 0.0]] = True
-            lower = self.rows.rank[other] < self.rows.rank[row[point]]
-            close = (depth >= 0.0) & (depth <= _ABOUT * off[point]) & lower
+            out[point.compress(depth < 0.0)] = True
+            close = np.flatnonzero((depth >= 0.0) & (depth <= _ABOUT * off[point]))
             point, other = point[close], other[close]
+            lower = np.flatnonzero(self.rows.rank[other] < self.rows.rank[row[point]])
+            point, other = point[lower], other[lower]
             inner = [p[point] - off[point] * n[point] for p, n in zip(position, normal, strict=True)]
             depth = self._depths(other, to_local(self.cells.poses, other, inner))
-            out[point[depth < 0.0]] = True
+            out[point.compress(depth < 0.0)] = True
         return out
 
     def _within_boxes(
@@ -376,7 +378,7 @@ class Occlusion:
             value = place[axis][point]
             kept = np.flatnonzero((value >= self.ends[0][axis][other]) & (value <= self.ends[1][axis][other]))
             point, other = point[kept], other[kept]
-        return point, other, to_local(poses, other, place[:, point])
+        return point, other, to_local(poses, other, place.take(point, axis=1))
 
 
 def meeting_rows(rows: Block, off: np.ndarray, asked: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:

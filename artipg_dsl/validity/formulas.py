@@ -78,7 +78,7 @@ def evaluate_label(
         variables |= place.variables(row, some, points)
         guard, *values = (np.broadcast_to(v, some.shape) for v in field([r[row] for r in reads], variables))
         told = place.turned(row, np.stack(values, axis=-1)) if label.vector else values[0]
-        found.append((some, told) if guard.all() else (some[guard], told[guard]))
+        found.append((some, told) if guard.all() else (some.compress(guard), told.compress(guard, axis=0)))
     return np.concatenate([f[0] for f in found]), np.concatenate([f[1] for f in found])
 
 
