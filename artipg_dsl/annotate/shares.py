@@ -44,13 +44,21 @@ def draw_points(
     labels = [_labels(table, how.balance or how.per) for table in sites]
     if how.balance:
         return _balanced(sites, labels, n_objects, how, key, address, weigh)
-    found, pools, area = geometry.sample_pools(sites, labels, n_objects, n * times, key, address, outside=outside)
+
+    def shuffled(pools: Pools) -> np.ndarray:
+        return _shuffle(key, random.mix(address[pools.owner], pools.label), n)
+
+    order = shuffled if times == 1 else None  # else they are thinned first
+    found, pools, area = geometry.sample_pools(
+        sites, labels, n_objects, n * times, key, address, outside=outside, order=order
+    )
     bare = absent(n_objects, pools.owner)
     if len(bare):
         raise geometry.PointsError(bare.tolist())
-    made = found if times == 1 else found.take(_places(blue.thin(found.position, found.normal, area, n)))
-    order = _places(_shuffle(key, random.mix(address[pools.owner], pools.label), n))
-    return DrawnPoints(made.take(order), pools.owner, np.repeat(area[:, None] / n, n, axis=1))
+    if times > 1:
+        thinned = found.take(_places(blue.thin(found.position, found.normal, area, n)))
+        found = thinned.take(_places(shuffled(pools)))
+    return DrawnPoints(found, pools.owner, np.repeat(area[:, None] / n, n, axis=1))
 
 
 def _balanced(

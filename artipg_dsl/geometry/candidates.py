@@ -181,8 +181,9 @@ class Candidates:
             )
         return (position[0], position[1], position[2]), (normal[0], normal[1], normal[2])
 
-    def keep(self, out: PointSet, thinning: Thinning, kept: np.ndarray) -> None:
-        """Write those that are seen, the ``kept`` ones (k,), into the rows of ``out``, as far as there is room."""
+    def keep(self, out: PointSet, place: np.ndarray | None, thinning: Thinning, kept: np.ndarray) -> None:
+        """Write those that are seen, the ``kept`` ones (k,), into the rows of ``out``, as far as there is room: one after the other, or where
+        ``place`` has these places."""
         machine = backend.machine()
         if machine is not None:
             cells, of = self.cells, thinning
@@ -192,16 +193,17 @@ class Candidates:
             loose = (self.loose.at, self.loose.position, self.loose.normal)
             into = [getattr(out, name) for name in PointSet.__slots__]
             given = (self.hidden, self.u, self.v)
-            native.keep(machine, pools, given, self.begin, self.count, surfaces, PLANAR, loose, into)
+            native.keep(machine, pools, given, self.begin, self.count, surfaces, PLANAR, loose, place, into)
             return
         seen, room = thinning.seen, thinning.room
         if (room < seen).any():
             rank = runs(np.zeros_like(seen), seen)
             total, take = np.repeat(seen, seen), np.repeat(room, seen)
-            place = rank * take + np.repeat(thinning.shift, seen)
-            kept = kept[place % total + take >= total]
+            spread = rank * take + np.repeat(thinning.shift, seen)
+            kept = kept[spread % total + take >= total]
         position, normal = self.places(kept)
         cell, target = self.cell[kept], runs(thinning.target, room)
+        target = target if place is None else place[target]
         row = self.cells.row[cell]
         out.site.reshape(-1)[target] = self.cells.rows.site[row]
         out.row.reshape(-1)[target] = self.cells.rows.row[row]

@@ -10,6 +10,8 @@ Whatever the pools, points are hidden by all rows of their object.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from .. import random
@@ -77,16 +79,21 @@ def sample_pools(
     address: np.ndarray,
     *,
     outside: bool = False,
+    order: Callable[[Pools], np.ndarray] | None = None,
 ) -> tuple[PointSet, Pools, np.ndarray]:
     """The same for the pools that ``labels`` tell: one array (k,) of whole numbers from 0 on per site table.
 
     The points (P, n) and the pools that have them, and about how much surface each shows (P,), in square metres. Pools
     without surface are left out: those of which none of the first 50,000 candidates can be seen (``outside``: 5,000),
-    or less than one in 2,500 of more.
+    or less than one in 2,500 of more. Points are sorted by their surfaces; ``order`` tells in which order (P, n) they are wanted.
     """
     pools = Pools.of(sites, labels, n_objects)
     counts = np.full(len(pools.owner), n_points)
-    points, full, area = sample_counts(sites, pools, counts, key, address, outside=outside)
+    place = None
+    if order is not None and len(counts):
+        place = np.empty(counts.sum(), dtype=np.int64)
+        place[(np.cumsum(counts) - counts)[:, None] + order(pools)] = np.arange(len(place)).reshape(-1, n_points)
+    points, full, area = sample_counts(sites, pools, counts, key, address, outside=outside, place=place)
     if full.all():
         return points, pools, area
     kept = np.flatnonzero(full)
@@ -102,22 +109,24 @@ def sample_counts(
     *,
     outside: bool = False,
     once: np.ndarray | None = None,
+    place: np.ndarray | None = None,
 ) -> tuple[PointSet, np.ndarray, np.ndarray]:
     """The same with a number of points of its own for each pool, ``counts`` (P,): they come first in rows (P, n) of the
     largest number. Which pools have all of theirs (P,) bool, and their surface (P,). For pools that are asked ``once`` (P,) bool there is one
-    round of candidates."""
+    round of candidates. ``place`` (P * n,): where points go instead."""
     named = random.mix(np.asarray(address, dtype=np.uint64)[pools.owner], pools.label)
-    found = _sample(sites, pools, counts, key, named, outside, once)
+    found = _sample(sites, pools, counts, key, named, outside, once, place)
     return found.points, found.full, found.area
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Found:
-    """Points (P, n), which pools are ``full``, and about how much visible surface they have."""
+    """Points (P, n), which pools are ``full``, and about how much visible surface they have. ``place`` (P * n,): where points go instead."""
 
     points: PointSet
     full: np.ndarray
     area: np.ndarray
+    place: np.ndarray | None
 
 
 def _sample(
@@ -128,16 +137,17 @@ def _sample(
     address: np.ndarray,
     outside: bool,
     once: np.ndarray | None = None,
+    place: np.ndarray | None = None,
 ) -> _Found:
     count, n_points = len(pools.owner), int(counts.max(initial=0))
-    found = _Found(PointSet.empty(count, n_points), np.ones(count, dtype=bool), np.zeros(count))
+    found = _Found(PointSet.empty(count, n_points), np.ones(count, dtype=bool), np.zeros(count), place)
     if not count or not n_points:
         return found
     offsets = np.cumsum([0, *(len(site) for site in sites)])
     pool_of = np.concatenate([np.empty(0, np.int64), *pools.rows])
-    place = {site.number: int(offset) for site, offset in zip(sites, offsets[:-1], strict=True)}
-    starts = np.zeros(max(place, default=0) + 1, dtype=np.int64)
-    starts[list(place)] = list(place.values())
+    begin = {site.number: int(offset) for site, offset in zip(sites, offsets[:-1], strict=True)}
+    starts = np.zeros(max(begin, default=0) + 1, dtype=np.int64)
+    starts[list(begin)] = list(begin.values())
     objects = int(pools.owner[-1]) + 1
     most = min(_LOOKED_AT if outside else _OBJECTS, max(1, _POINTS * objects // (count * n_points)))
     for first, stop in _blocks(sites, objects, most):
@@ -208,7 +218,7 @@ class _Sampler:
         tried, seen = np.zeros_like(wanted), np.zeros_like(wanted)
         hopeless = _HOPELESS if self.outlook is None else _HOPELESS_OUTSIDE
         for attempt in range(_ROUNDS):
-            survivors = self._round(found.points, filled, wanted, attempt)
+            survivors = self._round(found, filled, wanted, attempt)
             tried += wanted
             seen += survivors
             filled = np.minimum(filled + survivors, n)
@@ -224,7 +234,7 @@ class _Sampler:
         found.full[mine] = filled == n
         found.area[mine] = self.total * seen / np.maximum(tried, 1)
 
-    def _round(self, out: PointSet, filled: np.ndarray, wanted: np.ndarray, attempt: int) -> np.ndarray:
+    def _round(self, out: _Found, filled: np.ndarray, wanted: np.ndarray, attempt: int) -> np.ndarray:
         """One round of ``wanted`` (pools,) candidates; the survivors counted, and written as far as there is room."""
         cells = self.cells
         offset, thin = (random.uniform(self.key, self.address, lane, attempt) for lane in (_OFFSET_LANE, _THIN_LANE))
@@ -242,7 +252,7 @@ class _Sampler:
 
     def _group(
         self,
-        out: PointSet,
+        out: _Found,
         number: int,
         low: int,
         high: int,
@@ -270,8 +280,8 @@ class _Sampler:
         survivors = np.diff(np.searchsorted(kept, np.concatenate([[0], np.cumsum(wanted)])))
         room = np.minimum(self.n[pools] - filled[pools], survivors)
         shift = np.minimum((thin[pools] * survivors).astype(np.int64), np.maximum(survivors - 1, 0))
-        target = (self.first + np.arange(low, high)) * out.u.shape[1] + filled[pools]
-        every.keep(out, Thinning(wanted, survivors, room, shift, target), kept)
+        target = (self.first + np.arange(low, high)) * out.points.u.shape[1] + filled[pools]
+        every.keep(out.points, out.place, Thinning(wanted, survivors, room, shift, target), kept)
         return survivors
 
 

@@ -115,34 +115,36 @@ typedef struct {
 } points;
 
 /* Of the candidates of n pools, ``wanted`` of each, those that are not hidden, as many as there is room for, thinned evenly by a ``shift``:
-   written from ``target`` on. Candidates come by cells, from ``first`` on, which have ``count``; ``flat``: the kind whose last vector counts. */
+   written from ``target`` on, or where ``place`` has these places. Candidates come by cells, from ``first`` on, which have ``count``; ``flat``: the
+   kind whose last vector counts. */
 OUT void keep_points(int64_t n, const int64_t *wanted, const int64_t *seen, const int64_t *room, const int64_t *shift, const int64_t *target,
                      const unsigned char *hidden, const double *u, const double *v, int64_t first, const int64_t *count, int64_t all,
-                     int64_t flat, const surfaces *of, int64_t loose, const bent *others, points *out) {
+                     int64_t flat, const surfaces *of, int64_t loose, const bent *others, const int64_t *place, points *out) {
     int64_t at = 0, cell = first, left = count[0], nth = 0;
     for (int64_t k = 0; k < n; k++) {
-        int64_t rank = 0, to = target[k];
+        int64_t rank = 0, next = target[k];
         for (int64_t i = 0; i < wanted[k]; i++, at++, left--) {
             while (!left) left = count[++cell - first];
             const int64_t own = nth < loose && others->at[nth] == at ? nth++ : -1;
             if (hidden[at]) continue;
             if (room[k] < seen[k] && (rank++ * room[k] + shift[k]) % seen[k] + room[k] < seen[k]) continue;
+            const int64_t to = place ? place[next] : next;
+            next++;
             out->site[to] = (int32_t)of->site[of->row[cell]], out->row[to] = (int32_t)of->table_row[of->row[cell]];
             out->patch[to] = (int16_t)of->patch[cell];
             out->u[to] = u[at], out->v[to] = v[at];
             for (int axis = 0; axis < 3; axis++) {
                 const int64_t c = axis * all + cell, b = axis * loose + own;
-                double place;
+                double where;
                 if (own >= 0)
-                    place = others->place[b];
+                    where = others->place[b];
                 else {
-                    place = of->origin[c] + u[at] * of->a[c] + v[at] * of->b[c];
-                    if (of->shape[cell] == flat) place += u[at] * v[at] * of->c[c];
+                    where = of->origin[c] + u[at] * of->a[c] + v[at] * of->b[c];
+                    if (of->shape[cell] == flat) where += u[at] * v[at] * of->c[c];
                 }
-                out->position[3 * to + axis] = place;
+                out->position[3 * to + axis] = where;
                 out->normal[3 * to + axis] = own >= 0 ? others->normal[b] : of->normal[c];
             }
-            to++;
         }
     }
 }

@@ -126,6 +126,7 @@ def keep(
     surfaces: Sequence[np.ndarray],
     flat: int,
     loose: Three,
+    place: np.ndarray | None,
     out: Sequence[np.ndarray],
 ) -> None:
     """Write those candidates that are seen, thinned evenly where there are more than there is room for.
@@ -134,14 +135,15 @@ def keep(
     where the first one goes. ``candidates`` (m,): whether they are hidden, and their fractions, in the order of their cells, of which
     each from the cell ``begin`` on has ``count``. ``surfaces``: quads and normals (3, C) of cells, their shapes, of which one, ``flat``,
     has a last vector, their rows and patches (C,), and sites and table rows of the rows. ``loose``: which candidates (k,) are not on
-    the quads of their cells, and their places and normals (3, k). ``out``: site, row, patch, u, v, position and normal of points.
+    the quads of their cells, and their places and normals (3, k). ``out``: site, row, patch, u, v, position and normal of points, which go one
+    after the other, or where ``place`` has these places.
     """
     numbers = [np.ascontiguousarray(array, dtype=np.int64) for array in (*pools, count)]
     bent = [np.ascontiguousarray(array) for array in loose]
     cells = _Surfaces(*(array.ctypes.data for array in surfaces))
     others, into = (kind(*(array.ctypes.data for array in arrays)) for kind, arrays in ((_Bent, bent), (_Places, out)))
     each, size = numbers.pop(), surfaces[0].shape[1]
-    given = (*candidates, begin, each, size, flat, cells, len(bent[0]), others, into)
+    given = (*candidates, begin, each, size, flat, cells, len(bent[0]), others, place, into)
     call(machine.library.keep_points, len(numbers[0]), *numbers, *given)
 
 

@@ -20,6 +20,10 @@ pytestmark = needs_compiler
 KEY = random.key(5, "points")
 
 
+def mixing(pools):
+    return random.orders(pools.label.astype(np.uint64), 700)
+
+
 @pytest.mark.parametrize("outside", [False, True])
 @pytest.mark.parametrize("name, per", [("Microwave", "instance"), ("Kettle", "owner"), ("Lamp", "link")])
 def test_points_of_pools(using, monkeypatch, name, per, outside):
@@ -38,6 +42,10 @@ def test_points_of_pools(using, monkeypatch, name, per, outside):
         using(backend)
         assert (backend == "c") or not calls
         found.append(points.sample_pools(sites, labels, 3, 700, KEY, address, outside=outside))
+        mixed, pools, _ = points.sample_pools(sites, labels, 3, 700, KEY, address, outside=outside, order=mixing)
+        expected = found[-1][0].take((np.arange(len(pools.label))[:, None], mixing(pools)))
+        for field in PointSet.__slots__:
+            assert bits(getattr(mixed, field)) == bits(getattr(expected, field)), field
     for field in PointSet.__slots__:
         assert bits(getattr(found[0][0], field)) == bits(getattr(found[1][0], field)), field
     assert bits(found[0][2]) == bits(found[1][2]) and found[0][0].u.shape[1] == 700
