@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _REASONS = 3  # that an error tells
 _MOST_POINTS = 100_000_000
-_INNER = ("file", "options")  # of a record, which tell what is there already
+_INNER = ("file", "options", "kept")  # of a record, which tell what is there already
 
 
 class NothingFits(NoObject):
@@ -182,13 +182,13 @@ class Fitted(Samples):
     def save(self, folder: str | Path, *, force: bool = False) -> Path:
         """Write the folder that ``apgc fit --plain`` writes, which the other commands take and ``open_fitted`` opens.
 
-        Other fits that are there are replaced only with ``force``. What was fitted from memory is told by its values alone: its arrays are
-        not written, so ``apgc bind`` cannot bind it. Raises UserError.
+        What was fitted from memory is kept there, too, as arrays in ``kept/NAME.npz``, so that it can be bound later. Other fits that
+        are there are replaced only with ``force``. Raises UserError, also where arrays have changed since they were fitted.
         """
         from ..run.fits import save_fits
 
         out, force = read_path("a folder", folder, '"fitted"'), read_flag("force", force)
-        save_fits(self.job, out, self._records, force=force)
+        save_fits(self.job, out, self._records, self._items, force=force)
         return out
 
 

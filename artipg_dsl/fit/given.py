@@ -13,7 +13,7 @@ import numpy as np
 from ..arguments import read_path
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError, UserError
-from .reading import Cloud, Solid, find_files, join_meshes, labels_of, pieces_of, points_of
+from .reading import Cloud, Solid, find_files, join_meshes, pieces_of, points_of, solid_of
 from .sources import File, Held, Item, name_files, own_name
 
 _KINDS = 'a file, a mesh of trimesh, (vertices, faces), points (n, 3), or {"points": ..., "normals": ...}'
@@ -103,8 +103,6 @@ def _of_names(given: Mapping[str, Any], name: str) -> Cloud | Solid:
     if "vertices" in given:
         if "points" in given:
             raise UsageError(f"{name} has both `points` and `vertices`", "give a cloud or a mesh")
-        if "faces" not in given:
-            raise UsageError(f"{name} has `vertices`, and no `faces`", 'give them as "points" to fit a cloud')
         return _triangles(given, name)
     if "faces" in given:
         raise UsageError(f"{name} has `faces` of `points`", 'those of a mesh are "vertices"')
@@ -117,18 +115,12 @@ def _of_names(given: Mapping[str, Any], name: str) -> Cloud | Solid:
 
 def _triangles(given: Mapping[str, Any], name: str) -> Solid:
     """A mesh with labels of its faces, or with its name as the label of all."""
-    vertices, faces = _numbers(given["vertices"], "vertices", name), _numbers(given["faces"], "faces", name, "iu")
-    for key, array in (("vertices", vertices), ("faces", faces)):
-        if array.ndim != 2 or array.shape[1] != 3:
-            raise UsageError(f"{name}: `{key}` is of shape {array.shape}", "one of (n, 3) is needed")
-    if faces.size and not 0 <= faces.min() <= faces.max() < len(vertices):
-        wrong = faces.min() if faces.min() < 0 else faces.max()
-        raise UsageError(f"{name}: `faces` has {wrong}, and there are {len(vertices)} vertices", "they count from 0")
+    kinds = {"vertices": "fiu", "faces": "iu"}
+    arrays = {key: _numbers(given[key], key, name, kind) for key, kind in kinds.items() if key in given}
     try:
-        label, names = labels_of(_labelled(given, name), len(faces), "faces", name)
+        return solid_of(_labelled({**given, **arrays}, name), name, name)
     except UserError as wrong:
         raise UsageError(wrong.message, wrong.hint) from None
-    return Solid(vertices, faces, *((label, names) if names else (np.zeros(len(faces), dtype=np.int64), (name,))))
 
 
 def _labelled(given: Mapping[str, Any], name: str) -> dict[str, Any]:

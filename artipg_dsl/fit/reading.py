@@ -171,23 +171,26 @@ def _read_points(path: Path) -> Cloud:
     if not is_zipfile(path):  # NumPy would take it for pickled data, and advise to load it unsafely
         raise UserError(f"{path.name} cannot be read as npz: it is no archive of arrays", "np.savez writes one")
     with np.load(path, allow_pickle=False) as held:
+        if "vertices" in held and "points" not in held:
+            return solid_of(held, path.name, path.stem).surface(path.name)
         return points_of(held, path.name)
 
 
 def points_of(held: Mapping[str, Any], name: str) -> Cloud:
     """The cloud of named arrays, as those of an ``.npz``. Raises UserError where they do not belong together."""
     if "points" not in held:
-        raise UserError(f"{name} has no array `points`", f"it has {', '.join(held) or 'none'}")
+        lacking = "no array `points`, nor `vertices` and `faces`"
+        raise UserError(f"{name} has {lacking}", f"it has {', '.join(held) or 'none'}")
     points = np.asarray(held["points"], dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3:
         raise UserError(f"{name}: `points` is of shape {points.shape}", "one of (n, 3) is needed")
     normals = np.asarray(held["normals"], dtype=np.float64) if "normals" in held else None
     if normals is not None and normals.shape != points.shape:
         raise UserError(f"{name}: `normals` is of shape {normals.shape}, not that of the points")
-    return Cloud(points, normals, *labels_of(held, len(points), "points", name))
+    return Cloud(points, normals, *_labels_of(held, len(points), "points", name))
 
 
-def labels_of(held: Mapping[str, Any], count: int, of: str, name: str) -> tuple[np.ndarray, tuple[str, ...]]:
+def _labels_of(held: Mapping[str, Any], count: int, of: str, name: str) -> tuple[np.ndarray, tuple[str, ...]]:
     """The labels (count,) of points or faces among named arrays, and what they are called; -1 where nothing is said. Raises UserError."""
     for ids, words in (("label", "label_names"), ("link_id", "link_names")):
         if ids in held and words in held:
@@ -223,13 +226,38 @@ class Solid:
     label: np.ndarray
     names: tuple[str, ...]
 
+    def surface(self, name: str) -> Cloud:
+        """Points of its faces. Raises UserError where it has none."""
+        if not len(self.faces):
+            raise UserError(f"{name} has no faces", "give its vertices alone to fit them as points")
+        return self.cloud(name)
+
     def cloud(self, name: str) -> Cloud:
-        """Points of its surface. Raises UserError where it has none."""
+        """Points of its faces, or else its vertices. Raises UserError where it has neither."""
         if len(self.faces):
             return _sampled(self.vertices[self.faces], self.label, self.names, name)
         if not len(self.vertices):
             raise UserError(f"{name} has no surface")
         return Cloud(self.vertices, None, np.full(len(self.vertices), -1), ())
+
+
+def solid_of(held: Mapping[str, Any], name: str, called: str) -> Solid:
+    """The mesh of named arrays, ``vertices`` and ``faces``, with labels of its faces, or ``called`` as a whole. Raises UserError where they
+    do not belong together."""
+    if "faces" not in held:
+        raise UserError(f"{name} has `vertices`, and no `faces`", 'give them as "points" to fit a cloud')
+    vertices, faces = np.asarray(held["vertices"], dtype=np.float64), np.asarray(held["faces"])
+    for key, array in (("vertices", vertices), ("faces", faces)):
+        if array.ndim != 2 or array.shape[1] != 3:
+            raise UserError(f"{name}: `{key}` is of shape {array.shape}", "one of (n, 3) is needed")
+    if faces.dtype.kind not in "iu" and faces.size:
+        raise UserError(f"{name}: `faces` is of type {faces.dtype}", "whole numbers are needed")
+    if faces.size and not 0 <= faces.min() <= faces.max() < len(vertices):
+        wrong = faces.min() if faces.min() < 0 else faces.max()
+        raise UserError(f"{name}: `faces` has {wrong}, and there are {len(vertices)} vertices", "they count from 0")
+    label, names = _labels_of(held, len(faces), "faces", name)
+    faces = faces.astype(np.int64, copy=False)
+    return Solid(vertices, faces, *((label, names) if names else (np.zeros(len(faces), dtype=np.int64), (called,))))
 
 
 def join_meshes(meshes: Sequence[tuple[str, Any]]) -> Solid:

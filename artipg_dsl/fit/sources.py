@@ -1,6 +1,7 @@
 """Real objects that are to be fitted, in files and in memory: what they are called, and the cloud of each.
 
-Arrays in memory make the same cloud as a file of them. Either is read when its turn comes, and tells whether it has changed since.
+Arrays in memory make the same cloud as a file of them, which has the same mark. Either is read when its turn comes, and tells whether it has
+changed since.
 """
 
 from __future__ import annotations
@@ -12,20 +13,22 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UserError
+from ..export.containers import npz_bytes
 from ..records import dataclass
 from .reading import Cloud, Solid, check_cloud, read_cloud
 
-_MEMORY = "<memory>"
+MEMORY = "<memory>"  # the source of what is in no file
 
 
 @dataclass(frozen=True, slots=True)
 class File:
-    """A real object in a file."""
+    """A real object in a file. ``held``: it was fitted from memory, and the file keeps its arrays."""
 
     path: Path
+    held: bool = False
 
     def __str__(self) -> str:
-        return str(self.path)
+        return MEMORY if self.held else str(self.path)
 
     @property
     def suffix(self) -> str:
@@ -42,14 +45,17 @@ class File:
 
     def require(self, mark: str) -> None:
         """Raises UserError where it is not what once had this mark."""
-        if str(self.path) == _MEMORY:
-            raise UserError(
-                "it was fitted from memory, and its arrays were not kept", "fit it again, and bind it at once"
-            )
         if not self.path.exists():
             raise UserError(f"there is no file {self.path}", "name the files that were fitted: apgc bind FITTED FILES")
         if self.mark() != mark:
             raise UserError(f"{self.path} is not the file that was fitted, or has changed since", "fit it again")
+
+    def bytes(self) -> bytes:
+        """What it holds. Raises UserError where it cannot be read."""
+        try:
+            return self.path.read_bytes()
+        except OSError as wrong:
+            raise UserError(f"{self.path} cannot be read: {wrong.strerror or wrong}", "fit it again") from None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +66,7 @@ class Held:
     held: Cloud | Solid
 
     def __str__(self) -> str:
-        return _MEMORY
+        return MEMORY
 
     @property
     def suffix(self) -> str:
@@ -68,20 +74,22 @@ class Held:
 
     def read(self) -> Cloud:
         """Raises UserError with what is wrong with it."""
-        if isinstance(self.held, Cloud):
-            return check_cloud(self.held, self.name)
-        if not len(self.held.faces):
-            raise UserError(f"{self.name} has no faces", "give its vertices alone to fit them as points")
-        return check_cloud(self.held.cloud(self.name), self.name)
+        one = self.held
+        return check_cloud(one if isinstance(one, Cloud) else one.surface(self.name), self.name)
 
     def mark(self) -> str:
         """What it holds, in short."""
+        return blake2b(self.bytes(), digest_size=16).hexdigest()
+
+    def bytes(self) -> bytes:
+        """Its arrays as the ``.npz`` that keeps them: read again, it is the same."""
         one = self.held
-        arrays = (one.points, one.normals) if isinstance(one, Cloud) else (one.vertices, one.faces)
-        digest = blake2b(repr(one.names).encode(), digest_size=16)
-        for array in (*arrays, one.label):
-            digest.update(b"" if array is None else f"{array.shape}".encode() + np.ascontiguousarray(array).tobytes())
-        return digest.hexdigest()
+        if isinstance(one, Cloud):
+            arrays = {"points": one.points} | ({} if one.normals is None else {"normals": one.normals})
+        else:
+            arrays = {"vertices": one.vertices, "faces": one.faces}
+        named = {"label": one.label, "label_names": np.array(one.names, dtype=np.str_)} if one.names else {}
+        return npz_bytes(arrays | named)
 
     def require(self, mark: str) -> None:
         """Raises UserError where it is not what once had this mark."""

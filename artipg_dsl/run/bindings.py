@@ -16,7 +16,7 @@ from ..errors import UserError
 from ..export.containers import npz_bytes
 from ..export.write import ensure_folder, is_there, sweep_unfinished, write_bytes
 from ..fit.real import check_record
-from ..fit.sources import File, Item, mark
+from ..fit.sources import MEMORY, File, Item, mark
 from .binding import Arrays, Binding, Fit, summarize
 from .fits import FITS, SUMMARY, Folder, list_objects, read_record, refuse_other
 from .fitting import Record, to_text
@@ -100,7 +100,7 @@ def open_fits(fitted: Path) -> tuple[Job, list[Record], list[Item]]:
         if one.get("object") is not None:
             check_record(record)
         records.append(record)
-    return job, records, [Item(record["name"], File(Path(record["source"]))) for record in records]
+    return job, records, [Item(record["name"], folder.real(record)) for record in records]
 
 
 def _open_fits(fitted: Path, summary: Record, real: Sequence[Path] = ()) -> tuple[Job, list[Fit]]:
@@ -120,8 +120,10 @@ def _open_fits(fitted: Path, summary: Record, real: Sequence[Path] = ()) -> tupl
     work = []
     for one in good:
         record = read_record(fitted / FITS / f"{one['name']}.json") or {}
-        path = marked.get(record.get("file", ""), Path(one["source"]))
-        work.append(Fit(int(one["object"]), record | {"name": one["name"]}, File(path)))
+        record = {**record, "name": one["name"], "source": one["source"]}
+        moved = marked.get(record.get("file", ""))
+        found = Folder(fitted).real(record) if moved is None else File(moved)
+        work.append(Fit(int(one["object"]), record, found))
     if real and not marked.keys() & {one.record.get("file") for one in work}:
         more = f" and {len(real) - 1} more" if real[1:] else ""
         raise UserError(
@@ -141,15 +143,18 @@ def _fitted_objects(folder: Path, summary: Mapping[str, Any]) -> list[Mapping[st
 
 
 def _refuse_others(out: Path, work: Sequence[Fit]) -> None:
-    """Refuse a folder of details of other files that are still there: they would be gone from its summary. Raises UserError."""
+    """Refuse a folder of details of other files that are still there, or of what was fitted from memory: they would be gone from its summary.
+    Raises UserError."""
     files = {one.record.get("file") for one in work}
     sources = {one.real.path.resolve() for one in work if isinstance(one.real, File)}
     others = []
     for one in list_objects(read_record(out / _SUMMARY), "name"):
         record = read_record(out / f"{one['name']}.json") or {}
-        path = Path(str(record.get("source", "")))
-        if record.get("file") not in files and path.resolve() not in sources and path.is_file():
-            others.append(str(path))
+        source = str(record.get("source", ""))
+        path = Path(source)
+        if record.get("file") in files or (source != MEMORY and (path.resolve() in sources or not path.is_file())):
+            continue
+        others.append(f"{one['name']}, fitted from memory," if source == MEMORY else source)
     if others:
         raise UserError(
             f"{out} holds details of {others[0]}" + (f" and {len(others) - 1} more" if others[1:] else ""),
@@ -162,7 +167,8 @@ def _fit_again(source: str, folder: Path, summary: Mapping[str, Any]) -> str:
     frame = summary.get("options", {}).get("frame", {})
     options = [f"--{name}={frame[name]}" for name in ("up", "front", "unit") if frame.get(name, "auto") != "auto"]
     options += ["--normalised"] if frame.get("normalised") else []
-    files = list(dict.fromkeys(one["source"] for one in summary["objects"]))
+    known = [{**one, **(Folder(folder).record(one["name"]) or {})} for one in summary["objects"]]
+    files = list(dict.fromkeys(str(Folder(folder).real(one).path) for one in known))
     straight = os.path.normpath(source)  # what `..` follows may be a link: then the path stays as it is
     if os.path.exists(source) and os.path.exists(straight) and os.path.samefile(source, straight):
         source = straight

@@ -16,7 +16,7 @@ from ..errors import UserError
 from ..export.content import Content
 from ..export.registry import choose_formats
 from ..export.write import ensure_folder, sweep_unfinished, write_bytes
-from ..fit.sources import Item, name_files
+from ..fit.sources import File, Item, name_files
 from ..records import dataclass
 from ..sampling.sample import Sampler
 from ..view.overlay import overlay
@@ -31,7 +31,7 @@ from .resume import clear
 from .sharing import LONG, share
 from .workers import map_each
 
-FITS, PICTURES, VALUES, SUMMARY = "fits", "pictures", "values.jsonl", "fit.json"
+FITS, PICTURES, KEPT, VALUES, SUMMARY = "fits", "pictures", "kept", "values.jsonl", "fit.json"
 _TILE = 320
 
 
@@ -56,6 +56,21 @@ class Folder:
             return None
         return found if "drawn" not in found or isinstance(found["distance"].get("both"), int | float) else None
 
+    def keep(self, item: Item, mark: str) -> Record:
+        """Keep the arrays of what was fitted from memory; what its record says of them, nothing of what is in a file of its own. Raises
+        UserError where they have changed since they had this mark."""
+        if isinstance(item.real, File) and not item.real.held:
+            return {}
+        item.real.require(mark)
+        name = f"{KEPT}/{item.name}.npz"
+        write_bytes(self.out / name, item.real.bytes(), force=True)
+        return {"kept": name}
+
+    def real(self, record: Mapping[str, Any]) -> File:
+        """What was fitted, as a record names it."""
+        kept = record.get("kept")
+        return File(self.out / kept, held=True) if isinstance(kept, str) else File(Path(str(record["source"])))
+
     def has(self, item: Item, options: Mapping[str, Any]) -> bool:
         found = self.record(item.name)
         return found is not None and found.get("options") == options and found.get("file") == item.real.mark()
@@ -74,7 +89,7 @@ def write_fits(
     """Fit the files and write the folder; what the summary says. Raises UserError."""
     items = name_files(paths)
     if not force:
-        _refuse_others(folder.out, paths)
+        _refuse_others(folder, items)
     _make_ready(folder)
     options = asked.plain(sampler.program.hash)
     left = [group for group in groups_of(items) if force or not all(folder.has(item, options) for item in group)]
@@ -93,14 +108,16 @@ def write_fits(
     return summary
 
 
-def save_fits(job: Job, out: Path, records: Sequence[Record], *, force: bool = False) -> None:
-    """Write the folder of objects that are fitted already, which are those of a job. Raises UserError."""
+def save_fits(
+    job: Job, out: Path, records: Sequence[Record], items: Mapping[str, Item], *, force: bool = False
+) -> None:
+    """Write the folder of objects that are fitted already, which are those of a job; ``items``: the real ones by name. Raises UserError."""
     summary = summarize(job.program.name, records[0]["options"], records)
     refuse_other(out / SUMMARY, summary, force)
     folder = Folder(out)
     _make_ready(folder)
     for record in records:
-        folder.write(record)
+        folder.write(record | folder.keep(items[record["name"]], record["file"]))
     _finish(out, summary, records, job.fresh())
 
 
@@ -118,15 +135,16 @@ def refuse_other(place: Path, summary: Record, force: bool) -> None:
         raise UserError(f"{place.parent} holds other objects", "choose another folder, or replace them with force")
 
 
-def _refuse_others(out: Path, paths: Sequence[Path]) -> None:
+def _refuse_others(folder: Folder, items: Sequence[Item]) -> None:
     """Refuse a folder of fits of other files that are still there: what it says of them would be gone; of those that could
     not be read it says nothing. Raises UserError."""
-    named = {path.resolve() for path in paths}
-    sources = [Path(one["source"]) for one in list_objects(read_record(out / SUMMARY), "source")]
-    others = [str(path) for path in sources if path.exists() and path.resolve() not in named]
+    named = {item.real.path.resolve() for item in items if isinstance(item.real, File)}
+    known = list_objects(read_record(folder.out / SUMMARY), "name", "source")
+    there = [folder.real({**one, **(folder.record(one["name"]) or {})}).path for one in known]
+    others = [str(path) for path in there if path.exists() and path.resolve() not in named]
     if others:
         raise UserError(
-            f"{out} holds fits of {others[0]}" + (f" and {len(others) - 1} more" if others[1:] else ""),
+            f"{folder.out} holds fits of {others[0]}" + (f" and {len(others) - 1} more" if others[1:] else ""),
             "name all its files, choose another folder with -o, or use --force to leave them out",
         )
 

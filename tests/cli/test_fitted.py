@@ -110,11 +110,45 @@ def test_folders_are_opened_and_saved(place: Path, fitted: apg.Fitted, tmp_path:
         fitted.save(tmp_path / "same")
     again.save(tmp_path / "same")
     assert tree(tmp_path / "same") == before
-    fitted.save(tmp_path / "memory")
+
+
+def test_what_was_fitted_from_memory_is_kept(
+    fitted: apg.Fitted, bound: apg.Bound, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fitted.save(tmp_path / "first")
+    (tmp_path / "first").rename(tmp_path / "memory")
     opened = apg.open_fitted(tmp_path / "memory")
-    assert [one.drawn for one in opened] == [one.drawn for one in fitted]
-    with pytest.raises(UserError, match="fitted from memory, and its arrays were not kept"):
+    assert [path.name for path in (tmp_path / "memory" / "kept").iterdir()] == ["object0.npz"]
+    assert [one.record for one in opened] == [one.record for one in fitted]
+    assert opened.summary == fitted.summary
+    assert all(np.array_equal(a.real().points, b.real().points) for a, b in zip(opened, fitted, strict=True))
+    overlays = [one.object(0).overlay(tmp_path / f"{k}.png", tile=48) for k, one in enumerate((opened, fitted))]
+    assert overlays[0].read_bytes() == overlays[1].read_bytes()
+    opened.save(tmp_path / "again")
+    assert tree(tmp_path / "again") == tree(tmp_path / "memory")
+
+    folders = {name: str(tmp_path / name) for name in ("memory", "python", "opened", "command")}
+    bound.save(folders["python"])
+    opened.bind(MANY).save(folders["opened"])
+    asked = ["bind", folders["memory"], "-o", folders["command"], "--points", str(MANY)]
+    assert main(asked) == 0
+    assert tree(tmp_path / "python") == tree(tmp_path / "opened") == tree(tmp_path / "command")
+    assert main(["bind", folders["memory"], folders["memory"] + "/kept", *asked[2:], "--force"]) == 0, "by its contents"
+    capsys.readouterr()
+    assert main(["fit", CHEST, str(tmp_path / "0.png"), "-o", folders["memory"]]) == 1
+    assert "memory holds fits of" in capsys.readouterr().err, "arrays that nothing else keeps are not dropped unasked"
+    (tmp_path / "memory" / "kept" / "object0.npz").unlink()
+    with pytest.raises(UserError, match="there is no file .*object0.npz"):
         opened.object(0).real()
+
+
+def test_arrays_that_have_changed_are_not_kept(place: Path, tmp_path: Path) -> None:
+    with np.load(place / "real" / "chest0.npz") as held:
+        points = held["points"].copy()
+    fitted = apg.fit_objects(CHEST, {"mine": points}, front="x", at_rest=True)
+    points += 1.0
+    with pytest.raises(UserError, match="the arrays of mine have changed since they were fitted"):
+        fitted.save(tmp_path / "out")
 
 
 def test_details_are_those_of_the_command_line(

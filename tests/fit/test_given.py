@@ -55,6 +55,41 @@ def test_clouds_are_as_their_files(tmp_path: Path) -> None:
     assert same(read(trimesh.load(tmp_path / "cloud.ply")), File(tmp_path / "cloud.ply").read())
 
 
+@pytest.mark.parametrize(
+    "given",
+    [
+        POINTS,
+        BOX,
+        trimesh.Scene([BOX]),
+        {"points": POINTS, "normals": POINTS - 0.5, **LABELS},
+        {"vertices": BOX.vertices, "faces": BOX.faces, "label": [-1] + [0] * 5 + [1] * 6, "label_names": ["a", "b"]},
+    ],
+)
+def test_arrays_are_kept_as_they_are(given: Any, tmp_path: Path) -> None:
+    (item,) = read_objects({"one": given}, pytest.fail)
+    path = tmp_path / "another.npz"
+    path.write_bytes(item.real.bytes())
+    kept = File(path, held=True)
+    assert same(kept.read(), item.real.read()) and kept.mark() == item.real.mark() and str(kept) == str(item.real)
+    kept.require(item.real.mark())
+
+
+def test_meshes_in_npz(tmp_path: Path) -> None:
+    path = tmp_path / "box.npz"
+    np.savez(path, vertices=BOX.vertices, faces=BOX.faces)
+    assert same(File(path).read(), read({"box": BOX}))
+    for arrays, told in (
+        ({"vertices": BOX.vertices}, "has `vertices`, and no `faces`"),
+        ({"vertices": BOX.vertices, "faces": BOX.faces + 8}, "`faces` has 15, and there are 8 vertices"),
+        ({"vertices": BOX.vertices, "faces": BOX.faces * 1.0}, "`faces` is of type float64"),
+        ({"vertices": BOX.vertices, "faces": BOX.faces[:0]}, "has no faces"),
+        ({"faces": BOX.faces}, "no array `points`, nor `vertices` and `faces` .it has faces"),
+    ):
+        np.savez(path, **arrays)
+        with pytest.raises(UserError, match=told):
+            File(path).read()
+
+
 def test_labels_of_faces() -> None:
     labelled = {"vertices": BOX.vertices, "faces": BOX.faces, "label": [-1] + [0] * 5 + [1] * 6}
     cloud = read({**labelled, "label_names": ["seat", "back"]})
