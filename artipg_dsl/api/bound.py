@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cached_property, partial
 from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -12,11 +13,13 @@ import numpy as np
 
 from ..arguments import read_flag, read_path, read_whole
 from ..errors import UsageError, UserError
+from ..export.remote import Remote, place_of
 
 if TYPE_CHECKING:
     from ..details.dressing import Dressing
     from ..details.placed import BoundPoints
     from ..details.record import Details, Donors
+    from ..graph.program import Program
     from ..run.binding import Arrays
     from ..run.job import Job
 
@@ -93,17 +96,40 @@ class Bound:
 
         return Donors.of(self.job.program.name, self.job.program.hash, list(self._details.items()))
 
+    def _lent(self, strength: float, program: Program) -> Dressing:
+        """These for any objects of the program to borrow. Raises UsageError, UserError."""
+        from ..details.store import require_donors
+
+        dressing = self._dressing(strength, borrowed=True)
+        require_donors(dressing, program)
+        return dressing
+
     def _worn(self, strength: float, job: Job) -> Dressing:
         """How the objects of a job wear these. Raises UsageError, UserError."""
+        from ..run.wearing import dress_as
+
+        bound = {r["object"]: r.get("drawn") for r, arrays in self._bound if arrays is not None}
+        return dress_as(job, self._dressing(strength), bound)
+
+    def _dressing(self, strength: float, *, borrowed: bool = False) -> Dressing:
         from ..arguments import read_amount
         from ..details.dressing import MEMORY, Dressing
         from ..run.fitting import to_text
-        from ..run.wearing import dress_as
 
         strength = read_amount("the strength of details", strength, 0.0, 1.0)
         mark = blake2b(to_text(self._told), digest_size=16).hexdigest()
-        dressing = Dressing(str(self.folder or MEMORY), mark, strength, held=self._donors)
-        return dress_as(job, dressing, {r["object"]: r.get("drawn") for r, arrays in self._bound if arrays is not None})
+        return Dressing(str(self.folder or MEMORY), mark, strength, borrowed, held=self._donors)
+
+    def _beside(self, out: Path, force: bool) -> tuple[Path, Callable[[], None]]:
+        """The folder in ``out`` that these go to, and what writes it. Raises UserError where others are there."""
+        from ..details.dressing import BESIDE
+        from ..details.store import SUMMARY
+        from ..run.bindings import save_bindings
+        from ..run.fits import refuse_other
+
+        folder = out / BESIDE
+        refuse_other(folder / SUMMARY, self._told, force)
+        return folder, partial(save_bindings, folder, self._told, self._bound, force=True)
 
 
 def choose_details(details: Worn, strength: float, job: Job) -> Dressing | None:
@@ -119,10 +145,26 @@ def choose_details(details: Worn, strength: float, job: Job) -> Dressing | None:
     return dress(job, details, strength)
 
 
-def require_folder(details: Worn) -> None:
-    """Refuse details that are in no folder, which a manifest could not name. Raises UsageError."""
-    if isinstance(details, Bound) and details.folder is None:
+def lend_details(details: Worn, strength: float, program: Program) -> Dressing | None:
+    """The details that any objects of a program borrow, if there are any. Raises UsageError, UserError."""
+    if details is None or isinstance(details, Bound):
+        return None if details is None else details._lent(strength, program)
+    from ..details.store import borrow
+
+    return borrow(details, strength, program)
+
+
+def place_details(
+    details: Worn, dressing: Dressing, out: str | Path, force: bool
+) -> tuple[Dressing, Callable[[], None] | None]:
+    """Details as the manifest of a folder ``out`` can name them: those that are in no folder go into one beside it, which the function
+    writes. Raises UsageError, UserError."""
+    if not isinstance(details, Bound) or details.folder is not None:
+        return dressing, None
+    if isinstance(place_of(out), Remote):
         raise UsageError(
-            "these details are in no folder that the manifest of another could name",
+            "these details are in no folder of this machine that the manifest of another could name",
             'bound.save("bound") writes one; then they are taken as before',
         )
+    folder, write = details._beside(Path(out), force)
+    return replace(dressing, folder=str(folder)), write

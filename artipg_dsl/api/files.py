@@ -17,7 +17,7 @@ from ..arguments import read_flag, read_path
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError
 from ..run.job import Job
-from .bound import Worn, choose_details, require_folder
+from .bound import Worn, choose_details, place_details
 
 _PICTURED = 8  # objects on the picture in a notebook
 
@@ -76,8 +76,8 @@ class Files:
         """Write a folder like ``apgc sample``: shards, a folder per object for formats that need it, the manifest.
 
         The options are those of the command, of ``points`` and of ``meshes``; ``states`` is text such as "open,random:4",
-        ``views`` a number or cameras. ``details``, a folder written by ``apgc bind`` or bound ones that are saved, are worn by points
-        and by meshes.
+        ``views`` a number or cameras. ``details``, a folder written by ``apgc bind`` or bound ones, are worn by points
+        and by meshes; bound ones that are not saved are written beside them, into the folder ``details``.
         """
         from ..export.registry import choose_formats
         from ..run.dataset import write_dataset
@@ -100,12 +100,13 @@ class Files:
         )
         output = Output.of(choose_formats(names, views=views is not None), content)
         refuse_idle(output)
+        write_details = None
         if (worn := choose_details(details, detail_strength, self.job)) is not None:
             if not output.wearable:
                 raise UsageError("details are worn by points and meshes: none of the formats has any", "add points")
-            require_folder(details)
+            worn, write_details = place_details(details, worn, folder, force)
             output = replace(output, content=replace(content, details=worn))
-        write_dataset(self.job.fresh(), folder, output, force=force)
+        write_dataset(self.job.fresh(), folder, output, force=force, begin=write_details)
         return out
 
     def export(

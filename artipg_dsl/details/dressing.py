@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .record import Donors
 
 MEMORY = "memory"  # what messages call the folder of details that are in none
+BESIDE = "details"  # the folder that these are written to, in that of the objects that wear them
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..annotate.cloud import Dress
+from ..api.bound import Worn, lend_details
 from ..arguments import read_flag, read_paths, read_whole
 from ..details.dressing import refuse_idle_strength
 from ..errors import SettingError, UsageError
@@ -43,8 +44,9 @@ class Stream:
     ``fresh``: other objects in each epoch; otherwise the same objects and points, while random states and transforms are new.
     ``classes``: classes of one's own, by the words of `semantic`, ``{"door": "door", "drawer": "door", "*": "body"}``.
     ``transforms`` are applied in their order. ``view``: the camera of ``partial``, as in camera files. ``details``: a
-    folder that ``apgc bind`` has written, whose details the points borrow, scaled by ``detail_strength`` 0 .. 1; with several categories,
-    a folder each, by the name that the category was given by. Raises CompileError, SettingError, UsageError, UserError.
+    folder that ``apgc bind`` has written, or what ``bind`` of fitted objects gives, whose details the points borrow, scaled by
+    ``detail_strength`` 0 .. 1; with several categories, those of each, by the name that the category was given by. Raises CompileError,
+    SettingError, UsageError, UserError.
     """
 
     def __init__(
@@ -65,7 +67,7 @@ class Stream:
         classes: Mapping[str, str] | None = None,
         transforms: Iterable[Transform] = (),
         view: Mapping[str, Any] | None = None,
-        details: str | Path | Mapping[str, str | Path] | None = None,
+        details: Worn | Mapping[str, Worn] = None,
         detail_strength: float = 1.0,
     ):
         self.sources = read_paths("categories", categories, 'Stream(["Microwave", "Door"])')
@@ -92,7 +94,6 @@ class Stream:
             self._by_source("settings", set or {}) if self._nested else dict.fromkeys(self.sources, set)
         )
         self._settings = each
-        self._details, self._strength = self._read_details(details), detail_strength
         self._prior = None if prior is None else read_prior(prior)
         self._frame = frame
         self.words  # noqa: B018  # what is wrong with the arguments is told here, not in a worker
@@ -100,14 +101,14 @@ class Stream:
             raise UsageError(f"{self._prior.name} says nothing of {', '.join(self.categories)}", "leave out `prior`")
         for job in self._jobs:
             state_of(job.of([0]).batch(), states, 0)
-        self._dresses  # noqa: B018
+        self._dresses = self._find_dresses(details, detail_strength)
 
     def __len__(self) -> int:
         return -(-self.size // self.each)
 
     def __getstate__(self) -> dict[str, Any]:
         """Another process opens the programs itself: they are kept compiled on disk."""
-        return {name: value for name, value in self.__dict__.items() if name not in ("_jobs", "_dresses")}
+        return {name: value for name, value in self.__dict__.items() if name != "_jobs"}
 
     @cached_property
     def _jobs(self) -> list[Job]:
@@ -137,29 +138,25 @@ class Stream:
                 raise UsageError(f"there are {what} for {name}, which is not streamed", f"name {self.sources[0]}")
         return {str(name): value for name, value in given.items()}
 
-    def _read_details(self, details: str | Path | Mapping[str, str | Path] | None) -> dict[str, str]:
-        """The folder of details of each source that has one. Raises UsageError."""
-        if details is not None and self.task.partial:
+    def _find_dresses(self, details: Worn | Mapping[str, Worn], strength: float) -> list[Dress | None]:
+        """How the points of each source are moved, None for one without details. Raises UsageError, UserError."""
+        if details is None:
+            return [None] * len(self.sources)
+        if self.task.partial:
             raise UsageError(
                 f"{self.task.name} compares points with what a camera sees of the structure",
                 "leave out details, which cameras do not see",
             )
-        if not isinstance(details, Mapping):
-            return {} if details is None else dict.fromkeys(self.sources, str(details))
-        return {name: str(folder) for name, folder in self._by_source("details", details).items()}
+        from ..details.store import dress  # start-up: k-d trees load slowly
 
-    @cached_property
-    def _dresses(self) -> list[Dress | None]:
-        if not self._details:
-            return [None] * len(self.sources)
-        from ..details.store import borrow, dress  # start-up: k-d trees load slowly
-
-        found: list[Dress | None] = []
-        for source, job in zip(self.sources, self._jobs, strict=True):
-            folder = self._details.get(source)
-            worn = None if folder is None else borrow(folder, self._strength, job.program)
-            found.append(None if worn is None else partial(dress, dressing=worn))
-        return found
+        each = (
+            self._by_source("details", details)
+            if isinstance(details, Mapping)
+            else dict.fromkeys(self.sources, details)
+        )
+        pairs = zip(self.sources, self._jobs, strict=True)
+        lent = [lend_details(each.get(source), strength, job.program) for source, job in pairs]
+        return [None if worn is None else partial(dress, dressing=worn) for worn in lent]
 
     @property
     def categories(self) -> list[str]:

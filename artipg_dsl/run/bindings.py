@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..details.store import SUMMARY as BOUND
 from ..errors import UserError
 from ..export.containers import npz_bytes
 from ..export.write import ensure_folder, is_there, sweep_unfinished, write_bytes
@@ -25,7 +26,6 @@ from .resume import reopen
 from .sharing import share
 from .workers import map_each
 
-_SUMMARY = "bind.json"
 _NAMED = 3  # files that a message names
 _HINT = "apgc fit CATEGORY FILES -o fitted writes such a folder"
 _AGAIN = "the command that fitted these objects writes it anew, and fits only what is missing"
@@ -59,7 +59,7 @@ def write_bindings(
             progress(done, len(work))
     records = [found for one in work if (found := read_record(out / f"{one.name}.json")) is not None]
     told = summarize(summary["category"], options, records, summary["objects"])
-    write_bytes(out / _SUMMARY, to_text(told), force=True)
+    write_bytes(out / BOUND, to_text(told), force=True)
     return told
 
 
@@ -67,11 +67,11 @@ def save_bindings(
     out: Path, told: Record, bound: Sequence[tuple[Record, Arrays | None]], *, force: bool = False
 ) -> None:
     """Write the folder of details that are bound already; ``told``: what its summary says. Raises UserError."""
-    refuse_other(out / _SUMMARY, told, force)
+    refuse_other(out / BOUND, told, force)
     sweep_unfinished(ensure_folder(out))
     for record, arrays in bound:
         _write(out, record, arrays)
-    write_bytes(out / _SUMMARY, to_text(told), force=True)
+    write_bytes(out / BOUND, to_text(told), force=True)
 
 
 # ---------------------------------------------------------------- fitted objects
@@ -148,7 +148,7 @@ def _refuse_others(out: Path, work: Sequence[Fit]) -> None:
     files = {one.record.get("file") for one in work}
     sources = {one.real.path.resolve() for one in work if isinstance(one.real, File)}
     others = []
-    for one in list_objects(read_record(out / _SUMMARY), "name"):
+    for one in list_objects(read_record(out / BOUND), "name"):
         record = read_record(out / f"{one['name']}.json") or {}
         source = str(record.get("source", ""))
         path = Path(source)

@@ -6,7 +6,7 @@ missing and touches nothing else; with other options it refuses, or starts anew 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from .. import cache
 from ..details.dressing import Dressing
@@ -39,6 +39,7 @@ def write_dataset(
     workers: int = 1,
     memory: int | None = None,
     cluster: str = "",
+    begin: Callable[[], None] | None = None,
 ) -> Manifest:
     """Write the objects of a job to the folder ``out`` and return the manifest. Raises ExportError, NoObject.
 
@@ -46,7 +47,7 @@ def write_dataset(
     n-th shard from the k-th on, so that n runs share the work; the manifest then gets no counts.
     ``progress(done, total)`` hears of objects as they are finished; ``workers``: how many processes share the work (see
     ``sharing.share``), ``memory`` bytes of them all. ``cluster``: the workers of a Dask scheduler do it, by its address; ``memory``
-    is then what each may take.
+    is then what each may take. ``begin`` is called once the folder is ready for these objects.
     """
     out, numbers, shard = place_of(out), job.request.objects, output.shard
     wanted = manifests.build_manifest(job.program, job.request, output, out=out)
@@ -61,6 +62,8 @@ def write_dataset(
 
         require_cluster(cluster, workers)
     manifest = make_ready(out, wanted, force)  # once nothing stands in the way: it may replace what is there
+    if begin:
+        begin()
     counting = "counts" not in manifest and job.tables is None  # what is made from tables was counted when these were
     pieces = _pieces(
         [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from dataclasses import replace
 
+from ..details.dressing import BESIDE
 from ..diagnostics import CompileError
 from ..errors import UsageError, UserError
 from ..export.objects import OBJECTS
@@ -81,9 +82,10 @@ def make_ready(out: Place, manifest: Manifest, force: bool) -> Manifest:
 
 def withdraw(out: Place) -> None:
     """Remove what a run has begun that failed before it wrote an object: with what was wrong put right, it is another run."""
-    if {path.name for path in out.iterdir()} == {manifests.NAME}:
+    names = {path.name for path in out.iterdir()}
+    if names - {BESIDE} == {manifests.NAME}:
         (out / manifests.NAME).unlink()
-        if not isinstance(out, Remote):
+        if not isinstance(out, Remote) and BESIDE not in names:
             out.rmdir()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from scipy.spatial import cKDTree
 import artipg_dsl as apg
 from artipg_dsl.cli.main import main
 from artipg_dsl.errors import UsageError, UserError
+from artipg_dsl.loaders import Stream
 from tests.fit.helpers import BOARD
 
 from .helpers import CHEST, tree
@@ -195,15 +197,22 @@ def test_mutants_wear_their_own(place: Path, bound: apg.Bound, fitted: apg.Fitte
     half = mutants.points(64, details=details, detail_strength=0.5).position
     assert not np.array_equal(half, points.position)
     assert np.abs(half - (points.position + mutants.points(64).position) / 2).max() < 0.01
-    with pytest.raises(UsageError, match="in no folder"):
-        mutants.to(tmp_path / "out", "points", points=64, details=details)
+    out = tmp_path / "out"
+    for _ in range(2):  # the second time all is there
+        mutants.to(out, "points,annotation", points=64, details=details)
+    assert tree(out / "details") == tree(place / "bound") and details.folder is None
+    for name in ("points-00000.npz", "annotation-00000.jsonl"):
+        assert (out / name).read_bytes() == (place / "mutants" / name).read_bytes()
+    out.rename(tmp_path / "moved")
+    assert main(["export", str(tmp_path / "moved"), "--format", "obj"]) == 0, "it has all that its meshes wear"
+    with pytest.raises(UserError, match="details holds other objects"):
+        mutants.to(tmp_path / "moved", "points,annotation", points=64, details=again.bind(300))
+    assert tree(tmp_path / "moved" / "details") == tree(place / "bound"), "what is refused writes nothing"
     details.save(tmp_path / "bound")
-    mutants.to(tmp_path / "out", "points", points=64, details=details)
-    with (
-        np.load(tmp_path / "out" / "points-00000.npz") as made,
-        np.load(place / "mutants" / "points-00000.npz") as held,
-    ):
-        assert all(np.array_equal(made[name], held[name]) for name in held.files)
+    mutants.to(tmp_path / "named", "points,annotation", points=64, details=details)
+    assert not (tmp_path / "named" / "details").exists()
+    with pytest.raises(UsageError, match="in no folder of this machine"):
+        mutants.to("memory://out", points=64, details=again.bind(300))
 
 
 def test_objects_of_the_fitted_values_wear_their_own(place: Path, tmp_path: Path) -> None:
@@ -246,6 +255,22 @@ def test_others_borrow(place: Path, bound: apg.Bound, tmp_path: Path) -> None:
     samples.sheet(tmp_path / "sheet.png", details=details, tile=48)
     with pytest.raises(UserError, match="the details in memory are of objects of Chest, not of Board"):
         apg.load(BOARD).points(8, details=details)
+
+
+def test_streams_borrow_what_is_in_memory(place: Path) -> None:
+    details = apg.open_fitted(place / "fitted").bind(MANY)
+    streams = [Stream(CHEST, size=4, batch=2, points=64, seed=9, details=worn) for worn in (details, place / "bound")]
+    other = pickle.loads(pickle.dumps(streams[0]))  # as it goes to workers
+    for k in range(2):
+        ours, theirs, there = (stream.batch(k) for stream in (*streams, other))
+        assert all(np.array_equal(ours[name], theirs[name]) for name in theirs)
+        assert all(np.array_equal(ours[name], there[name]) for name in there)
+    bare = Stream(CHEST, size=4, batch=2, points=64, seed=9).batch(1)
+    assert not np.array_equal(bare["points"], ours["points"])
+    with pytest.raises(UserError, match="the details in memory are of objects of Chest, not of Microwave"):
+        Stream("Microwave", details={"Microwave": details})
+    with pytest.raises(UsageError, match="a folder of details is named by a text or a Path, not 3"):
+        Stream(CHEST, details=3)  # type: ignore[arg-type]
 
 
 def test_what_is_wrong_is_told(place: Path, fitted: apg.Fitted) -> None:
