@@ -17,6 +17,7 @@ from artipg_dsl.api import Samples
 from artipg_dsl.details.store import dress, read_dressing
 from artipg_dsl.export.containers import npz_bytes
 from artipg_dsl.fit.pose import Frame
+from artipg_dsl.fit.sources import File, Item
 from artipg_dsl.run.binding import Binding
 from artipg_dsl.run.bindings import write_bindings
 from artipg_dsl.run.fits import Folder, write_fits
@@ -53,7 +54,7 @@ def fit_each(objects: Mapping[int, Real], folder: Path) -> list[Fit]:
         fit = Fit(origin, one.category, one.name, place / "fitted", place / "bound")
         sampler, source = open_program(one.category)
         asked, to = Asked(source, Frame(up="z", front="x")), Folder(fit.fitted, pictures=False)
-        told = write_fits(sampler, asked, to, [place / "cloud.npz"])["objects"]
+        told = write_fits(sampler, asked, to, [Item("cloud", File(place / "cloud.npz"))])[0]["objects"]
         if not told or told[0]["object"] is None:
             print(f"left out of what is mutated: {one.title}, to which no valid object fits", flush=True)
             continue

@@ -7,6 +7,7 @@ In: names, numbers and arrays. Out: objects, and files of them. Begin with ``sam
     fitted      fitting real objects
     bound       their details, and which details objects wear
     real        real objects as arguments
+    progress    how far long work is
 """
 
 from __future__ import annotations

@@ -32,10 +32,16 @@ class Bound:
     Objects wear them where ``details`` are taken: ``mutants.points(2048, details=bound)``. Made by ``bind`` of fitted objects.
     """
 
-    def __init__(self, job: Job, told: dict[str, Any], bound: Sequence[tuple[dict[str, Any], Arrays | None]]):
+    def __init__(
+        self,
+        job: Job,
+        told: dict[str, Any],
+        bound: Sequence[tuple[dict[str, Any], Arrays | None]],
+        folder: Path | None = None,
+    ):
         self.job, self._told, self._bound = job, told, bound
         self._arrays = {record["object"]: arrays for record, arrays in bound if arrays is not None}
-        self.folder: Path | None = None  # where they are saved
+        self.folder = folder  # where they are saved
 
     def __len__(self) -> int:
         return len(self._arrays)

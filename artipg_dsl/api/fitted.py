@@ -16,6 +16,7 @@ from ..run.job import Job, open_program
 from ..run.request import read_request
 from ..run.sharing import MOST
 from .files import count_objects, read_picture
+from .progress import Told, telling
 from .real import read_map, read_real
 from .samples import Object, Samples
 
@@ -53,6 +54,8 @@ def fit_objects(
     checked: bool = True,
     at_rest: bool = False,
     workers: int = 1,
+    progress: Told = False,
+    folder: str | Path | None = None,
 ) -> Fitted:
     """Find the objects of a category that are closest to real ones, as ``apgc fit`` does.
 
@@ -65,26 +68,35 @@ def fit_objects(
     given is found. In memory z is up if nothing is said, and other axes are tried where nothing fits well. ``normalised``: the scale
     means nothing. ``map`` maps names of labels to words of ``semantic``, which are kept apart: ``{"Seat_01": "seat"}``. ``checked``:
     without links that collide. Joints are moved where nothing fits at rest, unless ``at_rest``. ``workers`` processes share groups
-    of six objects.
+    of six objects. ``progress``: True for a line on stderr, as the command has it, or a function that is called with (done, total).
+    ``folder`` is written as ``save`` writes it, group by group while they are fitted; objects that it has from an earlier call with the same
+    options, even one that was ended, are not fitted again.
 
     What cannot be read or does not fit is in ``records`` with the reason, and not among the objects. Raises NothingFits if that is all
     of them, and CompileError, UsageError, UserError.
     """
+    from ..run.fits import Folder, write_fits
     from ..run.fitting import Asked, find_unmatched, fit_all, good_ones, prepare_fitted
 
     request = read_request(category, seed=seed, checked=checked)
+    out = None if folder is None else read_path("a folder", folder, '"fitted"')
     at_rest, workers = read_flag("at_rest", at_rest), read_whole("workers", workers, 1, MOST)
     told: list[str] = []
     items, frame = read_real(real, up, front, unit, normalised, told.append)
     sampler, source = open_program(request.source)
     words = read_map(map, sampler.program)
     asked = Asked(source, frame, request.seed, request.checked, words, not at_rest)
-    records = fit_all(sampler, asked, items, workers)
+    with telling(progress, sampler.program.name, "fitting") as tell:
+        if out is None:
+            records = fit_all(sampler, asked, items, workers, tell)
+            job = prepare_fitted(sampler, source, records) if good_ones(records) else None
+        else:
+            _, records, job = write_fits(sampler, asked, Folder(out), items, workers=workers, progress=tell)
     for text in filter(None, [*told, find_unmatched(words, records, "map")]):
         warnings.warn(text, stacklevel=2)
-    if not good_ones(records):
+    if job is None:
         raise _nothing(sampler.program.name, records)
-    return Fitted(prepare_fitted(sampler, source, records), records, items)
+    return Fitted(job.fresh(), records, items)
 
 
 def open_fitted(folder: str | Path) -> Fitted:
@@ -152,15 +164,24 @@ class Fitted(Samples):
         return FittedObject(self.job.of([number]), record, self._items[record["name"]])
 
     def bind(
-        self, points: int = 8192, *, assignment: str = "mutual", completed: bool = True, workers: int = 1
+        self,
+        points: int = 8192,
+        *,
+        assignment: str = "mutual",
+        completed: bool = True,
+        workers: int = 1,
+        progress: Told = False,
+        folder: str | Path | None = None,
     ) -> Bound:
         """The surfaces of the real objects as details of these, as ``apgc bind`` binds them; they are read again for that.
 
         ``points`` of the structure, and of the real surface, are assigned to one another: "mutual", "both", "project", "aware",
-        "transport" or "nearest". ``completed``: hidden surface takes what symmetries of its primitive tell of it. What could not be
+        "transport" or "nearest". ``completed``: hidden surface takes what symmetries of its primitive tell of it. ``progress`` and
+        ``folder`` are as in ``fit_objects``; the folder is that of ``apgc bind``. What could not be
         bound is in ``summary["failed"]`` with the reason. Raises UserError if that is all of them, and UsageError.
         """
         from ..run.binding import Binding, Fit, bind_all, read_assignment, summarize
+        from ..run.bindings import bind_into, read_arrays
         from .bound import Bound
 
         how = Binding(
@@ -169,15 +190,24 @@ class Fitted(Samples):
             read_flag("completed", completed),
         )
         fits = [Fit(n, self._good[n], self._items[self._good[n]["name"]].real) for n in self.numbers.tolist()]
-        found = bind_all(self.job, how, fits, read_whole("workers", workers, 1, MOST))
-        options = how.plain(self.job.program.hash)
-        told = summarize(self.category, options, [record for record, _ in found], self.summary["objects"])
+        out, workers = (
+            None if folder is None else read_path("a folder", folder, '"bound"'),
+            read_whole("workers", workers, 1, MOST),
+        )
+        with telling(progress, self.category, "binding") as tell:
+            if out is None:
+                found = bind_all(self.job, how, fits, workers, tell)
+                options = how.plain(self.job.program.hash)
+                told = summarize(self.category, options, [record for record, _ in found], self.summary["objects"])
+            else:
+                told, records = bind_into(out, self.job, how, fits, self.summary, workers=workers, progress=tell)
+                found = [(record, read_arrays(out, record)) for record in records]
         if not told["objects"]:
             failed = told["failed"][0]
             raise UserError(
                 f"no details could be bound of {count_objects(len(fits))}", f"{failed['name']}: {failed['reason']}"
             )
-        return Bound(self.job, told, found)
+        return Bound(self.job, told, found, out)
 
     def save(self, folder: str | Path, *, force: bool = False) -> Path:
         """Write the folder that ``apgc fit --plain`` writes, which the other commands take and ``open_fitted`` opens.

@@ -4,7 +4,7 @@ In: the words after ``apgc``. Out: text, files and an exit code. Begin with ``ma
 
     main, options, shared         commands, their options, and those that several share
     arguments                     kinds of arguments
-    messages, progress            findings and errors on the terminal, and how far a run has come
+    messages                      findings and errors on the terminal
     check, watch, fmt, new        programs as text
     compile, ledger               a program at one of its stages; what determines each part
     sample, export, mutate        folders of objects

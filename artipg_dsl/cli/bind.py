@@ -10,8 +10,8 @@ from typing import Any
 
 from ..errors import UsageError
 from ..export.remote import is_same, place_of
+from ..run.progress import Progress, took
 from .messages import plural, say
-from .progress import Progress, took
 
 
 def run(options: argparse.Namespace) -> int:

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UserError
+from ..run.progress import Progress, took
 from .messages import plural, say
-from .progress import Progress, took
 
 
 def run(options: argparse.Namespace) -> int:
     from ..fit.pose import Frame
     from ..fit.reading import find_files
+    from ..fit.sources import name_files
     from ..run.fits import Folder, write_fits
     from ..run.fitting import Asked, tell_unmatched
     from ..run.job import open_program
@@ -25,7 +26,7 @@ def run(options: argparse.Namespace) -> int:
     out = Path(options.out)
     refuse_file(out)
     frame = Frame(options.up, options.front, options.unit, options.normalised)
-    paths = find_files(options.files, say)
+    items = name_files(find_files(options.files, say))
     with Progress(options.program) as progress:
         progress.stage("compiling")
         sampler, source = open_program(options.program)
@@ -33,8 +34,8 @@ def run(options: argparse.Namespace) -> int:
         progress.stage("fitting")
         asked = Asked(source, frame, options.seed or 0, not options.unchecked, words, not options.at_rest)
         folder = Folder(out, pictures=not options.plain)
-        summary = write_fits(
-            sampler, asked, folder, paths, force=options.force, workers=options.workers, progress=progress
+        summary, _, _ = write_fits(
+            sampler, asked, folder, items, force=options.force, workers=options.workers, progress=progress
         )
     print(json.dumps(summary, indent=1, ensure_ascii=False) if options.json else _table(summary))
     found, failed = summary["objects"], summary["failed"]

@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 
 from ..errors import UserError
+from ..run.progress import Progress
 from .messages import plural, say
-from .progress import Progress
 
 _SHOWN = 20  # faults
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from ..errors import UsageError, UserError
 from ..export.remote import is_same, place_of
+from ..run.progress import Progress, took
 from ..run.settings import show_value
 from .messages import plural, say
-from .progress import Progress, took
 from .sample import refuse_file, show_statistics, tell_repairs
 from .sample import write as write_folder
 from .wanted import own_details, read_strength

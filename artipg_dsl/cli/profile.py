@@ -10,7 +10,7 @@ from dataclasses import asdict
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .progress import Progress
+from ..run.progress import Progress
 from .wanted import read_request
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from ..run.progress import Progress
 from .messages import say
-from .progress import Progress
 from .sample import read_resolution
 from .wanted import choose_details, open_wanted
 

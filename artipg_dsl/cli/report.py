@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 from ..errors import SettingError, UsageError, UserError
 from ..records import dataclass
+from ..run.progress import Progress
 from .arguments import STREAM
 from .messages import say
-from .progress import Progress
 from .wanted import read_request
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from ..errors import UsageError, UserError
 from ..export.remote import Place, Remote, is_same, place_of
+from ..run.progress import Progress, took
 from .messages import plural, say
-from .progress import Progress, took
 from .wanted import is_folder, open_wanted, read_request, read_strength, tell_frame
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import UserError
 from ..language import JOINTS
-from .progress import Progress
+from ..run.progress import Progress
 from .wanted import open_wanted
 
 if TYPE_CHECKING:

@@ -76,9 +76,9 @@ def _look(options: argparse.Namespace) -> None:
 
 def _draw(options: argparse.Namespace) -> None:
     from ..run.painting import paint_with  # start-up: for those who want a picture
+    from ..run.progress import Progress
     from ..run.sharing import AUTO
     from ..view.sheet import write_sheet
-    from .progress import Progress
     from .wanted import open_wanted
 
     job = open_wanted(options)

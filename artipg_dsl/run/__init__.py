@@ -10,6 +10,7 @@ In: the words of the command line or the arguments of Python. Out: a ``Job``, wh
     job, compiled, counts                a program at hand, compiled or not; outcomes of attempts
     dataset, resume                      the folder, and resuming it
     sharing, workers, memory             one process or several, and how much they take
+    progress                             a line that tells how far it is
     evidence                             what is known of the validity of its objects
     fitting, binding, wearing            real objects fitted, their details bound, and who wears which
     fits, bindings                       folders of these

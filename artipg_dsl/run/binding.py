@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -101,8 +101,14 @@ def _bind_theirs(one: Fit) -> tuple[Record, Arrays | None]:
     return asked.bind(job, one)
 
 
-def bind_all(job: Job, asked: Binding, fits: Sequence[Fit], workers: int = 1) -> list[tuple[Record, Arrays | None]]:
-    """The records and details of all objects, in their order."""
+def bind_all(
+    job: Job,
+    asked: Binding,
+    fits: Sequence[Fit],
+    workers: int = 1,
+    progress: Callable[[int, int], None] = lambda *_: None,
+) -> list[tuple[Record, Arrays | None]]:
+    """The records and details of all objects, in their order. ``progress(done, total)`` hears of each that is finished."""
 
     def alone(one: Fit) -> tuple[Record, Arrays | None]:
         return asked.bind(job, one)
@@ -110,7 +116,12 @@ def bind_all(job: Job, asked: Binding, fits: Sequence[Fit], workers: int = 1) ->
     def others(rest: Sequence[Fit], many: int) -> Iterator[tuple[Record, Arrays | None]]:
         return map_each(_bind_theirs, rest, many, _take, job, asked, here=alone)
 
-    return list(share(fits, workers, alone, others))
+    found: list[tuple[Record, Arrays | None]] = []
+    progress(0, len(fits))
+    for one in share(fits, workers, alone, others):
+        found.append(one)
+        progress(len(found), len(fits))
+    return found
 
 
 def summarize(

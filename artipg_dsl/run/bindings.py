@@ -11,6 +11,9 @@ import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
 
 from ..details.store import SUMMARY as BOUND
 from ..errors import UserError
@@ -44,8 +47,25 @@ def write_bindings(
     """Bind the details of the objects in a folder of fits and write the folder ``out``; what its summary says. ``real``: the files that were
     fitted, where they are not where they were. Raises UserError."""
     summary = _read_summary(fitted)
-    sweep_unfinished(ensure_folder(out))
     job, work = _open_fits(fitted, summary, real)
+    told, _ = bind_into(out, job, asked, work, summary, force=force, workers=workers, progress=progress)
+    return told
+
+
+def bind_into(
+    out: Path,
+    job: Job,
+    asked: Binding,
+    work: Sequence[Fit],
+    fitted: Record,
+    *,
+    force: bool = False,
+    workers: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Record, list[Record]]:
+    """Bind what the folder ``out`` does not have yet, and write it; what its summary says, and the records of all objects. ``fitted``: the
+    summary of their fit. ``progress(done, total)`` hears of each that is finished. Raises UserError."""
+    sweep_unfinished(ensure_folder(out))
     options = asked.plain(job.program.hash)
     if not force:
         _refuse_others(out, work)
@@ -58,9 +78,21 @@ def write_bindings(
         if progress:
             progress(done, len(work))
     records = [found for one in work if (found := read_record(out / f"{one.name}.json")) is not None]
-    told = summarize(summary["category"], options, records, summary["objects"])
+    told = summarize(fitted["category"], options, records, fitted["objects"])
     write_bytes(out / BOUND, to_text(told), force=True)
-    return told
+    return told, records
+
+
+def read_arrays(out: Path, record: Record) -> Arrays | None:
+    """The arrays of an object that was bound into a folder; None where the record says that it could not be. Raises UserError."""
+    if "failed" in record:
+        return None
+    path = out / f"{record['name']}.npz"
+    try:
+        with np.load(path, allow_pickle=False) as held:
+            return dict(held)
+    except (OSError, ValueError, BadZipFile) as wrong:
+        raise UserError(f"{path} cannot be read: {wrong}", "remove it, and bind again") from None
 
 
 def save_bindings(
@@ -158,7 +190,7 @@ def _refuse_others(out: Path, work: Sequence[Fit]) -> None:
     if others:
         raise UserError(
             f"{out} holds details of {others[0]}" + (f" and {len(others) - 1} more" if others[1:] else ""),
-            "choose another folder with -o, or use --force to leave them out",
+            "choose another folder; --force leaves them out",
         )
 
 

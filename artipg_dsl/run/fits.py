@@ -16,7 +16,7 @@ from ..errors import UserError
 from ..export.content import Content
 from ..export.registry import choose_formats
 from ..export.write import ensure_folder, sweep_unfinished, write_bytes
-from ..fit.sources import File, Item, name_files
+from ..fit.sources import File, Held, Item
 from ..records import dataclass
 from ..sampling.sample import Sampler
 from ..view.overlay import overlay
@@ -73,21 +73,23 @@ class Folder:
 
     def has(self, item: Item, options: Mapping[str, Any]) -> bool:
         found = self.record(item.name)
-        return found is not None and found.get("options") == options and found.get("file") == item.real.mark()
+        if found is None or found.get("options") != options or found.get("file") != item.real.mark():
+            return False
+        return "kept" not in found or self.real(found).path.is_file()
 
 
 def write_fits(
     sampler: Sampler,
     asked: Asked,
     folder: Folder,
-    paths: Sequence[Path],
+    items: Sequence[Item],
     *,
     force: bool = False,
     workers: int = 1,
     progress: Callable[[int, int], None] | None = None,
-) -> Record:
-    """Fit the files and write the folder; what the summary says. Raises UserError."""
-    items = name_files(paths)
+) -> tuple[Record, list[Record], Job | None]:
+    """Fit what the folder does not have yet, and write it; what its summary says, the records of all objects, and the job of those that
+    fit, if any do. ``progress(done, total)`` hears of objects as their groups are finished. Raises UserError."""
     if not force:
         _refuse_others(folder, items)
     _make_ready(folder)
@@ -105,7 +107,7 @@ def write_fits(
     values = str(folder.out / VALUES)
     job = prepare_fitted(sampler, asked.source, records, values) if good_ones(records) else None
     _finish(folder.out, summary, records, job)
-    return summary
+    return summary, records, job
 
 
 def save_fits(
@@ -139,13 +141,17 @@ def _refuse_others(folder: Folder, items: Sequence[Item]) -> None:
     """Refuse a folder of fits of other files that are still there: what it says of them would be gone; of those that could
     not be read it says nothing. Raises UserError."""
     named = {item.real.path.resolve() for item in items if isinstance(item.real, File)}
-    known = list_objects(read_record(folder.out / SUMMARY), "name", "source")
-    there = [folder.real({**one, **(folder.record(one["name"]) or {})}).path for one in known]
-    others = [str(path) for path in there if path.exists() and path.resolve() not in named]
+    held = {item.real.mark() for item in items if isinstance(item.real, Held)}
+    others = []
+    for one in list_objects(read_record(folder.out / SUMMARY), "name", "source"):
+        record = {**one, **(folder.record(one["name"]) or {})}
+        real = folder.real(record)
+        if real.path.exists() and real.path.resolve() not in named and not (real.held and record.get("file") in held):
+            others.append(str(real.path))
     if others:
         raise UserError(
             f"{folder.out} holds fits of {others[0]}" + (f" and {len(others) - 1} more" if others[1:] else ""),
-            "name all its files, choose another folder with -o, or use --force to leave them out",
+            "name all its files, too, or choose another folder; --force leaves them out",
         )
 
 
@@ -176,11 +182,11 @@ class _Writer:
 
     def write(self, group: Group) -> int:
         """Write the records of a group, and the pictures; how many they are."""
-        for record, one in self.work.fit(group):
+        for item, (record, one) in zip(group, self.work.fit(group), strict=True):
             if self.painter is not None and one is not None:
                 image = overlay(one.batch, one.row, one.cloud, self.painter, states=one.states)
                 write_bytes(self.folder.out / PICTURES / f"{record['name']}.png", png_bytes(image), force=True)
-            self.folder.write(record)
+            self.folder.write(record | self.folder.keep(item, record["file"]))
         return len(group)
 
 

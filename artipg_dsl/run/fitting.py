@@ -6,7 +6,7 @@ They are fitted in groups of a fixed order, so that a group gives the same whoev
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import cache
 from typing import Any
@@ -164,8 +164,14 @@ def _fit_theirs(group: Group) -> list[Record]:
     return [record for record, _ in _theirs.fit(group)]
 
 
-def fit_all(sampler: Sampler, asked: Asked, items: Group, workers: int = 1) -> list[Record]:
-    """The records of all objects, in their order."""
+def fit_all(
+    sampler: Sampler,
+    asked: Asked,
+    items: Group,
+    workers: int = 1,
+    progress: Callable[[int, int], None] = lambda *_: None,
+) -> list[Record]:
+    """The records of all objects, in their order. ``progress(done, total)`` hears of objects as their groups are finished."""
     own = cache(lambda: Work.of(sampler, asked))
 
     def alone(group: Group) -> list[Record]:
@@ -174,7 +180,12 @@ def fit_all(sampler: Sampler, asked: Asked, items: Group, workers: int = 1) -> l
     def others(rest: Sequence[Group], many: int) -> Iterator[list[Record]]:
         return map_each(_fit_theirs, rest, many, _take, sampler, asked, here=alone)
 
-    return [record for found in share(groups_of(items), workers, alone, others, pace=LONG) for record in found]
+    records: list[Record] = []
+    progress(0, len(items))
+    for found in share(groups_of(items), workers, alone, others, pace=LONG):
+        records += found
+        progress(len(records), len(items))
+    return records
 
 
 # ---------------------------------------------------------------- all that was found

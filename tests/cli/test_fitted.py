@@ -15,6 +15,7 @@ import artipg_dsl as apg
 from artipg_dsl.cli.main import main
 from artipg_dsl.errors import UsageError, UserError
 from artipg_dsl.loaders import Stream
+from artipg_dsl.run import progress as lines
 from tests.fit.helpers import BOARD
 
 from .helpers import CHEST, tree
@@ -255,6 +256,51 @@ def test_others_borrow(place: Path, bound: apg.Bound, tmp_path: Path) -> None:
     samples.sheet(tmp_path / "sheet.png", details=details, tile=48)
     with pytest.raises(UserError, match="the details in memory are of objects of Chest, not of Board"):
         apg.load(BOARD).points(8, details=details)
+
+
+def test_long_work_tells_how_far_it_is_and_goes_on(
+    place: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with np.load(place / "real" / "chest1.npz") as held:
+        chest = {"points": held["points"], "normals": held["normals"]}
+    real: dict[str, Any] = {f"none{k}": np.full((9, 3), float(k)) for k in range(6)} | {"chest": chest}
+    heard: list[tuple[int, int]] = []
+
+    def ended(done: int, total: int) -> None:
+        heard.append((done, total))
+        if done == 6:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        apg.fit_objects(CHEST, real, front="x", folder=tmp_path / "fitted", progress=ended)
+    assert heard == [(0, 7), (6, 7)]
+    heard.clear()
+    fitted = apg.fit_objects(
+        CHEST, real, front="x", folder=tmp_path / "fitted", progress=lambda *told: heard.append(told)
+    )
+    assert heard == [(6, 7), (7, 7)], "what was done is there"
+    monkeypatch.setattr(lines, "SELDOM", 0.01)  # seconds between lines
+    plain = apg.fit_objects(CHEST, real, front="x", progress=True)
+    assert "Chest: fitting [####" in capsys.readouterr().err
+    assert plain.records == fitted.records
+    plain.save(tmp_path / "same")
+    assert tree(tmp_path / "same") == tree(tmp_path / "fitted")
+
+    heard.clear()
+    bound = fitted.bind(300, folder=tmp_path / "bound", progress=lambda *told: heard.append(told))
+    again = fitted.bind(300, folder=tmp_path / "bound", progress=lambda *told: heard.append(told))
+    assert heard == [(0, 1), (1, 1), (1, 1)] and bound.folder == tmp_path / "bound"
+    memory = plain.bind(300)
+    memory.save(tmp_path / "saved")
+    assert tree(tmp_path / "saved") == tree(tmp_path / "bound") and memory.summary == again.summary
+    assert all(np.array_equal(again.arrays(0)[key], array) for key, array in memory.arrays(0).items())
+    with pytest.raises(UserError, match="fitted holds fits of .*chest.npz"):
+        apg.fit_objects(CHEST, {"chest": chest["points"] * 1.1}, folder=tmp_path / "fitted")
+    with pytest.raises(UserError, match="bound holds details of chest, fitted from memory"):
+        apg.open_fitted(place / "fitted").bind(300, folder=tmp_path / "bound")
+    for progress in ("yes", 1, None):
+        with pytest.raises(UsageError, match="progress is .*give True for a line on stderr, or a function"):
+            apg.fit_objects(CHEST, real, progress=progress)  # type: ignore[arg-type]
 
 
 def test_streams_borrow_what_is_in_memory(place: Path) -> None:

@@ -3,8 +3,8 @@
 import io
 import time
 
-from artipg_dsl.cli import progress as module
-from artipg_dsl.cli.progress import Progress
+from artipg_dsl.run import progress as module
+from artipg_dsl.run.progress import Progress
 
 
 class Terminal(io.StringIO):
