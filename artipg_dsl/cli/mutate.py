@@ -18,7 +18,7 @@ from ..run.settings import show_value
 from .messages import plural, say
 from .sample import refuse_file, show_statistics, tell_repairs
 from .sample import write as write_folder
-from .wanted import own_details, read_strength
+from .wanted import read_strength, wear
 
 if TYPE_CHECKING:
     from ..run.job import Job
@@ -103,7 +103,7 @@ def _write(options: argparse.Namespace) -> int:
         content = replace(content, points=replace(content.points, count=options.points))
     strength = read_strength(options)
     if options.details is not None:
-        content = replace(content, details=own_details(options.details, strength, job))
+        content = replace(content, details=wear(options.details, strength, job))
     job = _open_mutants(options, job)
     if options.distinct:
         job = _leave_out(options, job)

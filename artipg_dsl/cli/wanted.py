@@ -108,20 +108,19 @@ def choose_details(options: argparse.Namespace, job: Job) -> Dressing | None:
     worn = Output.from_manifest(read_folder_manifest(folder)["identity"], folder).content.details if folder else None
     if options.details is None:
         return worn
-    from ..details.store import borrow  # start-up: k-d trees load slowly
-
-    fitted = job.request.values is not None  # what details are bound to, and the mutants of that, wear their own
-    if worn.borrowed if worn else not fitted:
-        return borrow(options.details, strength, job.program)
-    return own_details(options.details, strength, job)
+    return wear(options.details, strength, job)
 
 
-def own_details(folder: str, strength: float, job: Job) -> Dressing:
-    """The details that objects, or the originals of mutants, have of their own; those that have none are told. Raises UserError."""
-    from ..details.store import find_bare, read_dressing, require_donors  # start-up: as above
+def wear(folder: str, strength: float, job: Job) -> Dressing:
+    """How the objects of a job, or the mutants of these, wear the details in a folder; who borrows them, or goes bare, is told. Raises
+    UserError."""
+    from ..details.store import find_bare  # start-up: k-d trees load slowly
+    from ..run.wearing import dress
 
-    dressing = read_dressing(folder, strength)
-    require_donors(dressing, job.program, job.originals)
+    dressing = dress(job, folder, strength)
+    if dressing.borrowed:
+        say(f"the details in {folder} were bound to other objects than these, which borrow them")
+        return dressing
     bare = find_bare(dressing, job.program, job.originals)
     if len(bare):
         say(

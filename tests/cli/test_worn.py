@@ -111,13 +111,33 @@ def test_originals_without_details_are_told(apgc: Apgc, fitted: Path, bound: Pat
     assert code == 0 and "has no details of 1 of 2 objects, of 1 for one: what is made of them is bare" in err
 
 
-def test_details_of_other_originals_are_refused(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
-    """Objects of the same program and numbers, but with other sizes."""
-    bound, others = tmp_path / "bound", tmp_path / "others"
-    assert apgc("bind", fitted, "-o", bound, "--points", 500)[0] == 0
-    assert apgc("sample", CHEST, "-n", 2, "--seed", 5, "--points", 64, "-o", others)[0] == 0
-    code, _, err = apgc("mutate", others, "-n", 1, "--details", bound, "-o", tmp_path / "out")
-    assert code == 1 and "were bound to another Chest 0 than the one that is mutated" in err
+def test_objects_wear_their_own_if_these_were_bound_to_their_values(
+    apgc: Apgc, fitted: Path, bound: Path, tmp_path: Path
+) -> None:
+    """Points and meshes, of samples and of mutants, by one rule: numbers do not count, nor what a folder wore before."""
+    lines = (fitted / "values.jsonl").read_text().splitlines()
+    (tmp_path / "turned.jsonl").write_text("\n".join(reversed(lines)))
+    drawn, own, turned = (tmp_path / name for name in ("drawn", "own", "turned"))
+    sampled = ("sample", CHEST, "--points", 64, "--params")
+    assert apgc("sample", CHEST, "-n", 2, "--seed", 5, "--points", 64, "-o", drawn)[0] == 0
+    assert apgc(*sampled, fitted / "values.jsonl", "-o", own)[0] == 0
+    assert apgc(*sampled, tmp_path / "turned.jsonl", "-o", turned)[0] == 0
+    for folder, borrow in ((fitted, False), (own, False), (drawn, True), (turned, True)):
+        out = tmp_path / f"mutants-{folder.name}"
+        asked = ("--ops", "cpa", "--details", bound, "--points", 64, "-o", out)
+        runs = [
+            apgc("export", folder, "--format", "obj", "--details", bound, "-o", tmp_path / f"meshes-{folder.name}"),
+            apgc("render", folder, "--tile", 48, "--details", bound, "-o", tmp_path / f"{folder.name}.png"),
+            apgc("mutate", folder, *asked),
+        ]
+        assert [code for code, _, _ in runs] == [0, 0, 0]
+        assert all(("which borrow them" in err) == borrow for _, _, err in runs)
+        for made in (out, tmp_path / f"meshes-{folder.name}"):
+            identity = json.loads((made / "manifest.json").read_text())["identity"]
+            assert identity["details"].get("borrowed", False) == borrow
+        points = apg.open_samples(folder).mutate("cpa").points(64, details=bound).position.astype(np.float32)
+        with np.load(out / "points-00000.npz") as held:
+            assert np.array_equal(held["points"], points)
 
 
 def test_objects_by_any_prior_borrow_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
