@@ -9,7 +9,7 @@ Begin with ``binding`` and ``wear``.
     elements, record, placed  the primitives that details are bound to; details as arrays of a file, and as points in space
     suits, trim               which element of which donor each element wears; what can be borrowed of details
     wear, maps                points in the details of their donors; places on primitives of another kind
-    displace, skin            closed meshes in them
+    displace, skin, cover     closed meshes in them; what other primitives cover
     calm, unfold              what a surface can follow of details; what turns inside out, and sheets whose sides cross
     measure, report           distances, coverage, torn and inverted neighbourhoods
     dressing, store           which details objects wear; a folder of them, or those at hand

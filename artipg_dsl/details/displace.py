@@ -4,7 +4,8 @@ Each corner of each patch asks for its detail as a point at the same (patch, u, 
 are one node, and ways are smoothed from node to node: so nothing is smoothed across an edge. What wears nothing goes with the nearest
 of its element that does, ever less the farther it is: the inner wall of a bottle goes with the outer one. In the end the nodes of a
 vertex meet, each along its own normal where it wants to be, and the vertex is moved once: what was closed stays closed. What lay behind
-another primitive in the original, as the neck of a bottle in its collar, stays where it is.
+another primitive in the original, as the neck of a bottle in its collar, stays where it is, and so does what another primitive of the
+object covers, whatever the original was like.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..geometry.nearest import Nearest
 from ..geometry.vectors import cross, dot
+from .cover import SUNK, find_covered
 from .skin import Grid, Skin, gather, neighbours, tie_breakers, total
 from .suits import Suits
 from .unfold import keep_apart, unfold
@@ -59,7 +61,15 @@ def _find_ways(skin: Skin, wardrobe: Wardrobe, suits: Suits, scale: np.ndarray, 
     means = neighbours(node[skin.corners], place)
     for _ in range(_ROUNDS):
         way = 0.5 * way + 0.5 * (means @ way)
-    way = keep_apart(place, outward, way, told > 0.0, element, size)
+    covered = find_covered(place, outward, way, element, suits.elements, wardrobe.solids, size)
+    sunk = -SUNK * size[covered, None] * outward[covered]
+    way[covered] = sunk
+    for _ in range(_ROUNDS):  # no wall around it, which would fold
+        way = 0.5 * way + 0.5 * (means @ way)
+        way[covered] = sunk
+    firm = told > 0.0
+    firm[covered] = True
+    way = keep_apart(place, outward, way, firm, element, size)
     return unfold(skin.place, _met(vertex, outward, way, len(skin)), skin.faces, skin.element)
 
 
