@@ -128,8 +128,7 @@ class Bound:
 
     def _beside(self, out: Path, force: bool) -> tuple[Path, Callable[[], None]]:
         """The folder in ``out`` that these go to, and what writes it. Raises UserError where others are there."""
-        from ..details.dressing import BESIDE
-        from ..details.store import SUMMARY
+        from ..details.dressing import BESIDE, SUMMARY
         from ..run.bindings import save_bindings
         from ..run.fits import refuse_other
 
@@ -148,7 +147,7 @@ def choose_details(details: Worn, strength: float, job: Job) -> Dressing | None:
         return None if details is None else details._worn(strength, job)
     from ..run.wearing import dress
 
-    return dress(job, details, strength)
+    return dress(job, _read_folder(details), strength)
 
 
 def lend_details(details: Worn, strength: float, program: Program) -> Dressing | None:
@@ -157,7 +156,16 @@ def lend_details(details: Worn, strength: float, program: Program) -> Dressing |
         return None if details is None else details._lent(strength, program)
     from ..details.store import borrow
 
-    return borrow(details, strength, program)
+    return borrow(_read_folder(details), strength, program)
+
+
+def _read_folder(details: str | Path) -> Path:
+    """A folder of details. Raises UsageError."""
+    if not isinstance(details, str | Path):
+        raise UsageError(
+            f"details is {details!r:.80}", 'give a folder, such as "bound", or what `bind` of fitted objects gives'
+        )
+    return read_path("a folder of details", details, '"bound"')
 
 
 def place_details(

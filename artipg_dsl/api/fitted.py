@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import read_flag, read_path, read_whole
+from ..arguments import read_flag, read_path, read_paths, read_whole
 from ..errors import NoObject, UserError
 from ..run.job import Job, open_program
 from ..run.request import read_request
@@ -99,12 +99,15 @@ def fit_objects(
     return Fitted(job.fresh(), records, items)
 
 
-def open_fitted(folder: str | Path) -> Fitted:
-    """The objects of a folder that ``apgc fit``, or ``save``, has written. Raises UserError."""
+def open_fitted(folder: str | Path, real: str | Path | Sequence[str | Path] = ()) -> Fitted:
+    """The objects of a folder that ``apgc fit``, or ``save``, has written. ``real``: the files that were fitted, or folders of them, if they
+    have moved. Raises UserError, UsageError."""
+    from ..fit.reading import find_files
     from ..run.bindings import open_fits
 
     place = read_path("a folder", folder, '"fitted"')
-    job, records, items = open_fits(place)
+    files = find_files(read_paths("real", real, 'open_fitted("fitted", "scans/")'))
+    job, records, items = open_fits(place, files)
     return Fitted(job, records, items)
 
 

@@ -8,8 +8,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-from ..errors import UsageError
-from ..export.remote import is_same, place_of
 from ..run.progress import Progress, took
 from .messages import plural, say
 
@@ -23,8 +21,6 @@ def run(options: argparse.Namespace) -> int:
     begun = time.monotonic()
     out = Path(options.out)
     refuse_file(out)
-    if is_same(out, place_of(options.fitted)):
-        raise UsageError(f"details cannot go into {out}, where the fitted objects are", "name another folder with -o")
     real = find_files(options.files) if options.files else []
     asked = Binding(options.points, options.assignment, not options.visible)
     with Progress(str(options.fitted)) as progress:

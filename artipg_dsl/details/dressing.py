@@ -11,6 +11,7 @@ from ..records import dataclass
 if TYPE_CHECKING:
     from .record import Donors
 
+SUMMARY = "bind.json"  # of a folder of details
 MEMORY = "memory"  # what messages call the folder of details that are in none
 BESIDE = "details"  # the folder that these are written to, in that of the objects that wear them
 

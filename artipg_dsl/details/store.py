@@ -23,7 +23,7 @@ from ..geometry.pointset import PointSet
 from ..records import dataclass
 from .calm import calm
 from .displace import displace
-from .dressing import Dressing
+from .dressing import SUMMARY, Dressing
 from .elements import Elements, Solids, elements_of
 from .record import DIRECT, Details, Donors, of_arrays
 from .skin import Grid
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from ..graph.program import Program
     from ..runtime.batch import Batch
 
-SUMMARY = "bind.json"
 _COMPARED = 1024  # points of a mutant and of its donor that tell how far they are apart
 _APART = 100.0  # diagonals between objects that are compared together
 

@@ -46,7 +46,8 @@ class File:
     def require(self, mark: str) -> None:
         """Raises UserError where it is not what once had this mark."""
         if not self.path.exists():
-            raise UserError(f"there is no file {self.path}", "name the files that were fitted: apgc bind FITTED FILES")
+            where = "if it has moved, name it: apgc bind FITTED FILES, in Python open_fitted(FITTED, FILES)"
+            raise UserError(f"there is no file {self.path}", where)
         if self.mark() != mark:
             raise UserError(f"{self.path} is not the file that was fitted, or has changed since", "fit it again")
 

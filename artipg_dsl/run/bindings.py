@@ -15,12 +15,13 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from ..details.store import SUMMARY as BOUND
+from ..details.dressing import SUMMARY as BOUND
 from ..errors import UserError
 from ..export.containers import npz_bytes
 from ..export.write import ensure_folder, is_there, sweep_unfinished, write_bytes
 from ..fit.real import check_record
 from ..fit.sources import MEMORY, File, Item, mark
+from . import manifest as manifests
 from .binding import Arrays, Binding, Fit, summarize
 from .fits import FITS, SUMMARY, Folder, list_objects, read_record, refuse_other
 from .fitting import Record, to_text
@@ -65,6 +66,7 @@ def bind_into(
 ) -> tuple[Record, list[Record]]:
     """Bind what the folder ``out`` does not have yet, and write it; what its summary says, and the records of all objects. ``fitted``: the
     summary of their fit. ``progress(done, total)`` hears of each that is finished. Raises UserError."""
+    _require_own(out)
     sweep_unfinished(ensure_folder(out))
     options = asked.plain(job.program.hash)
     if not force:
@@ -99,6 +101,7 @@ def save_bindings(
     out: Path, told: Record, bound: Sequence[tuple[Record, Arrays | None]], *, force: bool = False
 ) -> None:
     """Write the folder of details that are bound already; ``told``: what its summary says. Raises UserError."""
+    _require_own(out)
     refuse_other(out / BOUND, told, force)
     sweep_unfinished(ensure_folder(out))
     for record, arrays in bound:
@@ -111,6 +114,8 @@ def save_bindings(
 
 def _read_summary(fitted: Path) -> Record:
     """The summary of a folder of fits, some of which fit. Raises UserError."""
+    if not fitted.is_dir():
+        raise UserError(f"there is no folder {fitted} of fitted objects", _HINT)
     summary = read_record(fitted / SUMMARY)
     if summary is None:
         raise UserError(f"{fitted} is not a folder of fitted objects", _HINT)
@@ -119,10 +124,11 @@ def _read_summary(fitted: Path) -> Record:
     return summary
 
 
-def open_fits(fitted: Path) -> tuple[Job, list[Record], list[Item]]:
-    """The job of the objects of a folder of fits, the records of all files, and what these are. Raises UserError."""
+def open_fits(fitted: Path, real: Sequence[Path] = ()) -> tuple[Job, list[Record], list[Item]]:
+    """The job of the objects of a folder of fits, the records of all files, and what these are. ``real``: the files that were fitted, where
+    they are not where they were. Raises UserError."""
     summary = _read_summary(fitted)
-    job, _ = _open_fits(fitted, summary)
+    job, work = _open_fits(fitted, summary, real)
     failed = list_objects({"objects": summary.get("failed")}, "name", "source")
     folder, records = Folder(fitted), []
     for one in [*summary["objects"], *failed]:
@@ -132,7 +138,8 @@ def open_fits(fitted: Path) -> tuple[Job, list[Record], list[Item]]:
         if one.get("object") is not None:
             check_record(record)
         records.append(record)
-    return job, records, [Item(record["name"], folder.real(record)) for record in records]
+    found = {one.name: one.real for one in work}
+    return job, records, [Item(record["name"], found.get(record["name"], folder.real(record))) for record in records]
 
 
 def _open_fits(fitted: Path, summary: Record, real: Sequence[Path] = ()) -> tuple[Job, list[Fit]]:
@@ -174,6 +181,13 @@ def _fitted_objects(folder: Path, summary: Mapping[str, Any]) -> list[Mapping[st
     return found
 
 
+def _require_own(out: Path) -> None:
+    """Raises UserError for a folder of fits or of samples."""
+    for name, what in ((SUMMARY, "fitted objects"), (manifests.NAME, "samples")):
+        if (out / name).exists():
+            raise UserError(f"{out} holds {what}", "details go into a folder of their own: name another")
+
+
 def _refuse_others(out: Path, work: Sequence[Fit]) -> None:
     """Refuse a folder of details of other files that are still there, or of what was fitted from memory: they would be gone from its summary.
     Raises UserError."""
@@ -190,7 +204,7 @@ def _refuse_others(out: Path, work: Sequence[Fit]) -> None:
     if others:
         raise UserError(
             f"{out} holds details of {others[0]}" + (f" and {len(others) - 1} more" if others[1:] else ""),
-            "choose another folder; --force leaves them out",
+            "name another folder; `apgc bind --force` leaves them out",
         )
 
 

@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from ..details.dressing import SUMMARY as BOUND
 from ..errors import UserError
 from ..export.content import Content
 from ..export.registry import choose_formats
@@ -124,9 +125,11 @@ def save_fits(
 
 
 def _make_ready(folder: Folder) -> None:
-    """Raises UserError for a folder of other samples."""
+    """Raises UserError for a folder of other samples, or of details."""
     if (folder.out / manifests.NAME).exists() and not (folder.out / SUMMARY).exists():
-        raise UserError(f"{folder.out} holds samples that were not fitted", "choose another folder with -o")
+        raise UserError(f"{folder.out} holds samples that were not fitted", "name another folder")
+    if (folder.out / BOUND).exists():
+        raise UserError(f"{folder.out} holds details", "fitted objects go into a folder of their own: name another")
     for name in (FITS, PICTURES):
         sweep_unfinished(ensure_folder(folder.out / name))
 
@@ -151,7 +154,7 @@ def _refuse_others(folder: Folder, items: Sequence[Item]) -> None:
     if others:
         raise UserError(
             f"{folder.out} holds fits of {others[0]}" + (f" and {len(others) - 1} more" if others[1:] else ""),
-            "name all its files, too, or choose another folder; --force leaves them out",
+            "name them, too, or another folder; `apgc fit --force` leaves them out",
         )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 from dataclasses import replace
 
-from ..details.dressing import BESIDE
+from ..details.dressing import BESIDE, SUMMARY
 from ..diagnostics import CompileError
 from ..errors import UsageError, UserError
 from ..export.objects import OBJECTS
@@ -28,6 +28,8 @@ def read_folder_manifest(folder: Place | str) -> Manifest:
     """The manifest of a folder of samples. Raises ExportError, UserError."""
     manifest = manifests.read_manifest(folder)
     if manifest is None:
+        if (place_of(folder) / SUMMARY).is_file():
+            raise UserError(f"{folder} holds details", f"objects wear them: apgc mutate FITTED --details {folder}")
         raise UserError(f"{folder} has no {manifests.NAME}", manifests.WANTED)
     return manifest
 

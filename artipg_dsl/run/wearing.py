@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..details.dressing import Dressing
-from ..details.store import SUMMARY, read_dressing, require_donors
+from ..details.dressing import SUMMARY, Dressing
+from ..details.store import read_dressing, require_donors
 from ..errors import UserError
 from .fits import list_objects, read_record
 from .job import Job

@@ -193,7 +193,7 @@ def test_what_is_refused(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     code, _, err = apgc("bind", fitted, other, "-o", tmp_path / "bound")
     assert code == 1 and f"{other}: none of these was fitted" in err
     code, _, err = apgc("bind", fitted, "-o", fitted)
-    assert code == 2 and "details cannot go into" in err
+    assert code == 1 and "holds fitted objects" in err and "a folder of their own" in err
 
 
 def test_a_category_that_has_changed_since_the_fit_is_named(apgc: Apgc, tmp_path: Path) -> None:

@@ -258,6 +258,42 @@ def test_others_borrow(place: Path, bound: apg.Bound, tmp_path: Path) -> None:
         apg.load(BOARD).points(8, details=details)
 
 
+def test_files_that_have_moved_are_named(place: Path, fitted: apg.Fitted, tmp_path: Path) -> None:
+    real = tmp_path / "real"
+    real.mkdir()
+    chest = (place / "real" / "chest0.npz").read_bytes()
+    (real / "mine.npz").write_bytes(chest)
+    apg.fit_objects(CHEST, real, front="x", at_rest=True, folder=tmp_path / "fitted")
+    real.rename(tmp_path / "moved")
+    with pytest.raises(UserError, match="there is no file .*mine.npz .if it has moved, name it"):
+        apg.open_fitted(tmp_path / "fitted").object(0).real()
+    again = apg.open_fitted(tmp_path / "fitted", tmp_path / "moved")
+    assert len(again.object(0).real().points) > 1000 and again.bind(300).summary["objects"]
+    with pytest.raises(UserError, match="none of these was fitted"):
+        apg.open_fitted(tmp_path / "fitted", place / "real" / "chest1.npz")
+
+
+def test_each_kind_of_folder_is_its_own(
+    place: Path, fitted: apg.Fitted, bound: apg.Bound, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for folder, told in (("fitted", "fitted holds fitted objects"), ("mutants", "mutants holds samples")):
+        with pytest.raises(UserError, match=told):
+            bound.save(place / folder)
+        with pytest.raises(UserError, match=told):
+            fitted.bind(300, folder=place / folder)
+        assert main(["bind", str(place / "fitted"), "-o", str(place / folder)]) == 1
+        assert told in capsys.readouterr().err
+    with pytest.raises(UserError, match="bound holds details"):
+        fitted.save(place / "bound")
+    assert main(["mutate", str(place / "bound"), "-o", str(place / "none")]) == 1
+    assert f"objects wear them: apgc mutate FITTED --details {place / 'bound'}" in capsys.readouterr().err
+    with pytest.raises(UserError, match="there is no folder .*gone of fitted objects"):
+        apg.open_fitted(place / "gone")
+    for details in (fitted, 3):
+        with pytest.raises(UsageError, match="details is .*or what `bind` of fitted objects gives"):
+            fitted.points(64, details=details)  # type: ignore[arg-type]
+
+
 def test_long_work_tells_how_far_it_is_and_goes_on(
     place: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -315,7 +351,7 @@ def test_streams_borrow_what_is_in_memory(place: Path) -> None:
     assert not np.array_equal(bare["points"], ours["points"])
     with pytest.raises(UserError, match="the details in memory are of objects of Chest, not of Microwave"):
         Stream("Microwave", details={"Microwave": details})
-    with pytest.raises(UsageError, match="a folder of details is named by a text or a Path, not 3"):
+    with pytest.raises(UsageError, match="details is 3"):
         Stream(CHEST, details=3)  # type: ignore[arg-type]
 
 
