@@ -173,7 +173,7 @@ def place_details(
 ) -> tuple[Dressing, Callable[[], None] | None]:
     """Details as the manifest of a folder ``out`` can name them: those that are in no folder go into one beside it, which the function
     writes. Raises UsageError, UserError."""
-    if not isinstance(details, Bound) or details.folder is not None:
+    if not isinstance(details, Bound) or (details.folder is not None and details.folder.is_dir()):
         return dressing, None
     if isinstance(place_of(out), Remote):
         raise UsageError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -212,6 +213,9 @@ def test_mutants_wear_their_own(place: Path, bound: apg.Bound, fitted: apg.Fitte
     details.save(tmp_path / "bound")
     mutants.to(tmp_path / "named", "points,annotation", points=64, details=details)
     assert not (tmp_path / "named" / "details").exists()
+    shutil.rmtree(tmp_path / "bound")
+    mutants.to(tmp_path / "gone", "points,annotation", points=64, details=details)
+    assert tree(tmp_path / "gone" / "details") == tree(place / "bound"), "a folder that is gone is none"
     with pytest.raises(UsageError, match="in no folder of this machine"):
         mutants.to("memory://out", points=64, details=again.bind(300))
 
