@@ -321,7 +321,7 @@ def test_points_and_views_in_several_states(chests: apg.Samples, tmp_path: Path)
         (lambda: 3 in apg.sample(CHEST), "37 in batch.numbers"),
         (lambda: apg.sample(CHEST)["wdith"], "Chest draws no `wdith` (did you mean `width`?)"),
         (lambda: apg.sample(CHEST).points(8, motion="no"), "motion is 'no'"),
-        (lambda: apg.sample(CHEST).points(8, details=3), "a folder of details is named by a text or a Path, not 3"),
+        (lambda: apg.sample(CHEST).points(8, details=3), "details is 3"),
         (lambda: apg.sample(CHEST).points(8, details="x", detail_strength="1"), "the strength of details is '1'"),
         (lambda: apg.sample(CHEST).grasps(10**6), "values is 1000000 (give a whole number up to 10,000)"),
         (lambda: apg.sample(CHEST).to("unused", motion="no"), "motion is 'no'"),
