@@ -280,13 +280,3 @@ def show_value(value: Any) -> str:
         text = ascii(value)
         return text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "..."
     return NAMED.get(type(value)) or f"a {type(value).__name__}"
-
-
-def read_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """For ``object_pairs_hook``: a table of names and values; of a name that is given twice, it would not be told which value counts."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for k, name in enumerate(names) if name in names[:k])
-        raise ValueError(f"`{twice}` is given twice in one object")
-    return found

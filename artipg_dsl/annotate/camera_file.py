@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 
 from ..arguments import read_whole, to_plain
 from ..errors import UsageError, UserError
+from ..files import read_json
 from .cameras import Cameras
 
 MOST_VIEWS, MOST_PIXELS, MOST_POINTS = 1000, 8192, 1_000_000
@@ -21,20 +23,13 @@ _POSE = '{"eye": [2, 0.5, 0.8]}'
 
 def read_cameras(text: str) -> Cameras:
     """A number of views, or the path of a camera file. Raises UsageError, UserError."""
-    if text.strip().lstrip("+-").isdigit():
+    if re.fullmatch(r"\s*[-+]?[0-9]{1,18}\s*", text):
         return _checked(Cameras(count=int(text)))
-    path = Path(text)
     hint = f"give a number of views, or a JSON file such as {_EXAMPLE}"
     try:
-        described = json.loads(path.read_text("utf-8"))
+        described = read_json(text, hint)
     except FileNotFoundError:
         raise UsageError(f"there is no camera file {text}", hint) from None
-    except OSError as error:
-        raise UserError(f"cannot read {text}: {error.strerror}", hint) from None
-    except json.JSONDecodeError as error:
-        raise UserError(f"{text}:{error.lineno}:{error.colno}: this is not JSON: {error.msg}", hint) from None
-    except UnicodeDecodeError:
-        raise UserError(f"{text} is not a text file", hint) from None
     return cameras_from(described, text)
 
 

@@ -9,8 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UserError
+from ..files import read_json
 from ..run.progress import Progress, took
 from .messages import plural, say
+
+_FORM = 'write {"their_name": "our_word"}'
 
 
 def run(options: argparse.Namespace) -> int:
@@ -70,18 +73,13 @@ def warn(text: str) -> None:
 def read_words(name: str | None, known: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
     """The pairs of a map file: their name, our word. Raises UserError, UsageError."""
     from ..run.fitting import check_words
-    from ..shapes import read_once
 
     if name is None:
         return ()
     try:
-        found = json.loads(Path(name).read_text(encoding="utf-8-sig"), object_pairs_hook=read_once)
-    except OSError as wrong:
-        raise UserError(f"{name} cannot be read: {wrong.strerror or wrong}") from None
-    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError):
-        raise UserError(f"{name} is not JSON", 'write {"their_name": "our_word"}') from None
-    except ValueError as twice:
-        raise UserError(f"{name}: {twice}", "leave one of them out") from None
+        found = read_json(name, _FORM)
+    except FileNotFoundError:
+        raise UserError(f"there is no file {name}", _FORM) from None
     if not isinstance(found, dict) or not all(isinstance(word, str) for word in found.values()):
-        raise UserError(f"{name} maps no names to words", 'write {"their_name": "our_word"}')
+        raise UserError(f"{name} maps no names to words", _FORM)
     return check_words(found, known, name)

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError, UserError
+from ..files import read_json
 from ..language.kinds import JOINTS
 from ..records import dataclass
 from ..resources import categories_dir
-from ..shapes import read_once
 
 if TYPE_CHECKING:
     from ..graph.program import Program
@@ -131,13 +131,11 @@ def vocabulary(name: str) -> Vocabulary:
 def read_map(path: str | Path) -> dict[str, dict[str, Any]]:
     """A map of the user's own: ``{"Kettle": {"class": "Mug", "parts": {"handle": ..., "*": ...}}}``. Raises UsageError."""
     try:
-        found = json.loads(Path(path).read_text(encoding="utf-8-sig"), object_pairs_hook=read_once)
-    except OSError as wrong:
-        raise UsageError(f"cannot read {path}: {wrong.strerror}", "--map takes a JSON file") from None
-    except (json.JSONDecodeError, UnicodeDecodeError) as wrong:
-        raise UsageError(f"{path} is not JSON: {wrong}", f"a map is, say, {_EXAMPLE}") from None
-    except ValueError as wrong:
-        raise UsageError(f"{path}: {wrong}", "leave one of them out") from None
+        found = read_json(path, f"a map is, say, {_EXAMPLE}")
+    except FileNotFoundError:
+        raise UsageError(f"there is no file {path}", "--map takes a JSON file") from None
+    except UserError as wrong:
+        raise UsageError(wrong.message, wrong.hint) from None
     return require_map(found, str(path))
 
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import field, fields
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +11,14 @@ import numpy as np
 
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UserError
+from ..files import read_json
 from ..records import dataclass
 from ..runtime.batch import Batch
 from ..sampling.known import evaluate_again
 from ..validity.bodies import gather
 
-_REFERENCE = "reference.json"
+_SHIPPED = Path(__file__).resolve().with_name("reference.json")
+_FORM = "docs/cli.md shows, under `report`, what it holds"
 _AXES = ("width", "depth", "height")  # along y, x and z
 _RATIOS = ("width/height", "depth/height")
 _BLOCK = 128  # objects at a time
@@ -59,19 +59,13 @@ class Extent:
 
 def read_reference(path: str | Path | None = None) -> dict[str, Real]:
     """What is known of real objects, by category: the shipped file, or one of its form. Raises UserError."""
+    path = _SHIPPED if path is None else path
     try:
-        text = (
-            Path(path).read_text(encoding="utf-8")
-            if path is not None
-            else resources.files(__package__).joinpath(_REFERENCE).read_text(encoding="utf-8")
-        )
-        return {name: _real(name, entry) for name, entry in _categories(json.loads(text)).items()}
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path} cannot be read: {getattr(error, 'strerror', None) or error}") from None
-    except (ValueError, TypeError, RecursionError) as error:
-        raise UserError(
-            f"{path} is not a file of real sizes: {error}", "docs/cli.md shows, under `report`, what it holds"
-        ) from None
+        return {name: _real(name, entry) for name, entry in _categories(read_json(path, _FORM)).items()}
+    except FileNotFoundError:
+        raise UserError(f"there is no file {path}", _FORM) from None
+    except (ValueError, TypeError, OverflowError) as error:
+        raise UserError(f"{path} is not a file of real sizes: {error}", _FORM) from None
 
 
 def _categories(found: Any) -> dict[str, Any]:

@@ -5,13 +5,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, NotRequired, TypedDict
 
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError, UserError
+from ..files import parse_json, read_text
 from ..records import dataclass
 from ..shapes import Misfit, Rule, fit
 
@@ -63,17 +63,11 @@ def read_frame(given: str | Path) -> Frame:
     if isinstance(given, str) and given in list_frames() and not path.exists():
         path = _SHIPPED / f"{given}.json"
     try:
-        found = json.loads(path.read_text(encoding="utf-8-sig"))
+        found = parse_json(read_text(path), str(given), _FORM)
     except FileNotFoundError:
         known = [OWN, *list_frames()]
         hint = did_you_mean(str(given), known) or f"the frames are {', '.join(known)}, or a file"
         raise UserError(f"there is no frame {given}", hint) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{given} cannot be read: {getattr(error, 'strerror', None) or 'it is not text'}") from None
-    except json.JSONDecodeError as error:
-        raise UserError(f"{given}:{error.lineno}:{error.colno}: it is not JSON: {error.msg}", _FORM) from None
-    except (ValueError, RecursionError) as error:
-        raise UserError(f"{given} cannot be read: {error}", _FORM) from None
     try:
         fit(found, _File)
     except Misfit as wrong:

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import SettingError, UsageError, UserError
+from ..files import parse_json, read_text
 from ..sampling.values import Values
-from ..shapes import read_once
 from .settings import read_setting, unknown_name
 
 if TYPE_CHECKING:
@@ -24,10 +24,9 @@ def read_params(values: str | Path | Iterable[Mapping[str, Any]]) -> tuple[tuple
     """The objects in a file, or in dictionaries, as names and values, and what messages call them. Raises UserError."""
     if isinstance(values, str | Path):
         try:
-            text = Path(values).read_text(encoding="utf-8-sig")
-        except (OSError, UnicodeDecodeError) as error:
-            reason = getattr(error, "strerror", None) or "it is not text"
-            raise UserError(f"{values} cannot be read: {reason}") from None
+            text = read_text(values)
+        except FileNotFoundError:
+            raise UserError(f"there is no file {values}", _FORM) from None
         return tuple(_parse_entries(text, str(values))), str(values)
     entries = [values] if isinstance(values, Mapping) else list(values) if isinstance(values, Iterable) else [values]
     if not all(isinstance(entry, Mapping) for entry in entries):
@@ -39,18 +38,13 @@ def read_params(values: str | Path | Iterable[Mapping[str, Any]]) -> tuple[tuple
 
 
 def _parse_entries(text: str, name: str) -> list[Mapping[str, Any]]:
-    """The objects that a text holds as plain data: a list, one object, or one a line."""
-    try:
-        try:
-            whole = json.loads(text, object_pairs_hook=read_once)
-            found = whole if isinstance(whole, list) else [whole]
-        except json.JSONDecodeError as error:
-            lines = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip()]
-            if text.lstrip().startswith("["):  # a list, whose mistake lies where it is found
-                raise UserError(f"{name}:{error.lineno} is not JSON: {error.msg}", _FORM) from None
-            found = [_parse_line(f"{name}:{k}", line) for k, line in lines]
-    except (ValueError, RecursionError) as error:  # numbers of thousands of digits, thousands of lists
-        raise UserError(f"{name} cannot be read: {error}", _FORM) from None
+    """The objects that a text holds as plain data: a list, one object, or one a line. Raises UserError."""
+    if _is_lines(text):
+        lines = enumerate(text.split("\n"), 1)  # no other character ends a line: text may hold them
+        found = [parse_json(line, name, _FORM, k) for k, line in lines if line.strip()]
+    else:
+        whole = parse_json(text, name, _FORM)
+        found = whole if isinstance(whole, list) else [whole]
     if not found:
         raise UserError(f"{name} holds no objects", _FORM)
     odd = next((k for k, entry in enumerate(found) if not isinstance(entry, dict)), None)
@@ -59,11 +53,13 @@ def _parse_entries(text: str, name: str) -> list[Mapping[str, Any]]:
     return found
 
 
-def _parse_line(place: str, line: str) -> Any:
+def _is_lines(text: str) -> bool:
+    """Whether a text is an object with more behind it, or nothing at all. What is wrong with the first one is so of the whole."""
+    text = text.lstrip()
     try:
-        return json.loads(line, object_pairs_hook=read_once)
-    except json.JSONDecodeError as error:
-        raise UserError(f"{place} is not JSON: {error.msg}", _FORM) from None
+        return not text or text[0] == "{" and text[json.JSONDecoder().raw_decode(text)[1] :].strip() != ""
+    except (ValueError, RecursionError):
+        return False
 
 
 def read_values(found: Sequence[Mapping[str, Any]], program: Program, name: str) -> Values:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NotRequired, TypedDict
 from ..arguments import to_plain
 from ..diagnostics.suggest import did_you_mean
 from ..errors import SettingError, UsageError, UserError
+from ..files import parse_json, read_text
 from ..graph.feasible import find_conflicts
 from ..graph.reweigh import NothingLeft, reweigh
 from ..records import dataclass
@@ -117,31 +118,14 @@ def read_prior(given: str | Path | Mapping[str, Any]) -> Prior | PriorFile:
     if isinstance(given, str) and given in list_shipped() and not path.exists():
         path = _SHIPPED / f"{given}.json"
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = read_text(path)
     except FileNotFoundError:
         known = list_shipped()
         hint = did_you_mean(str(given), known) or f"the shipped priors are {', '.join(known)}"
         raise UserError(f"there is no prior {given}", hint) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{given} cannot be read: {getattr(error, 'strerror', None) or 'it is not text'}") from None
-    found = _checked(_parse(text, str(given)), str(given))
+    found = _checked(parse_json(text, str(given), _FORM), str(given))
     shipped = path.parent == _SHIPPED
     return PriorFile(path.stem if shipped else path.name, found["draws"], text, str(given), shipped)
-
-
-def _parse(text: str, name: str) -> Any:
-    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        for place, (key, _) in enumerate(pairs):
-            if any(key == other for other, _ in pairs[:place]):
-                raise UserError(f"{name}: `{key}` is there twice", "leave one of them out")
-        return dict(pairs)
-
-    try:
-        return json.loads(text, object_pairs_hook=once)
-    except json.JSONDecodeError as error:
-        raise UserError(f"{name}:{error.lineno}:{error.colno}: it is not JSON: {error.msg}", _FORM) from None
-    except (ValueError, RecursionError) as error:
-        raise UserError(f"{name} cannot be read: {error}", _FORM) from None
 
 
 def _checked(found: Any, name: str) -> dict[str, Any]:

@@ -322,11 +322,14 @@ WRONG = [
     ('{"poses": [{"eye": [1, 2, 3], "target": [1, 2, 3]}]}', "looks nowhere"),
     ('{"poses": [{"eye": [1, 2, 3], "up": [0, 0, 0]}]}', "no direction"),
     ('{"poses": [{"eye": [1, 2, 3]}], "views": 4}', "`views` beside `poses`"),
-    ('{"views": 3,}', "cameras.json:1:1[23]: this is not JSON"),  # Python 3.13 points at the comma
+    ('{"fov": 30, "fov": 40}', "`fov` is given twice"),
+    ("[" * 100_000, "cannot be read"),
+    ('{"views": ' + "9" * 5000 + "}", "cannot be read"),
+    ('{"views": 3,}', "cameras.json:1:1[23]: it is not JSON"),  # Python 3.13 points at the comma
 ]
 
 
-@pytest.mark.parametrize("text, message", WRONG, ids=[text for text, _ in WRONG])
+@pytest.mark.parametrize("text, message", WRONG, ids=[text[:40] for text, _ in WRONG])
 def test_a_broken_camera_file_is_told_in_words(tmp_path: Path, text: str, message: str) -> None:
     (tmp_path / "cameras.json").write_text(text)
     with pytest.raises(UserError, match=message) as caught:
@@ -340,10 +343,18 @@ def test_a_number_of_views_or_a_file(tmp_path: Path) -> None:
     path.write_text(json.dumps({"views": 2, "azimuth": 30, "distance": [1, 2]}))
     cameras = read_cameras(str(path))
     assert (cameras.count, cameras.azimuth, cameras.distance) == (2, (30.0, 30.0), (1.0, 2.0))
-    wrong = {"0": "`views` is 0", "-2": "`views` is -2", "99999": "99999", "no.json": "no camera file"}
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert read_cameras(str(path)) == cameras
+    wrong = {
+        "\u00b2": "no camera file",
+        "0": "`views` is 0",
+        "-2": "`views` is -2",
+        "99999": "99999",
+        "no.json": "no camera file",
+    }
     for text, message in wrong.items():
         with pytest.raises(UsageError, match=message):
             read_cameras(text)
     (tmp_path / "b.json").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(UserError, match="not a text file"):
+    with pytest.raises(UserError, match="it is not text"):
         read_cameras(str(tmp_path / "b.json"))

@@ -74,7 +74,7 @@ def test_what_was_not_fitted_is_no_object_and_is_in_no_way(apgc: Apgc, real: Pat
         (["nowhere"], "there is no file or folder nowhere"),
         (["--front", "z", "--up", "z", "."], "lie on one axis"),
         (["--normalised", "--unit", "cm", "."], "have no unit"),
-        (["--map", "nowhere.json", "{real}"], "nowhere.json cannot be read"),
+        (["--map", "nowhere.json", "{real}"], "there is no file nowhere.json"),
     ],
 )
 def test_what_is_refused(apgc: Apgc, real: Path, tmp_path: Path, words: list[str], told: str) -> None:

@@ -92,7 +92,7 @@ def test_python_writes_the_same(apgc: Apgc, tmp_path: Path) -> None:
         (("Laptop", "--format", "shapenetpart", "--tolerance", "1mm"), "shapenetpart has no meshes to choose for"),
         (("Laptop", "--format", "shapenetpart", "--cluster", "local"), "shapenetpart is laid out on this machine"),
         (("Laptop", "--format", "shapenetpart", "--memory", "1GB"), "shapenetpart is laid out on this machine"),
-        (("Laptop", "--format", "shapenetpart", "--map", "none.json"), "cannot read none.json"),
+        (("Laptop", "--format", "shapenetpart", "--map", "none.json"), "there is no file none.json"),
     ],
 )
 def test_what_is_refused(apgc: Apgc, tmp_path: Path, arguments: tuple[str, ...], wrong: str) -> None:

@@ -370,7 +370,7 @@ def test_a_file_tells_where_it_is_wrong(program: Program, tmp_path: Path) -> Non
     ("text", "words"),
     [
         ('{"draws": {"Thing": {"knob": }}}', r"own.json:1:30: it is not JSON"),
-        ('{"draws": {"Thing": {"knob": 0.1, "knob": 0.2}}}', "`knob` is there twice"),
+        ('{"draws": {"Thing": {"knob": 0.1, "knob": 0.2}}}', "`knob` is given twice in one object"),
         ('{"Thing": {"knob": 0.1}}', "nothing where an object is expected"),
         ('{"draws": {}, "darws": {}}', "did you mean `draws`"),
         ('{"draws": {"Thing": 0.1}}', "draws.Thing: 0.1 where an object is expected"),
@@ -391,6 +391,8 @@ def test_a_prior_that_is_not_there(tmp_path: Path) -> None:
     (tmp_path / "binary").write_bytes(b"\xff\xfe\x00\xff")
     with pytest.raises(UserError, match="it is not text"):
         read_prior(tmp_path / "binary")
+    with pytest.raises(UserError, match="cannot be read: embedded null byte"):
+        read_prior("par\0tnet")
 
 
 def test_python_gives_the_draws_of_a_category_or_a_file() -> None:
