@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
@@ -17,6 +16,7 @@ import numpy as np
 from .. import random
 from ..arguments import read_amount, read_path
 from ..errors import UserError
+from ..files import read_arrays
 from ..geometry import points as geometry
 from ..geometry.nearest import Nearest
 from ..geometry.pointset import PointSet
@@ -59,7 +59,7 @@ def _summary(folder: Path) -> tuple[dict[str, Any], str]:
         objects = [(one["object"], one["details"]) for one in found["objects"]]
         if not all(type(number) is int and isinstance(name, str) for number, name in objects):
             raise TypeError
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         raise UserError(f"{folder} is not a folder of details", "apgc bind FITTED -o bound writes one") from None
     if not objects:
         raise UserError(f"{folder} has no details: nothing in it could be bound", f"see {SUMMARY} for the reasons")
@@ -82,12 +82,9 @@ def _open(dressing: Dressing, program: str) -> Donors:
     for one in found["objects"]:
         path = folder / one["details"]
         try:
-            data = path.read_bytes()
-            if not zipfile.is_zipfile(io.BytesIO(data)):  # NumPy would take it for pickled data
-                raise ValueError("it is no archive of arrays")
-            with np.load(io.BytesIO(data), allow_pickle=False) as held:
-                donors.append((int(one["object"]), of_arrays(dict(held), str(path), program)))
-        except (OSError, ValueError, zipfile.BadZipFile) as wrong:
+            held = read_arrays(io.BytesIO(path.read_bytes()))
+            donors.append((int(one["object"]), of_arrays(held, str(path), program)))
+        except (OSError, ValueError) as wrong:
             reason = getattr(wrong, "strerror", None) or wrong
             raise UserError(f"{path} cannot be read: {reason}", "bind the details again") from None
     return Donors.of(str(found.get("category")), program, donors)

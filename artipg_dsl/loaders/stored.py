@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 
 from ..arguments import read_paths, read_whole
 from ..errors import UsageError, UserError
+from ..files import read_arrays
 from ..run.manifest import Manifest
 from ..run.resume import read_folder_manifest
 from .classes import find_classes
@@ -153,9 +153,9 @@ def _read_shards(folder: Path, kind: str, wanted: Callable[[str], bool], most: i
     parts = []
     for path in paths:
         try:
-            with np.load(path, allow_pickle=False) as file:
-                parts.append({name: file[name] for name in file.files if wanted(name)})
-        except (OSError, ValueError, EOFError, BadZipFile) as error:
+            with open(path, "rb") as file:
+                parts.append(read_arrays(file, wanted))
+        except (OSError, ValueError) as error:
             raise UserError(
                 f"{path} cannot be read: {error}",
                 "remove it, and run the command that made it again: that makes what is missing",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-import zipfile
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import UserError
 from ..export.registry import FORMATS, TABLES
 from ..export.remote import Place
+from ..files import read_arrays
 from ..records import dataclass
 from ..sampling.columns import TYPES, from_columns, take
 from .chunk import shard_path
@@ -55,12 +56,21 @@ class Tables:
 def _read(path: Place) -> dict[str, np.ndarray]:
     """The arrays of a shard. Raises UserError."""
     try:
-        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as held:
-            found = {name: held[name] for name in TYPES}
+        found = read_arrays(io.BytesIO(path.read_bytes()), TYPES.__contains__)
     except FileNotFoundError:
         raise UserError(f"{path} is missing", _AGAIN) from None
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
+    except (OSError, ValueError) as error:
         raise UserError(f"{path} cannot be read as values: {error}", f"remove it, then {_AGAIN}") from None
-    if any(array.dtype.kind != np.dtype(TYPES[name]).kind for name, array in found.items()):
-        raise UserError(f"{path} cannot be read as values: it has other types", f"remove it, then {_AGAIN}")
+    if not _belong_together(found):
+        raise UserError(f"{path} cannot be read as values: its arrays are not those", f"remove it, then {_AGAIN}")
     return found
+
+
+def _belong_together(found: Mapping[str, np.ndarray]) -> bool:
+    """Whether all arrays are there, with their types and as long as each other."""
+    if found.keys() != TYPES.keys():
+        return False
+    shapes = all(array.ndim == (2 if name == "rows" else 1) for name, array in found.items())
+    kinds = all(array.dtype.kind == np.dtype(TYPES[name]).kind for name, array in found.items())
+    lengths = {len(array) for name, array in found.items() if shapes and name != "values"}
+    return shapes and kinds and len(lengths) == 1 and int(found["rows"].sum(dtype=np.int64)) == len(found["values"])

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from ..runtime.kernels import State
 from ..runtime.repairs import Repairs
 from .known import keep_draw, make_batch
 from .sample import Sampler
+
+if TYPE_CHECKING:
+    from ..graph.program import Program
 
 TYPES = {
     "object": np.int64,
@@ -80,7 +84,7 @@ def from_columns(
     place = np.repeat(np.tile(np.arange(draws), size), lengths)
     ends = np.cumsum(rows.sum(axis=0, dtype=np.int64))[:-1]
     held = np.split(values[np.argsort(place, kind="stable")], ends) if draws else []
-    salt = bytes(columns["salt"][0]).decode() if size else ""
+    salt = bytes(columns["salt"][0]).decode("utf-8", "replace") if size else ""
     said = (columns["drawn"], columns["attempt"].astype(np.int64))
     lane = columns["lane"]
     try:
@@ -95,8 +99,16 @@ def from_columns(
     found = make_batch(program, sampler.plan, state, columns["object"])
     found.repairs = Repairs.joined(
         [
-            repairs.read_repairs(program, owner, json.loads(bytes(columns["repairs"][owner])))
+            _read_repairs(program, owner, bytes(columns["repairs"][owner]), name)
             for owner in np.flatnonzero(columns["repairs"] != b"").tolist()
         ]
     )
     return found
+
+
+def _read_repairs(program: Program, owner: int, told: bytes, name: str) -> Repairs:
+    """What was moved of one object. Raises UserError."""
+    try:
+        return repairs.read_repairs(program, owner, json.loads(told))
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
+        raise UserError(f"{name} does not hold what was repaired of {program.name}", _AGAIN) from None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -84,20 +85,34 @@ def test_mutants_are_made_again(tmp_path: Path) -> None:
     assert tree(tmp_path / "again") == tree(tmp_path / "whole")
 
 
-@pytest.mark.parametrize("fault", ["gone", "short", "strange", "others"])
+FAULTS: dict[str, Callable[[Path, dict[str, np.ndarray]], object]] = {
+    "gone": lambda path, _: path.unlink(),
+    "empty": lambda path, _: path.write_bytes(b""),
+    "short": lambda path, _: path.write_bytes(path.read_bytes()[:300]),
+    "one array": lambda path, held: np.save(path.open("wb"), held["values"]),
+    "otherwise packed": lambda path, _: path.write_bytes(_with_method(path.read_bytes(), 99)),
+    "strange": lambda path, held: np.savez(path, **held | {"values": held["values"] + 1e3}),
+    "others": lambda path, held: np.savez(path, **held | {"object": held["object"] + 1}),
+    "too few": lambda path, held: np.savez(path, **held | {"drawn": held["drawn"][:-1]}),
+    "too many values": lambda path, held: np.savez(path, **held | {"rows": held["rows"] + np.uint16(1)}),
+    "a number": lambda path, held: np.savez(path, **held | {"lane": held["lane"][0]}),
+    "no repairs": lambda path, held: np.savez(path, **held | {"repairs": np.array([b"{"] * 3)}),
+}
+
+
+def _with_method(archive: bytes, method: int) -> bytes:
+    """A zip archive whose directory says that its first member is packed by another method."""
+    at = archive.index(b"PK\x01\x02") + 10
+    return archive[:at] + method.to_bytes(2, "little") + archive[at + 2 :]
+
+
+@pytest.mark.parametrize("fault", FAULTS)
 def test_values_that_cannot_be_read_are_reported(tmp_path: Path, fault: str) -> None:
     apgc("sample", CHEST, "-n", 3, "--tables", "-o", tmp_path / "o")
     path = tmp_path / "o" / "tables-00000.npz"
     with np.load(path) as held:
         arrays = dict(held)
-    if fault == "gone":
-        path.unlink()
-    elif fault == "short":
-        path.write_bytes(path.read_bytes()[:300])
-    elif fault == "strange":
-        np.savez(path, **arrays | {"values": arrays["values"] + 1e3})
-    else:
-        np.savez(path, **arrays | {"object": arrays["object"] + 1})
+    FAULTS[fault](path, arrays)
     with pytest.raises(UserError, match="tables-00000.npz"):
         reopen(tmp_path / "o").batch()
 

@@ -81,6 +81,9 @@ def test_what_is_missing_is_named(folders: list[Path], chest: Path, tmp_path: Pa
     shard.write_bytes(shard.read_bytes()[:300])
     with pytest.raises(UserError, match="points-00000.npz cannot be read"):
         Stored(tmp_path / "cut")
+    np.save(shard.open("wb"), np.zeros(3))
+    with pytest.raises(UserError, match="points-00000.npz cannot be read: it is no archive of arrays"):
+        Stored(tmp_path / "cut")
     apg.sample(chest, n=2).to(tmp_path / "links", "points", points=32, per="link")
     with pytest.raises(UserError, match="points of 4 things for 2 objects"):
         Stored(tmp_path / "links")
