@@ -15,6 +15,14 @@ from artipg_dsl.diagnostics import CompileError
 from artipg_dsl.errors import NoObject, SettingError, UsageError, UserError
 
 CHEST = Path(__file__).parent / "cli" / "programs" / "chest.apg"
+OPEN_ENDED = """apg 1
+use primitives { Cuboid }
+category Board {
+  count m in 1 .. 3
+  count n in 1 .. 2 * m
+  root part board : Cuboid(size = [n * 10cm, 1cm, 1cm])
+}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -285,6 +293,8 @@ def test_points_and_views_in_several_states(chests: apg.Samples, tmp_path: Path)
         (lambda: apg.sample(CHEST, numbers=[1.5]), "are whole numbers, not"),
         (lambda: apg.sample(CHEST, set="width=45cm"), "it maps names to values"),
         (lambda: apg.sample(CHEST, set={"width": float("nan")}), "cannot be nan"),
+        (lambda: apg.sample(CHEST, set={"width": 10**309}), "`width`: the number is too large"),
+        (lambda: apg.load(OPEN_ENDED, set={"n": float("inf")}), "`n` cannot be inf"),
         (lambda: apg.sample(CHEST, values=[]), "no objects are given"),
         (lambda: apg.sample(CHEST, set={3: 4}), "it maps names to values"),
         (lambda: apg.sample(CHEST, values=3), "values is 3"),

@@ -98,10 +98,8 @@ def read_setting(draw: Draw, value: Value, *, anywhere: bool = False) -> tuple[f
         value = value.item()
     if draw.kind == "choice":
         return _option(draw, value)
-    number = float(value) if isinstance(value, Real) and not isinstance(value, bool) else _number(draw, str(value))
-    if math.isnan(number):
-        raise SettingError(f"`{draw.column.name}` cannot be nan: a number is needed")
-    if draw.kind == "count" and math.isfinite(number) and number != int(number):
+    number = _plain(draw, value) if isinstance(value, Real) and not isinstance(value, bool) else _number(draw, str(value))
+    if draw.kind == "count" and number != int(number):
         raise SettingError(f"`{draw.column.name}` is a count: {value} is not a whole number")
     low = None if draw.low is None else draw.low.constant
     high = None if draw.high is None else draw.high.constant
@@ -129,6 +127,17 @@ def _option(draw: Draw, value: Value) -> tuple[float, Value]:
 def _require_weight(draw: Draw, number: float) -> None:
     if draw.kind == "choice" and draw.weights[int(number)].constant == 0.0:
         raise SettingError(f"`{draw.column.name}` cannot be `{draw.options[int(number)]}`: its weight is 0")
+
+
+def _plain(draw: Draw, value: Real) -> float:
+    """A number of Python's or NumPy's. Raises SettingError for one that is not finite, or larger than those of 64 bits."""
+    try:
+        number = float(value)
+    except OverflowError:
+        raise SettingError(f"`{draw.column.name}`: the number is too large", _example(draw)) from None
+    if not math.isfinite(number):
+        raise SettingError(f"`{draw.column.name}` cannot be {number}: a number is needed", _example(draw))
+    return number
 
 
 def _number(draw: Draw, text: str) -> float:

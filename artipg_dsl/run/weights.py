@@ -58,9 +58,9 @@ def _present(draw: Draw, entry: Any) -> Draw:
     none = draw.options.index(_NONE)
     present = tuple(k for k in range(len(draw.options)) if k != none)
     share = _read_share(draw, entry)
-    if share is None and isinstance(entry, int | float) and not isinstance(entry, bool):
+    if isinstance(entry, int | float) and not isinstance(entry, bool) and 0 <= entry <= 1:
         share = float(entry)
-    if share is None or not 0.0 <= share <= 1.0:
+    if share is None:
         raise SettingError(
             f"`{name}` is {show_value(entry)}: how often it is there is needed", 'a share from 0 to 1, or "23%"'
         )

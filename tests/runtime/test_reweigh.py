@@ -316,6 +316,8 @@ def test_objects_are_weighed_by_the_prior() -> None:
         ({"width": 0.2}, "`width` is 0.2: a range, a distribution or weights of values are needed"),
         ({"width": [0.2, None]}, "nothing is no end of a range"),
         ({"width": [float("nan"), 0.2]}, "cannot be nan"),
+        ({"width": [0.1, 10**309]}, "`width`: the number is too large"),
+        ({"knob": 10**309}, "how often it is there is needed"),
         ({"width": "~ nromal(20cm, 1cm)"}, "no distribution `nromal`.*did you mean `normal`"),
         ({"width": "~ normal(20cm)"}, "normal: 1 is given"),
         ({"width": "~ normal(20cm, 0cm)"}, "0cm in normal must be above 0"),
