@@ -133,7 +133,7 @@ def read_counts(out: Place, chunks: Iterable[Chunk]) -> Statistics:
     for path in (out / chunk.counts for chunk in chunks if chunk.counts):
         try:
             found.take(Statistics.of(json.loads(path.read_bytes())))
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
             raise ExportError(f"cannot read {path}: {error}", "remove it, and give the same command again") from None
     return found
 

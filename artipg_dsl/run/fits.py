@@ -213,7 +213,7 @@ def read_record(path: Path) -> dict[str, Any] | None:
     """What a file of a run says, None where it cannot be read."""
     try:
         found = json.loads(path.read_bytes())
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return None
     return found if isinstance(found, dict) else None
 

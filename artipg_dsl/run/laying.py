@@ -11,7 +11,7 @@ import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, TypedDict
 
 import numpy as np
 
@@ -20,14 +20,15 @@ from ..export.write import ExportError, ensure_folder, replacing_file, write_byt
 from ..layouts.entry import SPLITS, USUAL, Entry, Shares
 from ..layouts.findings import Findings
 from ..layouts.registry import LAYOUTS, Layout, require
+from ..layouts.words import require_map
 from ..records import dataclass
 from ..sampling.statistics import Statistics
-from ..shapes import Misfit, fit
+from ..shapes import Rule, fit
 from .frame import read_frame
 from .job import Job, open_job
 from .manifest import make_relative
 from .request import Drawn, Request
-from .schema import expand
+from .schema import expand, one_of, within
 from .sharing import share
 from .workers import map_each
 
@@ -298,16 +299,28 @@ def _records(folder: Path, but: str = "") -> list[dict[str, Any]]:
     return found
 
 
+class _Record(TypedDict):
+    """How the objects of a category were made."""
+
+    layout: Annotated[str, one_of(LAYOUTS)]
+    category: str
+    source: str
+    request: Drawn
+    shares: Annotated[
+        list[Annotated[int, within(0, 9999)]],
+        Rule("three shares that are not all 0", lambda value: len(value) == 3 and any(value)),
+    ]
+    map: dict[str, dict[str, Any]]
+    words: dict[str, Any]
+
+
 def _read(path: Path) -> dict[str, Any]:
     try:
-        record = json.loads(path.read_bytes())
-        fits = record["layout"] in LAYOUTS and isinstance(record["source"], str) and isinstance(record["map"], dict)
-        fits = fits and len(record["shares"]) == 3 and isinstance(record["words"], dict)
-        fit(record["request"], Drawn)
-    except (OSError, ValueError, KeyError, TypeError, Misfit) as wrong:
+        record: dict[str, Any] = json.loads(path.read_bytes())
+        fit(record, _Record)
+        require_map(record["map"], "map")
+    except (OSError, ValueError, RecursionError) as wrong:
         raise ExportError(f"cannot read {path}: {wrong}", f"write {path.stem} again with --force") from None
-    if not fits:
-        raise ExportError(f"{path} is not the record of a layout", f"write {path.stem} again with --force")
     return record
 
 

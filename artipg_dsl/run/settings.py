@@ -98,7 +98,9 @@ def read_setting(draw: Draw, value: Value, *, anywhere: bool = False) -> tuple[f
         value = value.item()
     if draw.kind == "choice":
         return _option(draw, value)
-    number = _plain(draw, value) if isinstance(value, Real) and not isinstance(value, bool) else _number(draw, str(value))
+    number = (
+        _plain(draw, value) if isinstance(value, Real) and not isinstance(value, bool) else _number(draw, str(value))
+    )
     if draw.kind == "count" and number != int(number):
         raise SettingError(f"`{draw.column.name}` is a count: {value} is not a whole number")
     low = None if draw.low is None else draw.low.constant

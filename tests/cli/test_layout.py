@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -148,6 +149,28 @@ def test_a_record_that_cannot_be_read_is_replaced(apgc: Apgc, tmp_path: Path) ->
     table = next(out.glob("03642806/*.txt"))
     table.write_text("a b c\n")
     assert f"cannot be read: 03642806/{table.name}: could not convert" in apgc("layout", out)[1]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"category": None}, "category: nothing where text is expected"),
+        ({"shares": ["8", 1, 1]}, "shares[0]: '8' where a whole number from 0 to 9999 is expected"),
+        ({"shares": [0, 0, 0]}, "where three shares that are not all 0 is expected"),
+        ({"map": {"Laptop": {"class": ["Laptop"]}}}, "map is not a map of words"),
+        ({"layout": "parts"}, "where one of shapenetpart"),
+        ({"words": [1]}, "words: a list where an object is expected"),
+        (None, "maximum recursion depth exceeded"),
+    ],
+    ids=str,
+)
+def test_a_damaged_record_is_told(apgc: Apgc, tmp_path: Path, change: dict | None, said: str) -> None:
+    out = tmp_path / "out"
+    assert apgc("export", "Laptop", "-n", 1, "--format", "shapenetpart", "-o", out)[0] == 0
+    record = out / ".layout/Laptop.json"
+    record.write_text("[" * 100_000 if change is None else json.dumps(json.loads(record.read_text()) | change))
+    code, _, err = apgc("layout", out)
+    assert code == 1 and f"cannot read {record}" in err and said in err, err
 
 
 def test_a_category_that_no_list_takes_leaves_nothing(apgc: Apgc, tmp_path: Path) -> None:
