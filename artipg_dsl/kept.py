@@ -16,6 +16,7 @@ from .diagnostics import Diagnostic
 from .diagnostics.codes import CODES
 from .shapes import Misfit, fit
 from .source import Source, Span
+from .syntax.load import to_text
 
 _SEVERITIES = ("error", "warning")
 
@@ -81,7 +82,7 @@ def keep(
 def _reading(path: Path) -> str | None:
     """The text of a file as the compiler takes it; None where it cannot be read."""
     try:
-        return path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
+        return to_text(path.read_bytes())
     except (OSError, UnicodeDecodeError):
         return None
 

@@ -75,6 +75,13 @@ def test_findings_are_kept_and_shown_again(kept, stool, capsys):
     assert capsys.readouterr() == shown
 
 
+@pytest.mark.parametrize("end", ["\r", "\r\n"])
+def test_modules_with_line_ends_of_other_systems_are_known_again(kept, stool, end):
+    (stool.parent / "feet.apg").write_bytes(b"\xef\xbb\xbf" + FEET.replace("\n", end).encode())
+    first = found(stool)
+    assert first[1] and found(stool) == (first[0], False)
+
+
 def test_errors_are_kept_too(kept, stool):
     stool.write_text(PROGRAM.replace("tall = tall", "tell = tall"))
     first = found(stool)

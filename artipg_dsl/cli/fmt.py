@@ -9,9 +9,8 @@ from pathlib import Path
 
 from ..diagnostics import Report
 from ..export.write import write_bytes
-from ..source import Source
 from ..syntax.format import format_source
-from ..syntax.load import load
+from ..syntax.load import decode, load
 from .messages import findings, plural, say
 
 
@@ -19,7 +18,7 @@ def run(options: argparse.Namespace) -> int:
     report = Report()
     changed = read = 0
     for name in options.files:
-        source = Source("<stdin>", sys.stdin.read()) if name == "-" else load(Path(name), report)
+        source = decode(sys.stdin.buffer.read(), "<stdin>", report) if name == "-" else load(Path(name), report)
         text = format_source(source, report) if source is not None else None
         if source is None or text is None:
             continue

@@ -28,11 +28,16 @@ def load(path: Path, report: Report, name: str | None = None) -> Source | None:
     except OSError as error:
         report.error("missing-file", None, f"{shown} cannot be read: {error.strerror}")
         return None
+    return decode(data, shown, report)
+
+
+def decode(data: bytes, name: str, report: Report) -> Source | None:
+    """The text that bytes are; what is wrong with them goes to the report."""
     try:
-        return _shown_as_read(Source(shown, _as_lines(data.decode("utf-8-sig"))), report)
+        return _shown_as_read(Source(name, to_text(data)), report)
     except UnicodeDecodeError as error:
         text = _as_lines(data[: error.start].decode("utf-8", "replace")) + "\N{REPLACEMENT CHARACTER}"
-        source = Source(shown, text)
+        source = Source(name, text)
         span = Span(source, len(text) - 1, len(text))
         report.error("not-utf8", span, "this file is not UTF-8 text", hint="save the file with UTF-8 encoding")
         return None
@@ -49,6 +54,11 @@ def _shown_as_read(source: Source, report: Report) -> Source:
             hint="delete it: scripts that run from right to left need none",
         )
     return source
+
+
+def to_text(data: bytes) -> str:
+    """The text of a program in UTF-8, without a byte order mark. Raises UnicodeDecodeError."""
+    return _as_lines(data.decode("utf-8-sig"))
 
 
 def _as_lines(text: str) -> str:

@@ -30,6 +30,13 @@ def test_files(apgc: Apgc, tmp_path: Path) -> None:
     assert apgc("fmt", "--check", tmp_path / "absent.apg")[2] == "0 files: 0 would change, 1 skipped\n"
 
 
-def test_stdin(apgc: Apgc, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sys.stdin", io.StringIO(ROUGH))
+@pytest.mark.parametrize("given", [ROUGH.encode(), b"\xef\xbb\xbf" + ROUGH.encode(), ROUGH.replace("\n", "\r").encode()])
+def test_stdin_is_read_as_files_are(apgc: Apgc, monkeypatch: pytest.MonkeyPatch, given: bytes) -> None:
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(given), encoding="latin-1"))
     assert apgc("fmt", "-") == (0, SMOOTH, "")
+
+
+def test_stdin_that_is_no_text(apgc: Apgc, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(b"apg 1\n\xff")))
+    code, out, _ = apgc("fmt", "-")
+    assert code == 1 and "<stdin>:2:1" in out and "this file is not UTF-8 text" in out
