@@ -91,9 +91,26 @@ def kept() -> Path | None:
 
 def compile_machine() -> Path:
     """Compile the machine and keep it; where it lies. Raises NoMachine."""
-    import shutil  # start-up: most runs compile nothing
-    import subprocess  # start-up
-    import tempfile  # start-up
+    found = compilers()
+    if not found:
+        raise NoMachine("there is no C compiler: install one, or `pip install artipg_dsl[fast]`")
+    try:
+        place = _writable_folder()
+    except OSError as error:
+        raise NoMachine(f"there is no folder to compile in: {error}") from None
+    done = False
+    try:
+        made = _compile(found, place)
+        done = True
+        return made
+    finally:
+        if not done:
+            _pass(place)
+
+
+def _writable_folder() -> Path:
+    """Where compiled code goes: where it is kept, or into a folder that goes once it is loaded. Raises OSError."""
+    import tempfile  # start-up: most runs compile nothing
 
     place = folder()
     if place is not None:
@@ -102,19 +119,27 @@ def compile_machine() -> Path:
             os.chmod(place, 0o700)
         except OSError:
             place = None
-    if place is None or not _own(place):
-        place = Path(tempfile.mkdtemp(prefix="apgc-"))
-        _passing.add(place)
-    found = compilers()
-    if not found:
-        raise NoMachine("there is no C compiler: install one, or `pip install artipg_dsl[fast]`")
+    if place is not None and _own(place):
+        return place
+    place = Path(tempfile.mkdtemp(prefix="apgc-"))
+    _passing.add(place)
+    return place
+
+
+def _compile(commands: list[list[str]], place: Path) -> Path:
+    """The library that the first of the compilers that works has made, in a folder. Raises NoMachine."""
+    import subprocess  # start-up: as above
+    import tempfile  # start-up
+
     said = ""
-    for command in found:
-        number, made = tempfile.mkstemp(prefix=".", suffix=".partial", dir=place)
-        os.close(number)
+    for command in commands:
+        made = None
         try:
+            number, name = tempfile.mkstemp(prefix=".", suffix=".partial", dir=place)
+            os.close(number)
+            made = Path(name)
             done = subprocess.run(
-                [*command, *_FLAGS, *map(str, _SOURCES), "-o", made, *_LIBRARIES],
+                [*command, *_FLAGS, *map(str, _SOURCES), "-o", name, *_LIBRARIES],
                 stdin=subprocess.DEVNULL,
                 capture_output=True,
                 text=True,
@@ -122,8 +147,8 @@ def compile_machine() -> Path:
                 timeout=SECONDS,
             )
             if done.returncode == 0:
-                os.chmod(made, 0o600)
-                path = place / f"{_KIND}-{_key()}-{_seal(Path(made).read_bytes())}{_SUFFIX}"
+                made.chmod(0o600)
+                path = place / f"{_KIND}-{_key()}-{_seal(made.read_bytes())}{_SUFFIX}"
                 os.replace(made, path)
                 cache.prune(place, _MOST)
                 return path
@@ -133,11 +158,18 @@ def compile_machine() -> Path:
         except OSError as error:
             said = said or f"{' '.join(command)} cannot be run: {error.strerror}"
         finally:
-            Path(made).unlink(missing_ok=True)
+            if made is not None:
+                made.unlink(missing_ok=True)
+    raise NoMachine(said)
+
+
+def _pass(place: Path) -> None:
+    """Remove a folder for what is not kept."""
+    import shutil  # start-up: as above
+
     if place in _passing:
         _passing.remove(place)
         shutil.rmtree(place, ignore_errors=True)
-    raise NoMachine(said)
 
 
 def load(path: Path) -> ctypes.CDLL:
@@ -148,11 +180,7 @@ def load(path: Path) -> ctypes.CDLL:
         path.unlink(missing_ok=True)
         raise NoMachine(f"the compiled backend cannot be loaded: {error}") from None
     finally:
-        if path.parent in _passing:
-            import shutil  # start-up
-
-            _passing.remove(path.parent)
-            shutil.rmtree(path.parent, ignore_errors=True)
+        _pass(path.parent)
 
 
 def _own(path: Path) -> bool:

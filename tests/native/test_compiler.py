@@ -100,6 +100,28 @@ def test_a_compiler_that_does_not_work_is_named(text, said, only, using, monkeyp
     assert said in wrong.value.message
 
 
+@pytest.mark.parametrize("text", [None, "exit 1", "exit 0"])
+def test_no_folder_is_left_where_nothing_can_be_kept(text, only, using, tmp_path, monkeypatch):
+    monkeypatch.setattr(compiler, "folder", lambda: None)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "passing"))
+    (tmp_path / "passing").mkdir()
+    if text is None:
+        monkeypatch.setattr(compiler, "compilers", lambda: [])
+    else:
+        only(text)
+    with pytest.raises(UserError, match="there is no backend c"):
+        using("c")
+    assert not list((tmp_path / "passing").iterdir())
+
+
+def test_a_folder_that_cannot_be_written_is_told(using, tmp_path, monkeypatch):
+    monkeypatch.setattr(compiler, "folder", lambda: None)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "absent"))
+    monkeypatch.setattr(compiler, "compilers", lambda: [["cc"]])
+    with pytest.raises(UserError, match="there is no folder to compile in"):
+        using("c")
+
+
 def test_no_compiler_is_an_error_only_where_it_is_asked_for(home, using, monkeypatch):
     monkeypatch.setattr(compiler, "compilers", lambda: [])
     with pytest.raises(UserError, match="there is no C compiler"):
