@@ -38,7 +38,7 @@ static int64_t extreme(const stock *of, int64_t count, const int64_t *pieces, in
                 if (x > high[i]) high[i] = x;
             }
     for (int i = 0; i < 3; i++) extent[i] = high[i] - low[i] > 1e-12 ? high[i] - low[i] : 1e-12;
-    for (int64_t w = 0; w < ways; w++) best[w] = -INFINITY;
+    for (int64_t w = 0; w < ways; w++) best[w] = -INFINITY, first[w] = -1; /* none, where all are no numbers */
     for (int64_t k = 0; k < count; k++)
         for (at = of->point_start[pieces[k]]; at < of->point_start[pieces[k] + 1]; at++, number++) {
             const double *p = of->points + 3 * at;

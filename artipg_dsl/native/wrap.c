@@ -56,6 +56,7 @@ static int begin(hull *of, int64_t count) {
     const double *p = of->points;
     double e[3], f[3], n[3], most = -1.0;
     int64_t a = 0, b = 0, c = 0, d = 0, k;
+    if (count < 4) return 0;
     for (k = 1; k < count; k++)
         if (p[3 * k] < p[3 * a]) a = k;
     for (k = 0; k < count; k++) {
@@ -179,7 +180,8 @@ OUT int64_t wrap(int64_t count, const int64_t *start, const double *points, doub
     int64_t most = 4, told = 0, k, n;
     for (k = 0; k < count; k++)
         if (start[k + 1] - start[k] > most) most = start[k + 1] - start[k];
-    hull of = {NULL, malloc(4 * most * sizeof(face)), malloc(4 * most * sizeof(int64_t)), malloc(4 * most * sizeof(int64_t)),
+    const int64_t room = 5 * most; /* 2 most faces, and a new one beyond each of their 3 most edges before the old ones go */
+    hull of = {NULL, malloc(room * sizeof(face)), malloc(room * sizeof(int64_t)), malloc(room * sizeof(int64_t)),
                malloc(most * sizeof(int64_t)), 0, 0, malloc(most)};
     if (!of.faces || !of.unused || !of.made || !of.begins || !of.deep) told = -1;
     for (k = 0; k < count && told >= 0; k++) {

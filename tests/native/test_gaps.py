@@ -43,6 +43,15 @@ def test_gaps_of_clusters(machine):
 
 
 @needs_compiler
+def test_pieces_that_are_no_numbers_have_no_extreme_points(machine):
+    held, every = pieces(5, 1.0, True), np.arange(5)
+    held.points[:] = np.nan
+    ends = np.arange(6)
+    made = gaps.chain(machine, held.places, every, ends[:-1], ends[1:], merge._TURNED, 0.01)
+    assert made.tolist() == [0] * 5, "nothing reaches from them"
+
+
+@needs_compiler
 @pytest.mark.parametrize("name", ["Kettle", "Foldingrack", "Keyboard"])
 def test_what_is_put_together(name, using):
     robots = Robots(Session.of(name).sampler.batch(np.arange(3), 5))
