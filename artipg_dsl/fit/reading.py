@@ -51,17 +51,17 @@ def find_files(places: list[str], tell: Callable[[str], None] | None = None) -> 
         place = Path(name)
         if place.is_dir():
             inside = sorted(p for p in place.rglob("*") if p.suffix.lower() in _SUFFIXES and p.is_file())
-            robots = {p.parent for p in inside if p.suffix.lower() == ".urdf"}
-            apart = [p for p in inside if p.suffix.lower() == ".urdf" or not robots & {*p.parents}]
-            stray = _strays(inside, apart) if tell is not None and robots else []
+            robots = [p for p in inside if _is_robot(p)]
+            apart = robots + _outside(inside, {p.parent for p in robots}) if robots else inside
+            stray = _strays(inside, robots, apart) if tell is not None and robots else []
             if tell is not None and stray:
                 tell(
                     f"{len(stray)} of the files in {place} lie beside or below a URDF that does not name them, and are not read: "
                     f"{stray[0]}, for example"
                 )
-            inside = apart
-            inside = [p for p in inside if p.suffix.lower() not in _CLOUDS or not _doubled(p, inside)]
-            variants = {p: of for p in inside if (of := _variant_of(p, inside)) is not None}
+            doubled = _doubled(apart)
+            inside = sorted(p for p in apart if p not in doubled)
+            variants = _variants(robots)
             if tell is not None and variants:
                 first, of = next(iter(variants.items()))
                 tell(
@@ -78,28 +78,49 @@ def find_files(places: list[str], tell: Callable[[str], None] | None = None) -> 
     return list(dict.fromkeys(found))
 
 
-def _strays(inside: list[Path], apart: list[Path]) -> list[Path]:
+def _is_robot(path: Path) -> bool:
+    return path.suffix.lower() == ".urdf"
+
+
+def _outside(files: list[Path], folders: set[Path]) -> list[Path]:
+    """The files that lie in none of some folders, nor below."""
+    within = {parent: bool(folders & {parent, *parent.parents}) for parent in {p.parent for p in files}}
+    return [p for p in files if not within[p.parent]]
+
+
+def _strays(inside: list[Path], robots: list[Path], apart: list[Path]) -> list[Path]:
     """The files of a folder that are left to URDF files, and that none of these names."""
     named: set[str] = set()
-    for robot in apart:
-        if robot.suffix.lower() != ".urdf":
-            continue
+    for robot in robots:
         with suppress(OSError):  # it is told where the file is read
             text = robot.read_text(encoding="utf-8", errors="replace")
             named.update(Path(name).name for name in re.findall(r"""filename\s*=\s*["']([^"']*)["']""", text))
-    return [p for p in inside if p not in set(apart) and p.name not in named]
+    known = set(apart)
+    return [p for p in inside if p not in known and p.name not in named]
 
 
-def _doubled(cloud: Path, others: list[Path]) -> bool:
-    """Whether a cloud stands beside one mesh, alone with it: then both are of one object."""
-    beside = [p for p in others if p.parent == cloud.parent and p != cloud]
-    return len(beside) == 1 and beside[0].suffix.lower() in _MESHES
+def _doubled(files: list[Path]) -> set[Path]:
+    """The clouds that stand beside one mesh, alone with it: then both are of one object."""
+    beside: dict[Path, list[Path]] = {}
+    for path in files:
+        beside.setdefault(path.parent, []).append(path)
+    pairs = [sorted(pair, key=lambda p: p.suffix.lower() in _CLOUDS) for pair in beside.values() if len(pair) == 2]
+    return {two for one, two in pairs if one.suffix.lower() in _MESHES and two.suffix.lower() in _CLOUDS}
 
 
-def _variant_of(robot: Path, others: list[Path]) -> Path | None:
-    """The file ``object.urdf`` beside ``object_fixed.urdf``, as `apgc export` writes them: one object, one of them is enough."""
-    beside = [p for p in others if p.parent == robot.parent and p.suffix.lower() == robot.suffix.lower() == ".urdf"]
-    return next((p for p in beside if robot.stem.startswith(f"{p.stem}_")), None)
+def _variants(robots: list[Path]) -> dict[Path, Path]:
+    """What is written otherwise, with the file of the same object: ``object_fixed.urdf`` beside ``object.urdf``, as `apgc export` writes
+    them. One of them is enough."""
+    stems: dict[tuple[Path, str], Path] = {}
+    for path in robots:
+        stems.setdefault((path.parent, path.stem), path)
+    found = {}
+    for path in robots:
+        cuts = [match.start() for match in re.finditer("_", path.stem)]
+        of = next((stems[key] for cut in cuts if (key := (path.parent, path.stem[:cut])) in stems), None)
+        if of is not None:
+            found[path] = of
+    return found
 
 
 def read_cloud(path: Path) -> Cloud:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from unittest import mock
 
@@ -66,6 +67,18 @@ def test_a_robot_stands_with_its_joints_at_zero(tmp_path: Path) -> None:
     assert find_files([str(tmp_path)]) == [tmp_path / "robot.urdf"]  # and not the mesh that belongs to it
     cloud = read_cloud(tmp_path / "robot.urdf")
     assert np.allclose(np.ptp(cloud.points, axis=0), SIZE, atol=2e-3) and cloud.names == ("base", "lid")
+
+
+def test_a_large_folder_is_listed_at_once(tmp_path: Path) -> None:
+    """Each file was held against every other: of a thousand clouds and robots that took half a minute."""
+    for k in range(1000):
+        (tmp_path / f"{k}.npz").touch()
+        (tmp_path / "robots" / str(k)).mkdir(parents=True)
+        for name in ("object.urdf", "object_fixed.urdf", "a.obj", "b.obj"):
+            (tmp_path / "robots" / str(k) / name).touch()
+    begun, told = time.monotonic(), list[str]()
+    assert len(find_files([str(tmp_path)], told.append)) == 2000 and len(told) == 2
+    assert time.monotonic() - begun < 5.0
 
 
 @pytest.mark.parametrize(
