@@ -5,11 +5,12 @@ What a file holds once it is read, arrays of points or triangles, becomes a clou
 
 from __future__ import annotations
 
+import logging
 import math
 import re
 import warnings
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -136,8 +137,7 @@ def read_cloud(path: Path) -> Cloud:
             raise UserError(f"{path.name} is larger than 2 GB", "simplify it first")
         if path.stat().st_size == 0:
             raise UserError(f"{path.name} is empty")
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+        with _silent():
             cloud = _read_points(path) if suffix in _CLOUDS else _read_solids(path)
     except UserError:
         raise
@@ -150,6 +150,19 @@ def read_cloud(path: Path) -> Cloud:
             f"{path.name} cannot be read as {suffix[1:]}: {str(wrong)[:120] or type(wrong).__name__}"
         ) from None
     return check_cloud(cloud, path.name)
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """What NumPy and trimesh remark on a file, some of it with a traceback, is not said: it is read, or refused in words."""
+    log, deaf = logging.getLogger("trimesh"), logging.NullHandler()
+    log.addHandler(deaf)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        log.removeHandler(deaf)
 
 
 def check_cloud(cloud: Cloud, name: str) -> Cloud:
@@ -191,7 +204,7 @@ def _read_points(path: Path) -> Cloud:
         return Cloud(table[:, :3], normals, np.full(len(table), -1), ())
     if not is_zipfile(path):  # NumPy would take it for pickled data, and advise to load it unsafely
         raise UserError(f"{path.name} cannot be read as npz: it is no archive of arrays", "np.savez writes one")
-    with np.load(path, allow_pickle=False) as held:
+    with open(path, "rb") as file, np.load(file, allow_pickle=False) as held:
         if "vertices" in held and "points" not in held:
             return solid_of(held, path.name, path.stem).surface(path.name)
         return points_of(held, path.name)

@@ -30,7 +30,9 @@ def test_files(apgc: Apgc, tmp_path: Path) -> None:
     assert apgc("fmt", "--check", tmp_path / "absent.apg")[2] == "0 files: 0 would change, 1 skipped\n"
 
 
-@pytest.mark.parametrize("given", [ROUGH.encode(), b"\xef\xbb\xbf" + ROUGH.encode(), ROUGH.replace("\n", "\r").encode()])
+@pytest.mark.parametrize(
+    "given", [ROUGH.encode(), b"\xef\xbb\xbf" + ROUGH.encode(), ROUGH.replace("\n", "\r").encode()]
+)
 def test_stdin_is_read_as_files_are(apgc: Apgc, monkeypatch: pytest.MonkeyPatch, given: bytes) -> None:
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(given), encoding="latin-1"))
     assert apgc("fmt", "-") == (0, SMOOTH, "")

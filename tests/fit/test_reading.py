@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 from pathlib import Path
 from unittest import mock
@@ -67,6 +69,24 @@ def test_a_robot_stands_with_its_joints_at_zero(tmp_path: Path) -> None:
     assert find_files([str(tmp_path)]) == [tmp_path / "robot.urdf"]  # and not the mesh that belongs to it
     cloud = read_cloud(tmp_path / "robot.urdf")
     assert np.allclose(np.ptp(cloud.points, axis=0), SIZE, atol=2e-3) and cloud.names == ("base", "lid")
+
+
+def test_nothing_but_our_words_is_said_of_a_file(tmp_path: Path) -> None:
+    """trimesh logs a traceback of normals that it cannot read, and reads on; NumPy left files open that it refused."""
+    text = trimesh.creation.box(SIZE).export(file_type="stl_ascii").replace("facet normal 0", "facet normal x", 1)
+    (tmp_path / "a.stl").write_text(text)
+    (tmp_path / "b.npz").write_bytes(b"PK\x05\x06" + bytes(18))
+    read = "from pathlib import Path; from artipg_dsl.fit.reading import read_cloud; read_cloud(Path(r'{}'))"
+    said = [
+        subprocess.run(
+            [sys.executable, "-W", "always::ResourceWarning", "-c", read.format(tmp_path / name)],
+            capture_output=True,
+            text=True,
+        ).stderr
+        for name in ("a.stl", "b.npz")
+    ]
+    assert said[0] == ""
+    assert "b.npz has no array `points`" in said[1] and "ResourceWarning" not in said[1]
 
 
 def test_a_large_folder_is_listed_at_once(tmp_path: Path) -> None:
