@@ -48,7 +48,7 @@ def recall(kind: str, source: Source, folder: Path) -> tuple[list[Diagnostic], s
         if any(Path(path).is_file() for path in held["absent"]):
             return None
         return [_diagnostic(item, sources) for item in held["findings"]], rest
-    except (ValueError, KeyError, TypeError, IndexError, Misfit, RecursionError):
+    except (OSError, ValueError, KeyError, TypeError, IndexError, Misfit, RecursionError):
         cache.drop(name)
         return None
 

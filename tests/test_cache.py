@@ -148,6 +148,7 @@ def test_files_that_are_spoilt_cut_short_or_false_count_for_nothing(kept, stool)
         lambda data: sealed(data, lambda held: held.update(findings=[["no-code", "x", None, "error", None, [], []]])),
         lambda data: sealed(data, lambda held: held["findings"][0].__setitem__(2, [0, 5, 10**9])),
         lambda data: sealed(data, lambda held: held["findings"][0].__setitem__(5, [[[7, 0, 1], "x"]])),
+        lambda data: sealed(data, lambda held: held.update(absent=["a" * 5000])),
     ):
         for path in kept.glob("[!ts]*"):  # trees and solids have tests of their own
             path.write_bytes(spoil(path.read_bytes()))

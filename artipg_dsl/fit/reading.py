@@ -165,6 +165,7 @@ def _silent() -> Iterator[None]:
         log.removeHandler(deaf)
 
 
+@np.errstate(over="ignore")  # what is too large is refused in words
 def check_cloud(cloud: Cloud, name: str) -> Cloud:
     """As much of a cloud as fits are made from, in random order, without what is no number. Raises UserError for one without a shape."""
     good = np.isfinite(cloud.points).all(axis=1)

@@ -89,6 +89,15 @@ def test_nothing_but_our_words_is_said_of_a_file(tmp_path: Path) -> None:
     assert "b.npz has no array `points`" in said[1] and "ResourceWarning" not in said[1]
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("points", "normals"), [(1e308, 1.0), (1.0, 1e200)])
+def test_what_is_too_large_is_told_without_a_warning(tmp_path: Path, points: float, normals: float) -> None:
+    cube = np.random.Generator(np.random.PCG64(1)).random((300, 3)) - 0.5
+    np.savez(tmp_path / "a.npz", points=4 * points * cube, normals=normals * cube)
+    with pytest.raises(UserError, match=r"a\.npz"):
+        read_cloud(tmp_path / "a.npz")
+
+
 def test_a_large_folder_is_listed_at_once(tmp_path: Path) -> None:
     """Each file was held against every other: of a thousand clouds and robots that took half a minute."""
     for k in range(1000):
