@@ -26,6 +26,7 @@ from . import loaders
 from .arguments import read_whole
 from .errors import UsageError
 from .loaders import Drop, Jitter, Normalise, Occlude, Scale, Turn, View
+from .loaders.draws import read_epoch
 
 Item = dict[str, torch.Tensor]
 
@@ -66,7 +67,7 @@ class Stream(IterableDataset[Batch]):
 
     def set_epoch(self, epoch: int) -> None:
         """Before the loop over the DataLoader begins. Raises UsageError."""
-        self._epoch.fill_(read_whole("epoch", epoch, 0))
+        self._epoch.fill_(read_epoch(epoch))
 
     def __len__(self) -> int:
         return len(self.source) // self.world if self.world > 1 else len(self.source)
@@ -92,7 +93,7 @@ class Stored(Dataset[Item]):
 
     def set_epoch(self, epoch: int) -> None:
         """Before the loop over the DataLoader begins. Raises UsageError."""
-        self._epoch.fill_(read_whole("epoch", epoch, 0))
+        self._epoch.fill_(read_epoch(epoch))
 
     def __len__(self) -> int:
         return len(self.source)

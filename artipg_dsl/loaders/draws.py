@@ -5,6 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from .. import random
+from ..arguments import read_whole
+
+
+def read_epoch(epoch: int) -> int:
+    """The number of an epoch: random numbers are told apart by 32 bits of it. Raises UsageError."""
+    return read_whole("epoch", epoch, 0, 2**32 - 1)
 
 
 class Draws:

@@ -18,7 +18,7 @@ from ..files import read_arrays
 from ..run.manifest import Manifest
 from ..run.resume import read_folder_manifest
 from .classes import find_classes
-from .draws import Draws
+from .draws import Draws, read_epoch
 from .tasks import DTYPES, Arrays, find_task, stack_words
 from .transforms import Transform, apply_transform, read_transforms
 
@@ -63,7 +63,7 @@ class Stored:
         if not isinstance(items, Sequence | np.ndarray) or np.ndim(items) != 1:
             raise UsageError(f"items is {items!r}", "give their numbers: take([0, 3]), or range(32)")
         item = np.asarray([read_whole("an item", number) for number in items], dtype=np.int64)
-        read_whole("epoch", epoch, 0)
+        read_epoch(epoch)
         if item.size and not (0 <= item.min() and item.max() < len(self)):
             raise IndexError(f"there are {len(self)} items, no item {item.min() if item.min() < 0 else item.max()}")
         found = {name: array[item] for name, array in self._arrays.items()}

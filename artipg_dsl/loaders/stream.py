@@ -24,7 +24,7 @@ from ..run.prior import PriorFile, read_prior
 from ..run.request import read_request
 from ..run.settings import Value
 from .classes import find_classes
-from .draws import Draws
+from .draws import Draws, read_epoch
 from .tasks import Arrays, find_task, make_arrays, state_of
 from .transforms import Transform, apply_transform, read_transforms
 
@@ -188,7 +188,7 @@ class Stream:
 
         Raises NoObject, IndexError, UsageError, UserError.
         """
-        k, epoch = read_whole("the number of a batch", k), read_whole("epoch", epoch, 0)
+        k, epoch = read_whole("the number of a batch", k), read_epoch(epoch)
         if not 0 <= k < len(self):
             raise IndexError(f"there are {len(self)} batches, no batch {k}")
         item = np.arange(k * self.each, min((k + 1) * self.each, self.size))

@@ -55,7 +55,7 @@ def test_transforms_follow_item_and_epoch(folders: list[Path]) -> None:
 
 def test_items_are_whole_numbers_of_some_folder(folders: list[Path]) -> None:
     stored = Stored(folders)
-    for items, epoch, told in (([1.5], 0, "an item is 1.5"), ([0], -1, "epoch is -1")):
+    for items, epoch, told in (([1.5], 0, "an item is 1.5"), ([0], -1, "epoch is -1"), ([0], 2**32, "epoch is 4")):
         with pytest.raises(UserError, match=told):
             stored.take(items, epoch)  # type: ignore[arg-type]
     for wrong in (0, slice(0, 2), np.zeros((1, 1), dtype=int)):

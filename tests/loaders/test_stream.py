@@ -36,7 +36,7 @@ def test_the_last_batch_is_shorter_and_there_is_no_other(stream: Stream) -> None
 
 
 def test_epochs_count_from_0(stream: Stream) -> None:
-    for wrong in (-1, 0.5):
+    for wrong in (-1, 0.5, 2**32, 2**64):
         with pytest.raises(UserError, match="epoch is"):
             stream.batch(0, wrong)  # type: ignore[arg-type]
 

@@ -43,7 +43,7 @@ def test_batches_are_not_batched_again(stream: Stream, options: dict[str, int]) 
 
 def test_an_epoch_is_a_whole_number(stream: Stream, folders: list[Path]) -> None:
     for data in (stream, Stored(folders)):
-        for wrong in (-1, 0.5):
+        for wrong in (-1, 0.5, 2**64):
             with pytest.raises(UsageError, match="epoch is"):
                 data.set_epoch(wrong)  # type: ignore[arg-type]
 
