@@ -87,6 +87,22 @@ def test_what_cannot_be_made() -> None:
     assert "`width=30cm` and `height=40cm`" in caught.value.hint and "swing" not in caught.value.hint
 
 
+def test_an_original_none_of_whose_mutants_is_valid_is_named_once() -> None:
+    text = """apg 1
+use primitives { Cuboid }
+template Bare {
+  param size : length[3]
+  count n in 0 .. 1
+  when n > 0 { part c : Cuboid(size = size)  align c.center = center }
+}
+category Maybe {
+  root part body : Bare(size = [1cm, 1cm, 1cm])
+}
+"""
+    with pytest.raises(NoObject, match="for object 0; what failed most"):
+        apg.load(text).mutate("dpa", n=3)
+
+
 def test_a_program_as_text() -> None:
     text = "apg 1\nuse primitives { Cuboid }\ncategory Brick { root part body : Cuboid(size = [10cm, 20cm, 6cm]) }\n"
     brick = apg.load(text)

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import NotRequired, TypedDict
 
+import numpy as np
+
 from ..diagnostics.suggest import any_of
 from ..errors import NoObject
 from ..graph.depend import draws_behind
@@ -85,8 +87,9 @@ def explain_exhausted(
     ``given``: the values that were set, by the index of their draw; ``settings``: the same by name, for words.
     """
     fixed = bool(settings)
-    shown = ", ".join(map(str, error.numbers[:3].tolist())) + (", ..." if len(error.numbers) > 3 else "")
-    counted = "object" if len(error.numbers) == 1 else f"{len(error.numbers)} objects"
+    numbers = np.unique(error.numbers).tolist()  # mutants are told by their originals, which may have several
+    shown = ", ".join(map(str, numbers[:3])) + (", ..." if len(numbers) > 3 else "")
+    counted = "object" if len(numbers) == 1 else f"{len(numbers)} objects"
     shapes = {describe_cause(program, ("collision", key)): words for key, words in error.statistics.examples.items()}
     lines = [
         f"  {count:>8} times: {reason}" + (f"\n{'':17}{shapes[reason]}" if shapes.get(reason) else "")
