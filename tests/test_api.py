@@ -200,7 +200,8 @@ def test_what_everything_is_computed_from_is_not_changed_by_accident(chests: apg
     rest[:] = chests.opened()  # as one does who sets a joint
     assert (chests.rest() != rest).any() and (chests.points(8).position == before).all()
     assert (chests.points(8, rest).position != before).any()
-    for array in (chests.numbers, chests.links().translation, chests.joints().high, chests.parts().low):
+    repaired = chests.repairs().after
+    for array in (chests.numbers, chests.links().translation, chests.joints().high, chests.parts().low, repaired):
         with pytest.raises(ValueError, match="read-only"):
             array[:] = 0
     chests.links().name.clear()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import deepcopy
 from dataclasses import replace
 from functools import cached_property, partial
 from hashlib import blake2b
@@ -58,11 +59,11 @@ class Bound:
     @property
     def summary(self) -> dict[str, Any]:
         """What ``bind.json`` says: the objects with their figures, and ``failed`` with the reasons."""
-        return self._told
+        return deepcopy(self._told)
 
     def arrays(self, number: int) -> dict[str, np.ndarray]:
         """The bound points of the object of this number, as in its ``.npz``. Raises UserError."""
-        return dict(self._arrays[self._known(number)])
+        return {name: array.copy() for name, array in self._arrays[self._known(number)].items()}
 
     def points(self, number: int) -> BoundPoints:
         """The bound points of the object of this number in its frame, with the labels of the original. Raises UserError."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
+from copy import deepcopy
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -145,7 +146,7 @@ class Fitted(Samples):
         for one that does not fit, is not valid, or could not be read, which ``failed`` gives the reason of."""
         number = {record["name"]: k for k, record in enumerate(self._good)}
         return [
-            {"object": number.get(r["name"])} | {key: value for key, value in r.items() if key not in _INNER}
+            {"object": number.get(r["name"])} | {key: deepcopy(value) for key, value in r.items() if key not in _INNER}
             for r in self._records
         ]
 
@@ -154,7 +155,7 @@ class Fitted(Samples):
         """What ``fit.json`` says: ``objects`` with verdict and distance, ``failed`` with the reasons, ``median`` of the distances."""
         from ..run.fitting import summarize
 
-        return summarize(self.category, self._records[0]["options"], self._records)
+        return summarize(self.category, deepcopy(self._records[0]["options"]), self._records)
 
     def __iter__(self) -> Iterator[FittedObject]:
         return (self.object(number) for number in self.numbers.tolist())
@@ -243,7 +244,7 @@ class FittedObject(Object):
     @cached_property
     def record(self) -> dict[str, Any]:
         """All that is known of the fit, as in ``fits/NAME.json``."""
-        return {key: value for key, value in self._record.items() if key not in _INNER}
+        return {key: deepcopy(value) for key, value in self._record.items() if key not in _INNER}
 
     @property
     def verdict(self) -> str:

@@ -108,7 +108,7 @@ class Samples(Files):
 
     def repairs(self) -> Repairs:
         """The values that were changed to make these objects valid: old and new value, and the requirement that failed."""
-        return self.batch.repairs
+        return read_only(self.batch.repairs)
 
     def correspondence(self) -> Correspondence:
         """The elementary primitive of the original object to which each primitive of these corresponds, a row for each."""

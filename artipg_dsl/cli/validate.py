@@ -5,15 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..errors import UserError
 from ..language import JOINTS
 from ..run.progress import Progress
 from .wanted import open_wanted
-
-if TYPE_CHECKING:
-    pass
 
 _SHOWN = 12  # of what meshes share
 

@@ -23,11 +23,11 @@ class Columns:
         return "\n".join([type(self).__name__, *(f"    {name:{width}}  {what}" for name, what in told.items())])
 
 
-Table = TypeVar("Table", bound=Columns)
+Table = TypeVar("Table")
 
 
 def read_only(table: Table) -> Table:
-    """The same columns, of which arrays cannot be written to and lists are copies: a table that others read, too."""
+    """The same columns of a dataclass, of which arrays cannot be written to and lists are copies: a table that others read, too."""
     found = copy(table)
     for name in (field.name for field in fields(table)):  # type: ignore[arg-type]
         value = getattr(table, name)

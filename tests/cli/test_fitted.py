@@ -170,6 +170,16 @@ def test_details_are_those_of_the_command_line(
     assert same.summary == json.loads((place / "bound" / "bind.json").read_text())
 
 
+def test_what_is_told_can_be_changed_without_harm(fitted: apg.Fitted, bound: apg.Bound) -> None:
+    fitted.records[0]["distance"].clear()
+    fitted.object(0).record["drawn"].clear()
+    fitted.summary["options"].clear()
+    bound.summary["objects"].clear()
+    bound.arrays(0)["offset"][:] = 0.0
+    assert fitted.object(0).record["drawn"] and fitted.object(0).distance > 0.0 and fitted.summary["options"]
+    assert bound.summary["objects"] and bound.arrays(0)["offset"].any()
+
+
 def test_bound_points(fitted: apg.Fitted, bound: apg.Bound) -> None:
     points, one = bound.points(1), fitted.object(1)
     assert len(points) == bound.summary["objects"][1]["points"] and points.labels == ("Box", "Knob")
