@@ -10,6 +10,7 @@ In: a batch and what its files are to hold (``content``). Out: bytes by path; th
     decimals                            rows of numbers as text
     substitute, pose, principal         joints that a format lacks, links at joint values, principal axes
     materials, shading, naming          looks, normals, names
+    template                            files of text from their templates
     urdf, mjcf, sdf, usd                formats for simulators
     glb, mesh_obj, scenes               formats for viewing
     partnet_mobility, partnet_frame, partnet_tree, partnet_words   the folder of PartNet-Mobility

@@ -19,7 +19,7 @@ from .naming import Names
 from .pose import link_poses, rest_values
 from .primitives import Collider
 from .robot import Robot, RobotJoint, RobotLink
-from .template import template
+from .template import find_template
 from .write import ExportError
 
 _TYPES = {
@@ -42,7 +42,7 @@ def mjcf_files(robot: Robot) -> dict[str, bytes]:
     files = dict(model.files)
     low, high = _bounds(robot)
     center, extent = (low + high) / 2, float(np.max(high - low))
-    write: Any = template("object.mjcf.j2").module
+    write: Any = find_template("object.mjcf.j2").module
     shared = {
         "assets": write.assets(**model.assets),
         "inside": write.inside(model.root),
@@ -51,7 +51,7 @@ def mjcf_files(robot: Robot) -> dict[str, bytes]:
     for end, base in (("", ""), ("_free", model.base)):
         text = write.model(robot.name, robot.note, root=model.root, free=base, rest=model.rest(bool(base)), **shared)
         files[f"object{end}.xml"] = (text + "\n").encode("utf-8")
-        scene = template("scene.mjcf.j2").render(
+        scene = find_template("scene.mjcf.j2").render(
             name=robot.name,
             file=f"object{end}.xml",
             center=numbers(center),

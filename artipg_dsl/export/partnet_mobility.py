@@ -23,7 +23,7 @@ from .mesh_obj import Shape, move_points, mtl_text, obj_texts
 from .partnet_frame import DatasetFrame, to_dataset_axes
 from .partnet_tree import CategoryWords, build_tree, said_of, to_entry, words_of
 from .partnet_words import JOINTS, LIFTED, link_label, root_label, spell_category, to_snake_case
-from .template import template
+from .template import find_template
 from .write import ExportError
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ class _Folder:
 
     def urdf(self, drawn: dict[int, Any]) -> bytes:
         links = [_urdf_link(member, self.members, drawn) for member in self.members]
-        return (template("mobility.urdf.j2").render(model=self.model, links=links) + "\n").encode()
+        return (find_template("mobility.urdf.j2").render(model=self.model, links=links) + "\n").encode()
 
     def described(self, more: dict[str, str]) -> dict[str, bytes]:
         """The files that tell of links, parts and the whole; ``more``: of the whole."""

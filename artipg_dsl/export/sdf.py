@@ -12,7 +12,7 @@ from .mesh_obj import link_meshes, piece_meshes
 from .pose import link_poses
 from .primitives import Collider
 from .robot import Robot, RobotJoint, RobotLink
-from .template import template
+from .template import find_template
 from .write import ExportError
 
 _KINDS = ("revolute", "continuous", "prismatic", "screw", "ball", "fixed")
@@ -30,9 +30,9 @@ def sdf_files(robot: Robot) -> dict[str, bytes]:
     links = [_link(link, files, pieces) for link in robot.links]
     joints = [*(_joint(joint, robot) for joint in robot.joints), *_closures(robot)]
     robot.refuse_coupled_balls("SDFormat", "sdf")
-    text = template("model.sdf.j2").render(name=robot.name, links=links, joints=joints)
+    text = find_template("model.sdf.j2").render(name=robot.name, links=links, joints=joints)
     files["model.sdf"] = (text + "\n").encode("utf-8")
-    files["model.config"] = (template("model.config.j2").render(name=robot.name) + "\n").encode("utf-8")
+    files["model.config"] = (find_template("model.config.j2").render(name=robot.name) + "\n").encode("utf-8")
     return files
 
 

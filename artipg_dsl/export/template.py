@@ -28,7 +28,7 @@ def _attributes(values: Mapping[str, Any]) -> str:
 
 
 @lru_cache(maxsize=16)
-def template(name: str) -> Template:
+def find_template(name: str) -> Template:
     """A template of this folder. What it is not given is an error."""
     from jinja2 import Environment, PackageLoader, StrictUndefined  # start-up
 

@@ -13,7 +13,7 @@ from .mesh_obj import link_meshes, piece_meshes
 from .primitives import Collider
 from .robot import Robot, RobotJoint, RobotLink
 from .substitute import simple_joints
-from .template import template
+from .template import find_template
 from .write import ExportError
 
 _APART = "Default"  # the word of an SRDF for pairs that no joint holds, and the only one that SAPIEN heeds
@@ -36,8 +36,8 @@ def urdf_files(robot: Robot) -> dict[str, bytes]:
     links = [_link(link, files, looks, pieces) | {"group": groups.get(link.name)} for link in robot.links]
     joints = [_joint(joint, robot) for joint in robot.joints]
     materials = [{"name": name, "rgba": rgba} for name, rgba in looks.items()]
-    known = template("robot.srdf.j2").render(name=robot.name, pairs=pairs) + "\n"
-    write: Any = template("robot.urdf.j2").module
+    known = find_template("robot.srdf.j2").render(name=robot.name, pairs=pairs) + "\n"
+    write: Any = find_template("robot.urdf.j2").module
     looks_of, solid = [], []
     for link in links:
         inertial, collisions = write.inertial(link), write.collisions(link)

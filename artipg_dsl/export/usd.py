@@ -24,7 +24,7 @@ from .pose import rest_poses
 from .primitives import Collider, Visual
 from .principal import find_principal
 from .robot import Robot, RobotClosure, RobotJoint, Robots
-from .template import template
+from .template import find_template
 from .write import ExportError
 
 _TYPES = {
@@ -88,7 +88,7 @@ def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
     joints += [
         _closure(closure, name, link_names) | {"name": own(f"closure_{n}")} for n, closure in enumerate(robot.closures)
     ]
-    text = template("object.usda.j2").render(name=name, looks=_looks(robot), links=links, joints=joints)
+    text = find_template("object.usda.j2").render(name=name, looks=_looks(robot), links=links, joints=joints)
     return {"object.usda": (text + "\n").encode("utf-8")}
 
 

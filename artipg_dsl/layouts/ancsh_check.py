@@ -11,7 +11,7 @@ import numpy as np
 from .ancsh import LEAST, Frame, Subject, object_names, subjects
 from .clouds import norms, similarity_error
 from .entry import SPLITS, Entry
-from .findings import Findings
+from .findings import Findings, read_vertices
 from .hdf5 import read_h5
 from .pth import read_plain_pickle
 
@@ -70,10 +70,7 @@ def _check_urdf(place: str, folder: Path, subject: Subject, found: Findings) -> 
             assert origin is not None and mesh is not None
             found.near(place, f"minus the pivot of link {part}", _three(origin, "xyz"), -subject.pivots[part], 1e-8)
             file = folder / mesh.attrib["filename"].rpartition("/")[2]
-            rows = [line.split()[1:] for line in file.read_text().splitlines() if line.startswith("v ")]
-            found.near(
-                place, f"mesh of link {part}", np.array(rows, dtype=np.float64), subject.shapes[part].vertices, 1e-8
-            )
+            found.near(place, f"mesh of link {part}", read_vertices(file), subject.shapes[part].vertices, 1e-8)
     for joint in root.iter("joint"):
         parent, child = map(int, joint.attrib["name"].split("_"))
         found.of(place, parent == subject.parent(child), f"joint {parent}_{child} hangs on another part")

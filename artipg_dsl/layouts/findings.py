@@ -49,3 +49,9 @@ def read_table(path: Path, kind: type[np.generic]) -> np.ndarray:
         return np.loadtxt(path, dtype=kind)
     except ValueError as wrong:
         raise ValueError(f"{path}: {wrong}") from None
+
+
+def read_vertices(path: Path) -> np.ndarray:
+    """The vertices (n, 3) of an OBJ. Raises ValueError."""
+    rows = [line.split()[1:4] for line in path.read_text().splitlines() if line.startswith("v ")]
+    return np.array(rows, dtype=np.float64).reshape(-1, 3)

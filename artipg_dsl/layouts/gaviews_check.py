@@ -11,7 +11,7 @@ import numpy as np
 
 from .clouds import norms
 from .entry import Entry
-from .findings import Findings
+from .findings import Findings, read_vertices
 from .gaviews import DATASET, LISTED, RENDERED, TARGETS, Subject, View, views
 from .pictures import turn_points
 from .pth import read_plain_pickle
@@ -54,16 +54,11 @@ def _check_urdf(place: str, own: Path, found: Findings) -> dict[str, tuple[np.nd
             continue
         found.of(place, name in above, f"{name} hangs on no joint")
         files = [mesh.attrib["filename"] for mesh in link.findall("visual/geometry/mesh")]
-        raw = [_vertices(own / file) for file in files]
+        raw = [read_vertices(own / file) for file in files]
         points = np.concatenate([np.zeros((0, 3)), *raw])
         along = above.get(name)
         links[name] = turn_points(points, _TO_WORLD), None if along is None else _TO_WORLD @ along
     return links
-
-
-def _vertices(path: Path) -> np.ndarray:
-    rows = [line.split()[1:4] for line in path.read_text().splitlines() if line.startswith("v ")]
-    return np.array(rows, dtype=np.float64).reshape(-1, 3)
 
 
 def _check_boxes(

@@ -13,7 +13,7 @@ import numpy as np
 from ..export.partnet_mobility import folder_frame, folder_order
 from ..export.robot import RobotJoint, Robots
 from .entry import Entry
-from .findings import Findings
+from .findings import Findings, read_vertices
 from .maniskill import DATASET, LISTS, list_name, subjects, urdf_type
 from .pictures import turn_points
 
@@ -88,12 +88,7 @@ def _check_list(place: str, kind: str, told: dict[str, Any], model: dict[str, An
     for name in wanted:
         handles = [file for word, file in _visuals(links[name]) if "handle" in word]
         found.of(place, bool(handles), f"{name} has no handle, at which the task fails")
-        found.of(place, all(len(_vertices(own / file)) for file in handles), f"the handle of {name} has no mesh")
-
-
-def _vertices(path: Path) -> np.ndarray:
-    rows = [line.split()[1:4] for line in path.read_text().splitlines() if line.startswith("v ")]
-    return np.array(rows, dtype=np.float64).reshape(-1, 3)
+        found.of(place, all(len(read_vertices(own / file)) for file in handles), f"the handle of {name} has no mesh")
 
 
 def _check_folder(place: str, own: Path, scale: float, robots: Robots, i: int, found: Findings) -> None:
@@ -111,7 +106,7 @@ def _check_folder(place: str, own: Path, scale: float, robots: Robots, i: int, f
         assert joint is not None
         for shape in (*links[name].findall("visual"), *links[name].findall("collision")):
             found.near(place, f"pivot of {name}", _xyz(shape, "origin"), -pivot[k], _NEAR)
-        seen = np.concatenate([np.zeros((0, 3)), *(_vertices(own / file) for _, file in _visuals(links[name]))])
+        seen = np.concatenate([np.zeros((0, 3)), *(read_vertices(own / file) for _, file in _visuals(links[name]))])
         model = np.concatenate([np.zeros((0, 3)), *(v.shape.vertices + ours.origin for v in ours.visuals)])
         if found.of(place, len(seen) == len(model), f"{len(seen)} vertices of {name}, not {len(model)}") and len(seen):
             metres = turn_points(seen * scale, _OUT_OF_RAW) + frame.center

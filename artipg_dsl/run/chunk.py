@@ -73,7 +73,9 @@ class Chunk:
             for entry in missing:
                 parts[entry.name].append(entry.part(batch, self.content))
             self._write_objects(
-                batch, np.intersect1d(batch.numbers, absent, assume_unique=True), _offset(progress, done, len(numbers))
+                batch,
+                np.intersect1d(batch.numbers, absent, assume_unique=True),
+                offset_progress(progress, done, len(numbers)),
             )
             room.end(size)
             done += size
@@ -138,7 +140,8 @@ def read_counts(out: Place, chunks: Iterable[Chunk]) -> Statistics:
     return found
 
 
-def _offset(progress: ReportProgress | None, done: int, total: int) -> ReportProgress | None:
+def offset_progress(progress: ReportProgress | None, done: int, total: int) -> ReportProgress | None:
+    """Progress of a piece of some work, of which so much was done before it."""
     return (lambda finished, _: progress(done + finished, total)) if progress else None
 
 

@@ -18,7 +18,7 @@ from ..export.remote import Place, Remote, place_of
 from ..export.write import ExportError, write_bytes
 from ..geometry.resolution import Resolution
 from . import manifest as manifests
-from .chunk import Chunk, ReportProgress, counts_name, read_counts
+from .chunk import Chunk, ReportProgress, counts_name, offset_progress, read_counts
 from .job import Job
 from .manifest import Manifest
 from .memory import Room, most_processes, share_of
@@ -134,7 +134,7 @@ def _carry_out(
     room = Room(share_of(memory, 1), _taken(job, pieces))
 
     def write(piece: Chunk) -> Chunk:
-        piece.write(job, room, _offset(progress, done, total))
+        piece.write(job, room, offset_progress(progress, done, total))
         return piece
 
     def others(rest: Sequence[Chunk], many: int) -> Iterable[Chunk]:
@@ -165,10 +165,6 @@ def _taken(job: Job, pieces: list[Chunk]) -> str:
         return ""
     names = sorted({entry.name for piece in pieces for entry in piece.formats})
     return cache.key("memory", job.program.hash, repr(pieces[0].content), *names)
-
-
-def _offset(progress: ReportProgress | None, done: int, total: int) -> ReportProgress | None:
-    return (lambda finished, _: progress(done + finished, total)) if progress else None
 
 
 def add_formats(
