@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -85,6 +88,17 @@ def test_what_a_killed_process_left_is_swept(tmp_path: Path) -> None:
     (tmp_path / ".hidden").write_bytes(b"")
     sweep_unfinished(tmp_path)
     assert names(tmp_path) == [f".b.bin.partial-{os.getpid()}", ".hidden"]
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="only Linux says whether a process has ended")
+def test_what_a_process_left_that_nobody_has_waited_for_is_swept(tmp_path: Path) -> None:
+    """In containers without an init, those that were killed are listed for ever."""
+    with subprocess.Popen([sys.executable, "-c", ""]) as ended:
+        while Path(f"/proc/{ended.pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z":
+            time.sleep(0.01)
+        (tmp_path / f".a.bin.partial-{ended.pid}").write_bytes(b"half")
+        sweep_unfinished(tmp_path)
+        assert names(tmp_path) == []
 
 
 def test_what_is_written_can_be_read_meanwhile(tmp_path: Path) -> None:
