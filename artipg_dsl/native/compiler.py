@@ -7,6 +7,7 @@ bytes have the hash that its name says. All else is compiled anew.
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 import os
 import platform
@@ -123,6 +124,7 @@ def _writable_folder() -> Path:
         return place
     place = Path(tempfile.mkdtemp(prefix="apgc-"))
     _passing.add(place)
+    atexit.register(_pass, place)  # the process may end before the compiler does
     return place
 
 

@@ -2,6 +2,8 @@
 
 import os
 import stat
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -112,6 +114,21 @@ def test_no_folder_is_left_where_nothing_can_be_kept(text, only, using, tmp_path
     with pytest.raises(UserError, match="there is no backend c"):
         using("c")
     assert not list((tmp_path / "passing").iterdir())
+
+
+@needs_compiler
+def test_no_folder_is_left_by_a_run_that_is_sooner_than_the_compiler(tmp_path):
+    """Where the user's own folder cannot be written: here a file is in its place."""
+    (tmp_path / "artipg_dsl").write_text("")
+    (tmp_path / "passing").mkdir()
+    places = {
+        "XDG_CACHE_HOME": str(tmp_path),
+        "APGC_CACHE": str(tmp_path / "kept"),
+        "TMPDIR": str(tmp_path / "passing"),
+    }
+    code = "from artipg_dsl.native import backend; backend.machine(); backend._state.beside.join(0.02)"
+    subprocess.run([sys.executable, "-c", code], env=os.environ | places, check=True)
+    assert not list((tmp_path / "passing").glob("apgc-*"))  # those of the compiler go with it
 
 
 def test_a_folder_that_cannot_be_written_is_told(using, tmp_path, monkeypatch):
