@@ -112,3 +112,14 @@ def test_what_another_part_hides_is_completed() -> None:
     expected = DEEP * np.cos(25 * place[covered, 1])
     assert np.abs(more.offset[covered, 0] - expected).mean() < 0.4 * np.abs(expected).mean()
     assert (body & (place[:, 0] > 0.099) & (np.abs(place[:, 1]) < 0.03)).sum() < 3  # that was seen
+
+
+def test_a_single_point_tells_of_no_other() -> None:
+    """Nor how far points lie apart, so that nothing counts as hidden."""
+    batch = batch_of(BOX)
+    whole = real(batch, lambda p: np.zeros(len(p)))
+    address = batch.numbers.astype(np.uint64)
+    (at,) = geometry.sample(batch.sites(), 1, 1, random.key(batch.seed, "details"), address, outside=True).position[0]
+    near = np.argsort(((whole.points - at) ** 2).sum(axis=1))
+    details = bind(batch, replace(whole, points=whole.points[near], normals=whole.normals[near]), 1, "nearest", True)
+    assert len(details) == 1 and (details.how == DIRECT).all()
