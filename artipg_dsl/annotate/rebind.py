@@ -34,7 +34,10 @@ def rebind(
     owner, (site, element, patch, u, v) = _binding(batch, points)
     tables = batch.sites()
     patches = np.array([len(surfaces(table.primitive)) for table in tables], dtype=np.int64)
-    if site.size and (min(x.min() for x in (site, element, patch)) < 0 or site.max() >= len(tables)):
+    for name, column in (("primitive", site), ("element", element), ("patch", patch)):
+        if (column < 0).any():
+            raise UsageError(f"`{name}` has {column.min()}: numbers count from 0", _HINT)
+    if (site >= len(tables)).any():
         raise UsageError(f"{batch.program.name} has no primitive {site.max()}", _HINT)
     if (patch >= patches[site]).any():
         raise UsageError("points are bound to patches that their primitives do not have", _HINT)

@@ -171,6 +171,7 @@ def test_points_of_another_program_are_refused(samples: apg.Samples) -> None:
     arrays = point_arrays(samples.batch, 20)
     wrong = [
         ({"primitive": arrays["primitive"] + np.uint16(5000)}, "has no primitive"),
+        ({"element": arrays["element"].astype(int) - 5000}, "`element` has -[0-9]+: numbers count from 0"),
         ({"patch": arrays["patch"] + np.uint16(5000)}, "patches that their primitives do not have"),
         ({"u": arrays["u"] + 2}, "beyond 0 .. 1"),
         ({"v": arrays["v"] * np.nan}, "beyond 0 .. 1"),
