@@ -136,8 +136,8 @@ def _write_lists(out: Path, lists: Mapping[str, Any]) -> None:
 
 
 def _names(record: Path) -> list[str]:
-    """Names of files, one a line."""
-    return record.read_text(encoding="utf-8").splitlines() if record.exists() else []
+    """Names of files, one a line, as far as they can be read: a spoilt one names nothing that is there."""
+    return record.read_text(encoding="utf-8", errors="replace").splitlines() if record.exists() else []
 
 
 def _keep(record: Path, names: Iterable[str]) -> None:
@@ -240,7 +240,7 @@ def _remove(out: Path, names: Iterable[str]) -> None:
     """Remove files, and folders in ``out`` that are empty then."""
     for name in names:
         path = out / name
-        if not path.resolve().is_relative_to(out.resolve()):
+        if not path.resolve().is_relative_to(out.resolve()) or path.is_dir():
             continue
         path.unlink(missing_ok=True)
         for folder in path.parents:

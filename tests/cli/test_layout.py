@@ -173,6 +173,17 @@ def test_a_damaged_record_is_told(apgc: Apgc, tmp_path: Path, change: dict | Non
     assert code == 1 and f"cannot read {record}" in err and said in err, err
 
 
+def test_a_spoilt_list_of_files_stops_nobody(apgc: Apgc, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    laid = ("export", "Laptop", "-n", 1, "--format", "shapenetpart", "-o", out)
+    assert apgc(*laid)[0] == 0
+    before = tree(out)
+    with (out / ".layout/Laptop.files").open("ab") as listed:
+        listed.write(b"\xff\n\n03642806\n../other\n")
+    (tmp_path / "other").write_text("")
+    assert apgc(*laid, "--force")[0] == 0 and tree(out) == before and (tmp_path / "other").exists()
+
+
 def test_a_category_that_no_list_takes_leaves_nothing(apgc: Apgc, tmp_path: Path) -> None:
     out = tmp_path / "maniskill"
     refused = ("export", "Microwave", "-n", 1, "--format", "maniskill", "-o", out)
