@@ -54,36 +54,37 @@ def find_covered(
             some = np.flatnonzero(kind[over] == number)
             here, mine = moved[at[some]], over[some]
             start = elements.local(mine, place[here] - elements.translation[mine])
-            along = elements.local(mine, way[here])
-            within, depth = _depths(solids, elements, number, mine, start, along, scale[here])
-            rises = dot(way[here], normal[here]) > 0.0  # what sinks may leave it at its back
-            out[at[some[within & (depth > -SUNK * scale[here]) & (rises | (depth < 0.0))]]] = True
+            along, outward = elements.local(mine, way[here]), elements.local(mine, normal[here])
+            out[at[some[_covers(solids, elements, number, mine, start, along, outward, scale[here])]]] = True
     return np.sort(moved[out])
 
 
-def _depths(
+def _covers(
     solids: Solids,
     elements: Elements,
     number: int,
     element: np.ndarray,
     start: np.ndarray,
     way: np.ndarray,
+    outward: np.ndarray,
     scale: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
-    """(k,) whether ways (k, 3) from ``start`` (k, 3), in the frames of elements of one primitive, lead through them; and by their inside
-    function how deep (k,) they end, negative within."""
+) -> np.ndarray:
+    """(k,) whether elements of one primitive cover places at ``start`` (k, 3) that go these ways (k, 3), all in the frames of these."""
     split = inside_split(solids.primitives[number])
     used, row = np.unique(element, return_inverse=True)
     rows = list(split.rows(dict(solids.params(elements, number, used))).take(row, axis=1))
 
-    def inside(t: float) -> np.ndarray:
-        point = (np.ascontiguousarray(start[:, k] + t * way[:, k]) for k in range(3))
-        return np.broadcast_to(split.points(rows, *point)[0], len(element))
+    def depth(point: np.ndarray) -> np.ndarray:
+        """Negative within."""
+        columns = (np.ascontiguousarray(point[:, k]) for k in range(3))
+        return np.broadcast_to(split.points(rows, *columns)[0], len(element))
 
-    within = np.zeros(len(element), dtype=bool)
-    for step in range(_STEPS):
-        within |= inside(step / _STEPS) < -_DEEP * scale
-    return within, inside(1.0)
+    before = [depth(start + step / _STEPS * way) for step in range(_STEPS)]
+    end, above = depth(start + way), depth(start + way + SUNK * scale[:, None] * outward)
+    deep, rises = -_DEEP * scale, dot(way, outward) > 0.0
+    near = (before[0] < deep) & (end < 0.0) & (above > 0.0)
+    emerges = (np.minimum.reduce(before) < deep) & (end >= 0.0) & rises  # what sinks may leave it at its back
+    return np.asarray(near | emerges)
 
 
 def _boxes(elements: Elements, solids: Solids) -> tuple[np.ndarray, np.ndarray]:

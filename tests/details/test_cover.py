@@ -60,6 +60,16 @@ def test_ways_out_of_another_primitive(gap: float, way: float, covered: bool) ->
     )
 
 
+def test_what_faces_the_other_way_is_free() -> None:
+    """The back of a pane that lies in its plate cannot show at the plate's front."""
+    batch = screen("Cuboid", -0.001).batch
+    elements, solids = elements_of(batch), Solids.of(batch.sites())
+    pane = np.array([[batch.program.parts[batch.program.sites[k].part].path for k in elements.site].index("pane")])
+    place, back, way = (np.array([[x, 0.0, z]]) for x, z in ((FRONT - 0.001, 0.2), (-1.0, 0.0), (0.0008, 0.0)))
+    assert not len(find_covered(place, back, way, pane, elements, solids, np.array([SIZE])))
+    assert len(find_covered(place, -back, way, pane, elements, solids, np.array([SIZE])))
+
+
 def test_a_plate_does_not_come_out_of_a_pane_that_its_original_lacks() -> None:
     plain, paned = screen("none").batch, screen("Cuboid").batch
     found = surface(plain, 8000, 3)
