@@ -46,6 +46,7 @@ _MAKING = (
 )
 _SHORT = {"number": "-n", "out": "-o"}
 _IDLE = (None, False, "", "mutants", (1, 1))  # what options have by default that nobody has given
+_ALIKE = "--diff compares samples and their mutants, or two ways to make objects of the same numbers"
 _SHOWN = 12  # differences of one object that are told without --all
 
 
@@ -172,7 +173,10 @@ def _open_mutants(options: argparse.Namespace, job: Job) -> Job:
         records = {n: r for n, r in records.items() if r["source"] in there}
     strange = sorted({r["source"] for r in records.values()} - there)
     if strange:
-        raise UserError(f"{options.folder} has no object {strange[0]}, which the trace starts from")
+        raise UserError(
+            f"{options.folder} has no object {strange[0]}, which the trace starts from",
+            "give the folder of the originals, as it was when they were mutated",
+        )
     return job.mutated(Replay(records), sorted(records))
 
 
@@ -212,17 +216,17 @@ def _compare_folders(first: str, second: str, everything: bool) -> list[str]:
 
     a, b = reopen(first), reopen(second)
     if a.program.hash != b.program.hash:
-        raise UserError(f"{first} and {second} hold objects of different programs")
+        raise UserError(f"{first} and {second} hold objects of different programs", _ALIKE)
     if a.request.prior != b.request.prior:
-        raise UserError(f"{first} and {second} hold objects drawn by other priors")
+        raise UserError(f"{first} and {second} hold objects drawn by other priors", _ALIKE)
     if a.request.turned != b.request.turned:
-        raise UserError(f"{first} and {second} hold objects in different frames")
+        raise UserError(f"{first} and {second} hold objects in different frames", _ALIKE)
     a = replace(a, sampler=b.sampler)  # tables are told apart by the program object they belong to
     numbers, others, steps = a.request.objects, b.request.objects, b.request.mutations
     sources = steps[-1].origins(others)[0] if len(steps) == len(a.request.mutations) + 1 else others
     both = np.isin(sources, numbers)
     if not both.any():
-        raise UserError(f"{first} and {second} have no object in common")
+        raise UserError(f"{first} and {second} have no object in common", _ALIKE)
     after = b.batch(others[both])
     stock, place = np.unique(sources[both], return_inverse=True)
     before = evaluate_again(a.batch(stock), place)

@@ -136,7 +136,7 @@ def read_cloud(path: Path) -> Cloud:
         if path.stat().st_size > _MOST_BYTES:
             raise UserError(f"{path.name} is larger than 2 GB", "simplify it first")
         if path.stat().st_size == 0:
-            raise UserError(f"{path.name} is empty")
+            raise UserError(f"{path.name} is empty", "export it again")
         with _silent():
             cloud = _read_points(path) if suffix in _CLOUDS else _read_solids(path)
     except UserError:
@@ -147,7 +147,8 @@ def read_cloud(path: Path) -> Cloud:
         raise UserError(f"{path.name} cannot be read: {wrong.strerror or wrong}") from None
     except Exception as wrong:  # noqa: BLE001 - libraries that read formats raise whatever they please
         raise UserError(
-            f"{path.name} cannot be read as {suffix[1:]}: {str(wrong)[:120] or type(wrong).__name__}"
+            f"{path.name} cannot be read as {suffix[1:]}: {str(wrong)[:120] or type(wrong).__name__}",
+            "export it again, or in another format",
         ) from None
     return check_cloud(cloud, path.name)
 
@@ -185,7 +186,7 @@ def check_cloud(cloud: Cloud, name: str) -> Cloud:
     if not 1e-9 < size.max() < 1e9:
         raise UserError(f"{name} is {size.max():g} long: there is no shape in it")
     if np.sort(size)[1] < 1e-4 * size.max():
-        raise UserError(f"{name} is a line, not a surface")
+        raise UserError(f"{name} is a line, not a surface", "give points all over its surface")
     normals = None if cloud.normals is None else cloud.normals[at].astype(np.float64)
     if normals is not None:
         length = np.sqrt((normals**2).sum(axis=1, keepdims=True))
@@ -221,7 +222,9 @@ def points_of(held: Mapping[str, Any], name: str) -> Cloud:
         raise UserError(f"{name}: `points` is of shape {points.shape}", "one of (n, 3) is needed")
     normals = np.asarray(held["normals"], dtype=np.float64) if "normals" in held else None
     if normals is not None and normals.shape != points.shape:
-        raise UserError(f"{name}: `normals` is of shape {normals.shape}, not that of the points")
+        raise UserError(
+            f"{name}: `normals` is of shape {normals.shape}, not that of the points", f"one of {points.shape} is needed"
+        )
     return Cloud(points, normals, *_labels_of(held, len(points), "points", name))
 
 
@@ -329,7 +332,10 @@ def _sampled(corners: np.ndarray, label: np.ndarray, names: tuple[str, ...], nam
     twice = np.sqrt((across**2).sum(axis=1))
     twice = np.where(np.isfinite(twice), twice, 0.0)
     if not twice.sum() > 0.0:
-        raise UserError(f"{name} has triangles, but no surface: they are all without area, or no numbers")
+        raise UserError(
+            f"{name} has triangles, but no surface: they are all without area, or no numbers",
+            "a mesh needs triangles with an area",
+        )
     chance = np.random.Generator(np.random.Philox(_SEED))
     count = 2 * _POINTS  # what lies inside goes
     face = np.searchsorted(np.cumsum(twice), (np.arange(count) + chance.random()) * twice.sum() / count, side="right")
@@ -396,7 +402,10 @@ def _shapes(visual: ElementTree.Element, path: Path, trimesh: Any) -> list[Any]:
                 (p for p in (path.parent / name, *(a / name for a in path.parents)) if p.is_file()), path.parent / name
             )
             if not file.is_file():
-                raise UserError(f"{path.name} names a mesh that is not there: {name or 'without a name'}")
+                raise UserError(
+                    f"{path.name} names a mesh that is not there: {name or 'without a name'}",
+                    "it is looked for from the folder of the file, and from those above",
+                )
             scale = _numbers(one, "scale", 3, (1.0, 1.0, 1.0))
             for _, mesh in _load(file):
                 mesh.apply_transform(np.diag([*scale, 1.0]))
