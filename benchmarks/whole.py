@@ -163,6 +163,8 @@ def serve(category: str, count: int, exports: bool) -> None:
     """Answers a seed a line with a row of figures; an empty line with counts and memory."""
     from artipg_dsl.session import Session
 
+    if (pages := import_or_none("artipg_dsl.pages")) is not None:  # as the command does
+        pages.hold_pages()
     sampler = Session.of(category).sampler
     warm(sampler, min(count, 8), 1, exports)  # what is made once
     print("ready", flush=True)
