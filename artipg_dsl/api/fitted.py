@@ -194,10 +194,8 @@ class Fitted(Samples):
             read_flag("completed", completed),
         )
         fits = [Fit(n, self._good[n], self._items[self._good[n]["name"]].real) for n in self.numbers.tolist()]
-        out, workers = (
-            None if folder is None else read_path("a folder", folder, '"bound"'),
-            read_whole("workers", workers, 1, MOST),
-        )
+        out = None if folder is None else read_path("a folder", folder, '"bound"')
+        workers = read_whole("workers", workers, 1, MOST)
         with telling(progress, self.category, "binding") as tell:
             if out is None:
                 found = bind_all(self.job, how, fits, workers, tell)
