@@ -18,12 +18,13 @@ from typing import Any
 
 import numpy as np
 
+from artipg_dsl.fit.finding import find_files
 from artipg_dsl.fit.fitting import fit, usual_size
 from artipg_dsl.fit.measure import Surface, distances
 from artipg_dsl.fit.model import Model
 from artipg_dsl.fit.outer import outer
 from artipg_dsl.fit.pose import Frame, Posed, pose, turn
-from artipg_dsl.fit.reading import find_files, read_cloud
+from artipg_dsl.fit.reading import read_cloud
 from artipg_dsl.fit.states import can_open
 from artipg_dsl.session import Session
 

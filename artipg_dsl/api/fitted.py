@@ -103,7 +103,7 @@ def fit_objects(
 def open_fitted(folder: str | Path, real: str | Path | Sequence[str | Path] = ()) -> Fitted:
     """The objects of a folder that ``apgc fit``, or ``save``, has written. ``real``: the files that were fitted, or folders of them, if they
     have moved. Raises UserError, UsageError."""
-    from ..fit.reading import find_files
+    from ..fit.finding import find_files
     from ..run.bindings import open_fits
 
     place = read_path("a folder", folder, '"fitted"')
@@ -185,7 +185,7 @@ class Fitted(Samples):
         bound is in ``summary["failed"]`` with the reason. Raises UserError if that is all of them, and UsageError.
         """
         from ..run.binding import Binding, Fit, bind_all, read_assignment, summarize
-        from ..run.bindings import bind_into, read_arrays
+        from ..run.bindings import bind_into, read_bound
         from .bound import Bound
 
         how = Binding(
@@ -203,7 +203,7 @@ class Fitted(Samples):
                 told = summarize(self.category, options, [record for record, _ in found], self.summary["objects"])
             else:
                 told, records = bind_into(out, self.job, how, fits, self.summary, workers=workers, progress=tell)
-                found = [(record, read_arrays(out, record)) for record in records]
+                found = [(record, read_bound(out, record)) for record in records]
         if not told["objects"]:
             failed = told["failed"][0]
             raise UserError(

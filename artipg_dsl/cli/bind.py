@@ -13,7 +13,7 @@ from .messages import plural, say
 
 
 def run(options: argparse.Namespace) -> int:
-    from ..fit.reading import find_files
+    from ..fit.finding import find_files
     from ..run.binding import Binding
     from ..run.bindings import write_bindings
     from .sample import refuse_file

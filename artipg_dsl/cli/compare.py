@@ -25,8 +25,8 @@ _FEW = 10  # lines of a list
 
 
 def run(options: argparse.Namespace) -> int:
+    from ..fit.finding import find_files
     from ..fit.pose import Frame
-    from ..fit.reading import find_files
     from ..fit.sources import File, Item
     from ..run.comparing import Comparison, read_all
     from ..run.fitting import tell_unmatched

@@ -17,8 +17,8 @@ _FORM = 'write {"their_name": "our_word"}'
 
 
 def run(options: argparse.Namespace) -> int:
+    from ..fit.finding import find_files
     from ..fit.pose import Frame
-    from ..fit.reading import find_files
     from ..fit.sources import name_files
     from ..run.fits import Folder, write_fits
     from ..run.fitting import Asked, tell_unmatched

@@ -4,7 +4,8 @@ In: a sampler and clouds. Out: for each cloud the values of the object that come
 one another. Begin with ``fitting``.
 
     sources, given            real objects in files and in memory; as Python gives them
-    reading, pose, outer      files as clouds; their axes, unit, normals; what of them can be seen from without
+    finding, reading          which files of a folder are objects; files as clouds
+    pose, outer               their axes, unit, normals; what of them can be seen from without
     model                     the draws that shape a surface, and candidates as rows of a batch with changed values
     match, compare, refine    pairs of nearest points both ways; gaps; numbers moved by damped least squares
     search                    candidates drawn, chosen, refined, and tried with other structures

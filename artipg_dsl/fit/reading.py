@@ -7,10 +7,9 @@ from __future__ import annotations
 
 import logging
 import math
-import re
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -20,10 +19,8 @@ import numpy as np
 
 from ..errors import UserError
 from ..records import dataclass
+from .finding import CLOUDS, KINDS
 
-_MESHES = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
-_CLOUDS = (".npz", ".xyz")
-_SUFFIXES = (*_MESHES, *_CLOUDS, ".urdf")
 _POINTS = 30_000  # taken of a surface
 _LEAST = 200  # points that a cloud has at least
 _MOST_BYTES = 2 << 30
@@ -43,94 +40,13 @@ class Cloud:
     lost: str = ""
 
 
-def find_files(places: list[str], tell: Callable[[str], None] | None = None) -> list[Path]:
-    """The files that are named, and those in folders that are, in the order of their names. With ``tell``, which is told so, only
-    one URDF of each object in a folder. Raises UserError.
-    """
-    found: list[Path] = []
-    for name in places:
-        place = Path(name)
-        if place.is_dir():
-            inside = sorted(p for p in place.rglob("*") if p.suffix.lower() in _SUFFIXES and p.is_file())
-            robots = [p for p in inside if _is_robot(p)]
-            apart = robots + _outside(inside, {p.parent for p in robots}) if robots else inside
-            stray = _strays(inside, robots, apart) if tell is not None and robots else []
-            if tell is not None and stray:
-                tell(
-                    f"{len(stray)} of the files in {place} lie beside or below a URDF that does not name them, and are not read: "
-                    f"{stray[0]}, for example"
-                )
-            doubled = _doubled(apart)
-            inside = sorted(p for p in apart if p not in doubled)
-            variants = _variants(robots)
-            if tell is not None and variants:
-                first, of = next(iter(variants.items()))
-                tell(
-                    f"{len(variants)} URDF files are other ways to write objects of {place}: {first.name}, for example, is {of.name}"
-                )
-                inside = [p for p in inside if p not in variants]
-            if not inside:
-                raise UserError(f"{place} has no file that can be fitted", f"the kinds are {', '.join(_SUFFIXES)}")
-            found += inside
-        elif place.exists():
-            found.append(place)
-        else:
-            raise UserError(f"there is no file or folder {place}")
-    return list(dict.fromkeys(found))
-
-
-def _is_robot(path: Path) -> bool:
-    return path.suffix.lower() == ".urdf"
-
-
-def _outside(files: list[Path], folders: set[Path]) -> list[Path]:
-    """The files that lie in none of some folders, nor below."""
-    within = {parent: bool(folders & {parent, *parent.parents}) for parent in {p.parent for p in files}}
-    return [p for p in files if not within[p.parent]]
-
-
-def _strays(inside: list[Path], robots: list[Path], apart: list[Path]) -> list[Path]:
-    """The files of a folder that are left to URDF files, and that none of these names."""
-    named: set[str] = set()
-    for robot in robots:
-        with suppress(OSError):  # it is told where the file is read
-            text = robot.read_text(encoding="utf-8", errors="replace")
-            named.update(Path(name).name for name in re.findall(r"""filename\s*=\s*["']([^"']*)["']""", text))
-    known = set(apart)
-    return [p for p in inside if p not in known and p.name not in named]
-
-
-def _doubled(files: list[Path]) -> set[Path]:
-    """The clouds that stand beside one mesh, alone with it: then both are of one object."""
-    beside: dict[Path, list[Path]] = {}
-    for path in files:
-        beside.setdefault(path.parent, []).append(path)
-    pairs = [sorted(pair, key=lambda p: p.suffix.lower() in _CLOUDS) for pair in beside.values() if len(pair) == 2]
-    return {two for one, two in pairs if one.suffix.lower() in _MESHES and two.suffix.lower() in _CLOUDS}
-
-
-def _variants(robots: list[Path]) -> dict[Path, Path]:
-    """What is written otherwise, with the file of the same object: ``object_fixed.urdf`` beside ``object.urdf``, as `apgc export` writes
-    them. One of them is enough."""
-    stems: dict[tuple[Path, str], Path] = {}
-    for path in robots:
-        stems.setdefault((path.parent, path.stem), path)
-    found = {}
-    for path in robots:
-        cuts = [match.start() for match in re.finditer("_", path.stem)]
-        of = next((stems[key] for cut in cuts if (key := (path.parent, path.stem[:cut])) in stems), None)
-        if of is not None:
-            found[path] = of
-    return found
-
-
 def read_cloud(path: Path) -> Cloud:
     """The surface of a file as points. Raises UserError with what is wrong with it."""
     suffix = path.suffix.lower()
-    if suffix not in _SUFFIXES:
+    if suffix not in KINDS:
         raise UserError(
             f"{path.name}: {suffix or 'a file without a suffix'} is no kind that can be read",
-            f"the kinds are {', '.join(_SUFFIXES)}",
+            f"the kinds are {', '.join(KINDS)}",
         )
     try:
         if path.stat().st_size > _MOST_BYTES:
@@ -138,7 +54,7 @@ def read_cloud(path: Path) -> Cloud:
         if path.stat().st_size == 0:
             raise UserError(f"{path.name} is empty", "export it again")
         with _silent():
-            cloud = _read_points(path) if suffix in _CLOUDS else _read_solids(path)
+            cloud = _read_points(path) if suffix in CLOUDS else _read_solids(path)
     except UserError:
         raise
     except FileNotFoundError as missing:

@@ -11,14 +11,12 @@ import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
-
-import numpy as np
 
 from ..details.dressing import SUMMARY as BOUND
 from ..errors import UserError
 from ..export.containers import npz_bytes
 from ..export.write import ensure_folder, is_there, sweep_unfinished, write_bytes
+from ..files import read_arrays
 from ..fit.real import check_record
 from ..fit.sources import MEMORY, File, Item, mark
 from . import manifest as manifests
@@ -85,15 +83,15 @@ def bind_into(
     return told, records
 
 
-def read_arrays(out: Path, record: Record) -> Arrays | None:
+def read_bound(out: Path, record: Record) -> Arrays | None:
     """The arrays of an object that was bound into a folder; None where the record says that it could not be. Raises UserError."""
     if "failed" in record:
         return None
     path = out / f"{record['name']}.npz"
     try:
-        with np.load(path, allow_pickle=False) as held:
-            return dict(held)
-    except (OSError, ValueError, BadZipFile) as wrong:
+        with open(path, "rb") as file:
+            return read_arrays(file)
+    except (OSError, ValueError) as wrong:
         raise UserError(f"{path} cannot be read: {wrong}", "remove it, and bind again") from None
 
 

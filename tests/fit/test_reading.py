@@ -13,7 +13,8 @@ import pytest
 import trimesh
 
 from artipg_dsl.errors import UserError
-from artipg_dsl.fit.reading import find_files, read_cloud
+from artipg_dsl.fit.finding import find_files
+from artipg_dsl.fit.reading import read_cloud
 
 SIZE = np.array([0.2, 0.4, 0.6])
 ROBOT = """<robot name="r"><link name="base"><visual><geometry><box size="0.2 0.4 0.3"/></geometry></visual></link>
