@@ -106,9 +106,8 @@ def lend(details: Details, solids: Solids, target: tuple[np.ndarray, ...]) -> tu
 def _surface(elements: Elements, solids: Solids, spacing: float) -> tuple[np.ndarray, ...]:
     """Element, patch, u, v of points all over the surfaces of elements, hidden or not, one for each square of ``spacing``."""
     whole, real = np.zeros(0, dtype=np.int64), np.zeros(0)
-    found: list[tuple[np.ndarray, ...]] = [
-        (whole, whole, real, real)
-    ]  # nothing, if no two points tell how far they lie apart
+    # nothing, if no two points tell how far they lie apart
+    found: list[tuple[np.ndarray, ...]] = [(whole, whole, real, real)]
     kind = solids.kind(elements.site)
     for number in np.unique(kind).tolist():
         at = np.flatnonzero(kind == number)
