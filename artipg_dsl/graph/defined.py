@@ -122,15 +122,19 @@ class Defined:
         return self.memo[root]
 
     def culprit(self, root: Expr) -> Expr | None:
-        """The first of the ``PARTIAL`` operations, of what are numbers, that may give none; None where there is none."""
-        node, seen = root, set[Expr]()
-        while node not in seen and not self.certain(node):
+        """The only operation that may leave ``root`` without a value, if it is one of the ``PARTIAL`` ones; None where there is none, or
+        more than one."""
+        stack, seen, found = [root], set[Expr](), list[Expr]()
+        while stack and len(found) < 2:
+            node = stack.pop()
+            if node in seen or self.certain(node):
+                continue
             seen.add(node)
-            part = next((a for a in self.reads(node) if not self.certain(a)), None)
-            if part is None:
-                return node if node.op in PARTIAL else None
-            node = part
-        return None
+            parts = [a for a in self.reads(node) if not self.certain(a)]
+            if not parts or not self.safe(node):
+                found.append(node)
+            stack += parts
+        return found[0] if len(found) == 1 and found[0].op in PARTIAL else None
 
     def reads(self, node: Expr) -> tuple[Expr, ...]:
         """What a value is made of; definitions are read through, a draw lies between its ends."""

@@ -327,3 +327,10 @@ def test_a_formula_that_is_avoided_where_it_has_no_value_is_no_warning() -> None
     )
     made.advise()
     assert not [d for d in made.report.diagnostics if d.code == "undefined-value"]
+
+
+def test_of_two_operations_that_may_have_no_value_none_is_blamed() -> None:
+    """The first of these has one wherever it counts."""
+    both = "(sqrt(q - 0.5) if q >= 0.5 else 0) + asin(0.8 + 0.4 * q) / 1rad"
+    made, _ = session(f"param q : ratio in 0 .. 1\nlet k = {both}\n{CUBE}align b.center.y = k * 1cm")
+    assert not [r for r in made.sampler.program.requirements if "has no value" in r.message]
