@@ -140,13 +140,9 @@ def summarize(
         for r in records
         if "failed" not in r
     ]
-    failed = [{"name": r["name"], "source": r["source"], "reason": r["failed"]} for r in records if "failed" in r]
+    failed = [{"name": r["name"], "reason": r["failed"]} for r in records if "failed" in r]
     failed += [
-        {
-            "name": one["name"],
-            "source": one["source"],
-            "reason": f"{one['verdict']}: it is not among the fitted objects",
-        }
+        {"name": one["name"], "reason": f"{one['verdict']}: it is not among the fitted objects"}
         for one in fitted
         if one["object"] is None
     ]

@@ -26,6 +26,7 @@ from .fitting import Record, to_text
 from .job import Job, ProgramChanged
 from .resume import reopen
 from .sharing import share
+from .sources import seen_from, seen_here
 from .workers import map_each
 
 _NAMED = 3  # files that a message names
@@ -77,7 +78,8 @@ def bind_into(
         done += 1
         if progress:
             progress(done, len(work))
-    records = [found for one in work if (found := read_record(out / f"{one.name}.json")) is not None]
+    read = (read_record(out / f"{one.name}.json") for one in work)
+    records = [seen_here(out, found) for found in read if found is not None]
     told = summarize(fitted["category"], options, records, fitted["objects"])
     write_bytes(out / BOUND, to_text(told), force=True)
     return told, records
@@ -114,9 +116,10 @@ def _read_summary(fitted: Path) -> Record:
     """The summary of a folder of fits, some of which fit. Raises UserError."""
     if not fitted.is_dir():
         raise UserError(f"there is no folder {fitted} of fitted objects", _HINT)
-    summary = read_record(fitted / SUMMARY)
-    if summary is None:
+    found = read_record(fitted / SUMMARY)
+    if found is None:
         raise UserError(f"{fitted} is not a folder of fitted objects", _HINT)
+    summary = seen_here(fitted, found)
     if all(one["object"] is None for one in _fitted_objects(fitted, summary)):
         raise UserError(f"no object in {fitted} fits its category", "see the verdicts in its fit.json")
     return summary
@@ -193,7 +196,7 @@ def _refuse_others(out: Path, work: Sequence[Fit]) -> None:
     sources = {one.real.path.resolve() for one in work if isinstance(one.real, File)}
     others = []
     for one in list_objects(read_record(out / BOUND), "name"):
-        record = read_record(out / f"{one['name']}.json") or {}
+        record = seen_here(out, read_record(out / f"{one['name']}.json") or {})
         source = str(record.get("source", ""))
         path = Path(source)
         if record.get("file") in files or (source != MEMORY and (path.resolve() in sources or not path.is_file())):
@@ -263,7 +266,7 @@ def _write(out: Path, record: Record, arrays: Arrays | None) -> None:
         path.unlink(missing_ok=True)
     else:
         write_bytes(path, npz_bytes(arrays), force=True)
-    write_bytes(out / f"{record['name']}.json", to_text(record), force=True)
+    write_bytes(out / f"{record['name']}.json", to_text(seen_from(out, record)), force=True)
 
 
 def _done(out: Path, options: Mapping[str, Any], one: Fit) -> bool:

@@ -30,6 +30,7 @@ from .job import Job
 from .output import Output
 from .resume import clear
 from .sharing import LONG, share
+from .sources import seen_from, seen_here
 from .workers import map_each
 
 FITS, PICTURES, KEPT, VALUES, SUMMARY = "fits", "pictures", "kept", "values.jsonl", "fit.json"
@@ -44,11 +45,11 @@ class Folder:
     pictures: bool = False
 
     def write(self, record: Mapping[str, Any]) -> None:
-        write_bytes(self.out / FITS / f"{record['name']}.json", to_text(record), force=True)
+        write_bytes(self.out / FITS / f"{record['name']}.json", to_text(seen_from(self.out, record)), force=True)
 
     def record(self, name: str) -> Record | None:
         """The record of that name; None where it lacks what the summary tells, so that the file is fitted again."""
-        found = read_record(self.out / FITS / f"{name}.json") or {}
+        found = seen_here(self.out, read_record(self.out / FITS / f"{name}.json") or {})
         kinds: dict[str, Any] = {"name": str, "source": str, "failed": str}
         if "drawn" in found:
             kinds |= {"drawn": dict, "verdict": str, "valid": bool, "distance": dict}
@@ -136,7 +137,7 @@ def _make_ready(folder: Folder) -> None:
 
 def refuse_other(place: Path, summary: Record, force: bool) -> None:
     """Refuse a folder whose summary, which is at this place, says something else. Raises UserError."""
-    if not force and place.exists() and place.read_bytes() != to_text(summary):
+    if not force and place.exists() and place.read_bytes() != to_text(seen_from(place.parent, summary)):
         raise UserError(f"{place.parent} holds other objects", "choose another folder, or replace them with force")
 
 
@@ -146,7 +147,7 @@ def _refuse_others(folder: Folder, items: Sequence[Item]) -> None:
     named = {item.real.path.resolve() for item in items if isinstance(item.real, File)}
     held = {item.real.mark() for item in items if isinstance(item.real, Held)}
     others = []
-    for one in list_objects(read_record(folder.out / SUMMARY), "name", "source"):
+    for one in list_objects(seen_here(folder.out, read_record(folder.out / SUMMARY) or {}), "name", "source"):
         record = {**one, **(folder.record(one["name"]) or {})}
         real = folder.real(record)
         if real.path.exists() and real.path.resolve() not in named and not (real.held and record.get("file") in held):
@@ -227,12 +228,12 @@ def list_objects(summary: Mapping[str, Any] | None, *keys: str) -> list[Mapping[
 
 def _finish(out: Path, summary: Record, records: Sequence[Record], job: Job | None) -> None:
     """Write what was found of all objects: the summary, the values, and the objects as samples, those of a job if there are any."""
+    good = [seen_from(out, r) for r in good_ones(records)]
     lines = [
-        json.dumps({"name": r["name"], "source": r["source"], "drawn": r["drawn"]}, ensure_ascii=False)
-        for r in good_ones(records)
+        json.dumps({"name": r["name"], "source": r["source"], "drawn": r["drawn"]}, ensure_ascii=False) for r in good
     ]
     write_bytes(out / VALUES, "".join(line + "\n" for line in lines).encode(), force=True)
-    write_bytes(out / SUMMARY, to_text(summary), force=True)
+    write_bytes(out / SUMMARY, to_text(seen_from(out, summary)), force=True)
     if job is not None:
         write_dataset(job, out, Output.of(choose_formats("annotation"), Content()), force=True)
     elif (old := manifests.read_manifest(out)) is not None:

@@ -213,4 +213,7 @@ def test_a_category_that_has_changed_since_the_fit_is_named(apgc: Apgc, tmp_path
     assert program.read_text() != text
     code, _, err = apgc("bind", folder, "-o", tmp_path / "bound")
     assert code == 1 and "fitted with another text of Chest" in err and "digest" in err
-    assert f"fit again: apgc fit {program} " in err and f"chest.apg 'my box.obj' --up=y --normalised -o {folder}" in err
+    assert (
+        f"fit again: apgc fit {program} " in err
+        and f"chest.apg '{folder / 'my box.obj'}' --up=y --normalised -o {folder}" in err
+    )

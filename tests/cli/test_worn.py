@@ -300,3 +300,30 @@ def test_pictures_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None
     assert code == 2 and "leave out --bare or --details" in err
     code, _, err = apgc("export", CHEST, "--format", "glb", "--detail-strength", 0.5, "-o", tmp_path / "out")
     assert code == 2 and "scales details" in err
+
+
+def test_fits_are_bound_from_anywhere_and_moved_with_their_files(
+    apgc: Apgc, fitted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here, asked = tmp_path / "here", ("--points", 500)
+    shutil.copytree(fitted, here / "fitted")
+    (here / "scans").mkdir()
+    for k in range(2):
+        (here / "fitted" / f"chest{k}.npz").rename(here / "scans" / f"chest{k}.npz")
+    monkeypatch.chdir(here)
+    fit = ("fit", CHEST, "scans", "-o", "fitted", "--front", "x", "--plain", "--force")
+    assert apgc(*fit)[0] == 0
+    whole = tree(here / "fitted")
+    summary = json.loads((here / "fitted" / "fit.json").read_text())
+    assert [one["source"] for one in summary["objects"]] == ["../scans/chest0.npz", "../scans/chest1.npz"]
+    monkeypatch.chdir(tmp_path)  # the same command from elsewhere
+    again = [str(here / word) if word in ("scans", "fitted") else word for word in fit[:-1]]
+    assert apgc(*again)[0] == 0 and tree(here / "fitted") == whole
+    assert apgc("bind", "here/fitted", "-o", "here/bound", *asked)[0] == 0
+    bound = tree(here / "bound")
+    here.rename(tmp_path / "there")
+    assert apgc("bind", "there/fitted", "-o", "there/bound", *asked, "--force")[0] == 0
+    assert tree(tmp_path / "there" / "bound") == bound
+    (tmp_path / "there" / "scans" / "chest0.npz").unlink()
+    code, out, err = apgc("bind", "there/fitted", "-o", "there/again", *asked)
+    assert code == 0 and "there is no file there/scans/chest0.npz" in out + err
