@@ -128,27 +128,27 @@ _quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
 
 SHORT = 16  # steps below which calling NumPy for each is faster than telling the machine of all
 _OFTEN = 64  # calls from which on generated code is faster, the time to generate it included
-# To NumPy a step costs as much for being called as for a thousand numbers; to tell the machine of it takes as long as ten calls.
-_CALL = 1000
-_WORTH = 10 * _CALL
+# In numbers that NumPy computes: what the call of a step costs, what it costs to tell the machine of a tape, and of each of its steps.
+_CALL, _TOLD, _STEP = 1000, 60_000, 280
 
 
 class Formula:
     """A tape as a function of arrays or numbers that returns a tuple of values, one per output."""
 
-    __slots__ = ("_tape", "_code", "_calls", "_work")
+    __slots__ = ("_tape", "_code", "_calls", "_work", "_worth")
 
     def __init__(self, tape: Tape):
         self._tape = tape
         self._code: Callable[..., tuple[Any, ...]] | None = None
         self._calls = 0
-        self._work = 0  # what NumPy has had to do for each step
+        self._work = 0  # what NumPy would have had to do for each step
+        self._worth = _STEP + _TOLD // max(1, len(tape.steps))  # of such work, to tell the machine of it
 
     def __call__(self, *values: Any) -> tuple[Any, ...]:
         machine = backend.machine() if len(self._tape.steps) >= SHORT else None
-        if machine is not None and self._work < _WORTH:
+        if machine is not None and self._work < self._worth:
             self._work += _CALL + prod(np.broadcast_shapes(*map(np.shape, values)))
-        if machine is not None and self._work >= _WORTH:
+        if machine is not None and self._work >= self._worth:
             found = self._tape.run(machine, values)
             if found is not None:
                 return found

@@ -19,7 +19,7 @@ from ..errors import UserError
 from . import compiler, loops
 from .compiler import NoMachine
 from .moments import row_sums
-from .plan import Plan
+from .plan import Plan, make_table
 from .tape import Tape
 
 VARIABLE = "APGC_BACKEND"
@@ -28,7 +28,7 @@ _PLACES = np.arange(400, dtype=np.uint64)
 
 
 class Machine:
-    """The compiled machine in this process. Raises NoMachine where it does not fit this NumPy."""
+    """The compiled machine in this process. Raises NoMachine, Unreadable where it does not fit this NumPy."""
 
     def __init__(self, library: ctypes.CDLL):
         self.library = library
@@ -64,6 +64,7 @@ class Machine:
                 "near_rows",
                 "near_pieces",
                 "first_of_each",
+                "lay_out",
                 "near_flat",
                 "near_loose",
             ):
@@ -71,10 +72,7 @@ class Machine:
             self._run, look = library.run, library.look
             self.print_rows, self.deepest = library.print_rows, library.deepest
             self.chain, self.cluster = library.chain, library.cluster
-            self._moves = {
-                kinds: ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0
-                for kinds, name in (("???->?", "choose1"), ("?dd->d", "choose8"), ("?->d", "number"))
-            }
+            moves = {name: getattr(library, name) for name in ("choose1", "choose8", "number", "same8")}
         except AttributeError as wrong:
             raise NoMachine(f"the compiled backend is not whole: {wrong}") from None
         long, address = ctypes.c_int64, ctypes.c_void_p
@@ -102,12 +100,8 @@ class Machine:
         expected = [shown.ctypes.data, 1, 4, 48]
         if found[:4].tolist() != expected or bool(found[4] & 1) or not found[4] & 0x100:
             raise NoMachine("the arrays of this NumPy are laid out in another way")
-
-    def locate(self, op: str, kinds: str) -> tuple[int, int]:
-        """Addresses of a loop and of what it is given. Raises Unreadable."""
-        if op in loops.FUNCTIONS:
-            return loops.loop(loops.FUNCTIONS[op], kinds)
-        return self._moves[kinds], 0
+        addresses = {name: ctypes.cast(move, ctypes.c_void_p).value or 0 for name, move in moves.items()}
+        self.table = make_table(addresses)
 
     def run(self, plan: Plan, objects: Any, outer: int, inner: int) -> int:
         """Run a plan over arrays, told by their identities; 0 where that was done."""
@@ -193,8 +187,9 @@ def told() -> str:
 
 def fit(path: Path) -> Machine:
     """The machine in a file, tried on this NumPy. Raises NoMachine."""
-    made = Machine(compiler.load(path))
+    library = compiler.load(path)
     try:
+        made = Machine(library)
         different = trial(made)
     except loops.Unreadable as wrong:
         raise NoMachine(f"the functions of this NumPy are laid out in another way: {wrong}") from None

@@ -22,6 +22,7 @@ _SOURCES = [
     Path(__file__).with_name(name)
     for name in (
         "machine.c",
+        "layout.c",
         "narrow.c",
         "states.c",
         "turning.c",
@@ -34,7 +35,7 @@ _SOURCES = [
         "depths.c",
     )
 ]
-_HEADERS = [Path(__file__).with_name("bodies.h")]
+_HEADERS = [Path(__file__).with_name(name) for name in ("bodies.h", "tape.h")]
 # products and sums stay apart: one instruction for both would round once, not twice as NumPy does
 _FLAGS = ("-O2", "-std=c11", "-ffp-contract=off", "-fno-math-errno", "-shared", "-fPIC", "-fvisibility=hidden")
 _LIBRARIES = ("-lm",)

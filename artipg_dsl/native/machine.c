@@ -2,35 +2,7 @@
    first cache. Every operation on numbers is an inner loop of NumPy, called through the pointer in its ufunc, or one of those
    below, which only move values: the bits are those NumPy would have made. Nothing here follows from a program. */
 
-#include <fenv.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#if defined(_WIN32)
-#define OUT __declspec(dllexport)
-#else
-#define OUT __attribute__((visibility("default")))
-#endif
-
-typedef void loop(char **, const ptrdiff_t *, const ptrdiff_t *, void *);
-
-/* of a register: what it stands for, and along what it varies */
-enum { CONSTANT, INPUT, OUTPUT, SPARE };
-enum { ONE, ROW, COLUMN, EVERY };
-
-typedef struct {
-    int64_t function, data, inputs, in[3], out, phase;
-} op;
-
-typedef struct {
-    int64_t kind, along, size, at; /* at: place in the pool of constants (bytes), number of the array or of the spare one */
-} reg;
-
-typedef struct {
-    int64_t ops, regs, spare[4], phase[4]; /* ops in order of phases; spare registers that vary along each; ops of each phase */
-} head;
+#include "tape.h"
 
 /* ------------------------------------------------------------ loops that move values */
 
@@ -67,6 +39,14 @@ OUT void number(char **args, const ptrdiff_t *n, const ptrdiff_t *steps, void *d
     (void)data;
     for (ptrdiff_t i = 0; i < *n; i++, a += steps[0], out += steps[1])
         *(double *)out = *a ? 1.0 : 0.0;
+}
+
+/* a number again */
+OUT void same8(char **args, const ptrdiff_t *n, const ptrdiff_t *steps, void *data) {
+    const char *a = args[0];
+    char *out = args[1];
+    (void)data;
+    for (ptrdiff_t i = 0; i < *n; i++, a += steps[0], out += steps[1]) *(double *)out = *(const double *)a;
 }
 
 /* ------------------------------------------------------------ arrays of NumPy */

@@ -1,31 +1,38 @@
 """A tape laid out for the machine: which registers hold what, and which steps run once, once per row, per column, or per block.
 
-A value varies along rows, along columns, along both or neither; each is computed as often as NumPy would compute it.
+A value varies along rows, along columns, along both or neither; each is computed as often as NumPy would compute it. ``layout.c`` does
+it, in a few hundred nanoseconds a step: a plan pays from the first call on.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import ctypes
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..records import dataclass
 from . import loops
+from .calls import call
 
 if TYPE_CHECKING:
+    from .backend import Machine
     from .tape import Tape
 
-ONE, ROW, COLUMN, EVERY = range(4)  # as in machine.c; what two vary along together is ``a | b``
-CONSTANT, INPUT, OUTPUT, SPARE = range(4)
-_PHASES = (ONE, ROW, COLUMN, EVERY)
+ROW, COLUMN, EVERY = 1, 2, 3  # as in tape.h, where 0 is neither; what two vary along together is ``a | b``
 _CACHE = 24 << 10  # bytes of the first cache that blocks may take
 LEAST, MOST = 128, 1024  # rows in a block
 
-_TRUTHS = frozenset({"lt", "le", "eq", "ne", "and", "or", "not"})
-Locate = Callable[
-    [str, str], tuple[int, int]
-]  # addresses of the loop of an operation on types, and of what it is given
+_TRUTHS = ("lt", "le", "eq", "ne", "and", "or", "not")
+_PLAIN, _TRUTH, _POWER, _WHERE = range(4)  # as in layout.c
+_MADE, _GIVEN, _FIXED = range(3)
+_OPS = (*loops.FUNCTIONS, "where", "number", "same")
+_CODES = {op: code for code, op in enumerate(_OPS)}
+_INPUTS = np.array([*(f.nin for f in loops.FUNCTIONS.values()), 3, 1, 1], dtype=np.uint8)
+_KINDS = np.full(len(_OPS), _PLAIN, dtype=np.uint8)
+_KINDS[[_CODES[op] for op in _TRUTHS]] = _TRUTH
+_KINDS[_CODES["pow"]], _KINDS[_CODES["where"]] = _POWER, _WHERE
 
 
 class NotPlanned(Exception):
@@ -57,170 +64,98 @@ class Plan:
     places: tuple[int, int, int, int]  # addresses of the arrays above
 
 
-@dataclass(slots=True, eq=False)
-class _Value:
-    kind: str  # d or ?
-    along: int
-    constant: float | bool | None = None
-    register: int = -1
-    uses: int = 0
-    kept: bool = False  # used in a later phase, or given out
+class Encoded:
+    """A tape as arrays: operations, arguments of one after the other, constants and their bytes, and what comes out."""
+
+    __slots__ = ("codes", "arguments", "constants", "sizes", "outputs")
+
+    def __init__(self, tape: Tape):
+        self.codes = np.array([_CODES[op] for op, _ in tape.steps], dtype=np.int32)
+        self.arguments = np.array([a for _, given in tape.steps for a in given], dtype=np.int32)
+        self.constants = np.array(tape.constants, dtype=np.float64)
+        self.sizes = np.array([1 if isinstance(c, bool) else 8 for c in tape.constants], dtype=np.uint8)
+        self.outputs = np.array(tape.outputs, dtype=np.int32)
 
 
-class _Planner:
-    def __init__(self, tape: Tape, letters: str, along: tuple[int, ...]):
-        self.tape = tape
-        self.values = [_Value(k, a) for k, a in zip(letters, along, strict=True)]
-        for constant in tape.constants:
-            self.values.append(_Value("?" if isinstance(constant, bool) else "d", ONE, constant))
-        self.steps: list[tuple[str, str, list[int], int]] = []  # operation, types, arguments, value
-        self.numbers: dict[int, int] = {}  # truth value -> the same as a number
-        self.place: list[int] = list(range(len(self.values)))  # numbers on the tape -> values here
-        self.wary = False
-
-    def add(self, op: str, kinds: str, arguments: list[int]) -> int:
-        made = _Value(kinds[-1], ONE)
-        given = [self.values[a] for a in arguments]
-        for one in given:
-            made.along |= one.along
-        if all(one.constant is not None for one in given):
-            with np.errstate(all="ignore"):
-                result = _constant(op, [one.constant for one in given])
-            made.constant = bool(result) if kinds[-1] == "?" else float(result)
-        else:
-            self.steps.append((op, kinds, arguments, len(self.values)))
-        self.values.append(made)
-        return len(self.values) - 1
-
-    def number(self, value: int) -> int:
-        """A value as a number, if it is a truth value."""
-        if self.values[value].kind == "d":
-            return value
-        if value not in self.numbers:
-            self.numbers[value] = self.add("number", "?->d", [value])
-        return self.numbers[value]
-
-    def step(self, op: str, asked: Sequence[int]) -> int:
-        arguments = list(asked)
-        kinds = [self.values[a].kind for a in arguments]
-        if op == "where":
-            if kinds[0] == "d":
-                self.values.append(_Value("d", ONE, 0.0))
-                arguments = [self.add("ne", "dd->?", [arguments[0], len(self.values) - 1]), *arguments[1:]]
-            if kinds[1:] == ["?", "?"]:
-                return self.add(op, "???->?", arguments)
-            return self.add(op, "?dd->d", [arguments[0], *map(self.number, arguments[1:])])
-        if op in _TRUTHS and "d" not in kinds:
-            return self.add(op, "?" * len(kinds) + "->?", arguments)
-        if "d" not in kinds:
-            raise NotPlanned(op)  # NumPy's sums of truth values are truth values
-        if op == "pow" and self.values[arguments[1]].constant is None:
-            self.wary = True
-            if self.values[arguments[1]].along != EVERY:
-                raise NotPlanned(op)
-        arguments = [self.number(a) for a in arguments]
-        return self.add(op, "d" * len(kinds) + ("->?" if op in _TRUTHS else "->d"), arguments)
+class _Request(ctypes.Structure):
+    _fields_ = [
+        *((name, ctypes.c_int64) for name in ("variables", "constants", "steps", "outputs")),
+        *(
+            (name, ctypes.c_void_p)
+            for name in ("size", "along", "constant", "constant_size", "code", "asked", "wanted")
+        ),
+        *((name, ctypes.c_void_p) for name in ("inputs", "kind", "table")),
+        *((name, ctypes.c_int64) for name in ("ne", "number", "same")),
+        *((name, ctypes.c_void_p) for name in ("head", "ops", "regs", "pool", "result", "fixed", "made", "count")),
+    ]
 
 
-def _constant(op: str, values: list[Any]) -> Any:
-    if op == "where":
-        return np.where(*values)
-    return float(values[0]) if op == "number" else loops.FUNCTIONS[op](*values)
+def make_table(moves: dict[str, int]) -> np.ndarray:
+    """(operations, 2, 2) int64: loops for numbers and for truth values, and what each is given, 0 where there is none. ``moves``: those
+    that are none of NumPy's. Raises Unreadable."""
+    table = np.zeros((len(_OPS), 2, 2), dtype=np.int64)
+    for op, function in loops.FUNCTIONS.items():
+        truth = op in _TRUTHS
+        table[_CODES[op], 0] = loops.loop(function, "d" * function.nin + ("->?" if truth else "->d"))
+        if truth:
+            table[_CODES[op], 1] = loops.loop(function, "?" * function.nin + "->?")
+    table[_CODES["where"], :, 0] = moves["choose8"], moves["choose1"]
+    table[_CODES["number"], 0, 0], table[_CODES["same"], 0, 0] = moves["number"], moves["same8"]
+    return table
 
 
-def make_plan(tape: Tape, letters: str, along: tuple[int, ...], locate: Locate) -> Plan:
-    """The plan for variables of the types ``letters`` that vary as ``along`` says. Raises NotPlanned."""
-    planner = _Planner(tape, letters, along)
-    for op, asked in tape.steps:
-        planner.place.append(planner.step(op, [planner.place[a] for a in asked]))
-    values, steps = planner.values, planner.steps
-    outputs = [planner.place[o] for o in tape.outputs]
-    needed = set(outputs)
-    for _, _, arguments, value in reversed(steps):
-        if value in needed:
-            needed.update(arguments)
-    steps = [s for s in steps if s[3] in needed]
-    for _, _, arguments, value in steps:
-        for argument in arguments:
-            values[argument].uses += 1
-            values[argument].kept |= values[argument].along != values[value].along
-    for output in outputs:
-        values[output].kept = True
-    return _laid_out(tape, planner, steps, outputs, locate)
-
-
-def _laid_out(
-    tape: Tape, planner: _Planner, steps: list[tuple[str, str, list[int], int]], outputs: list[int], locate: Locate
-) -> Plan:
-    values = planner.values
-    regs: list[tuple[int, int, int, int]] = []
-    pool: list[bytes] = []
-    made: list[Made] = []
-    results: list[tuple[str, Any]] = []
-    placed: dict[int, int] = {}
-    arrays = tape.variables
-    for output in outputs:
-        value = values[output]
-        if value.constant is not None:
-            results.append(("constant", value.constant))
-        elif output < arrays:
-            results.append(("given", output))
-        else:
-            if output not in placed:
-                placed[output] = len(made)
-                made.append(Made(value.along, 8 if value.kind == "d" else 1))
-                value.register = len(regs)
-                regs.append((OUTPUT, value.along, made[-1].size, arrays + placed[output]))
-            results.append(("made", placed[output]))
-
-    free: dict[int, list[int]] = {phase: [] for phase in _PHASES}
-    spare = [0] * 4
-    ops: list[tuple[int, ...]] = []
-    counts = [0] * 4
-
-    def register(number: int) -> int:
-        value = values[number]
-        if value.register < 0:
-            value.register = len(regs)
-            if value.constant is not None:
-                regs.append((CONSTANT, ONE, 8, 8 * len(pool)))
-                kind: type = np.float64 if value.kind == "d" else np.bool_
-                pool.append(kind(value.constant).tobytes().ljust(8, b"\0"))
-            else:
-                assert number < arrays
-                regs.append((INPUT, value.along, 1 if value.kind == "?" else 8, number))
-        return value.register
-
-    for phase in _PHASES:
-        for op, kinds, arguments, number in steps:
-            value = values[number]
-            if value.along != phase:
-                continue
-            given = [register(a) for a in arguments]
-            if value.register < 0:
-                size = 8 if value.kind == "d" else 1
-                for at, old in enumerate(free[phase]):  # of the same size: registers are of numbers or of truth values
-                    if regs[old][2] == size:
-                        value.register = free[phase].pop(at)
-                        break
-                else:
-                    value.register = len(regs)
-                    regs.append((SPARE, phase, size, spare[phase]))
-                    spare[phase] += 1
-            for argument in arguments:
-                used = values[argument]
-                used.uses -= 1
-                if not used.uses and not used.kept and used.constant is None and regs[used.register][0] == SPARE:
-                    free[phase].append(used.register)
-            address, data = locate(op, kinds)
-            ops.append((address, data, len(given), *given, *[0] * (3 - len(given)), value.register, phase))
-            counts[phase] += 1
-    block = max(LEAST, min(MOST, _CACHE // (8 * max(1, spare[EVERY] + len(made))) // 64 * 64))
-    held = (
-        np.array([len(ops), len(regs), *spare, *counts], dtype=np.int64),
-        np.array(ops, dtype=np.int64).reshape(-1, 8),
-        np.array(regs, dtype=np.int64).reshape(-1, 4),
-        np.frombuffer(b"".join(pool) or bytes(8), dtype=np.uint8).copy(),
+def make_plan(machine: Machine, tape: Tape, sizes: Sequence[int], along: Sequence[int]) -> Plan:
+    """The plan for variables whose numbers have ``sizes`` bytes, 8 or 1, and vary as ``along`` says. Raises NotPlanned."""
+    code = tape.encoded
+    steps, outputs = len(code.codes), len(code.outputs)
+    first = tape.variables + len(code.constants)
+    most = (
+        first + 6 * steps
+    )  # a step may need a comparison with nought, truth values as numbers, and to repeat an exponent
+    head, count = np.zeros(10, dtype=np.int64), np.zeros(3, dtype=np.int64)
+    ops, regs, pool = np.empty((5 * steps, 8), np.int64), np.empty((most, 4), np.int64), np.empty(most)
+    result, fixed = np.empty((outputs, 2), dtype=np.int64), np.empty(outputs)
+    made = np.empty((outputs, 2), dtype=np.int64)
+    given = np.array(sizes, dtype=np.uint8), np.array(along, dtype=np.uint8)
+    arrays = (
+        *given,
+        code.constants,
+        code.sizes,
+        code.codes,
+        code.arguments,
+        code.outputs,
+        _INPUTS,
+        _KINDS,
+        machine.table,
     )
-    head, lines, rows, numbers = (a.ctypes.data for a in held)
-    return Plan(*held, len(ops), block, tuple(made), tuple(results), planner.wary, (head, lines, rows, numbers))
+    found = (head, ops, regs, pool, result, fixed, made, count)
+    request = _Request(
+        tape.variables,
+        len(code.constants),
+        steps,
+        outputs,
+        *(a.ctypes.data for a in arrays),
+        _CODES["ne"],
+        _CODES["number"],
+        _CODES["same"],
+        *(a.ctypes.data for a in found),
+    )
+    wrong = call(machine.library.lay_out, request)
+    if wrong == 1:
+        raise NotPlanned
+    if wrong:
+        raise MemoryError
+    held = (head, ops[: head[0]].copy(), regs[: head[1]].copy(), pool[: max(1, count[1])].copy())
+    results = [_result(*told) for told in zip(*result.T.tolist(), fixed.tolist(), strict=True)]
+    arrays_made = tuple([Made(*one) for one in made[: count[0]].tolist()])
+    spare = int(head[2 + EVERY])
+    block = max(LEAST, min(MOST, _CACHE // (8 * max(1, spare + len(arrays_made))) // 64 * 64))
+    first_op, first_reg, first_number = (a.ctypes.data for a in held[1:])
+    places = head.ctypes.data, first_op, first_reg, first_number
+    return Plan(*held, int(head[0]), block, arrays_made, tuple(results), bool(count[2]), places)
+
+
+def _result(kind: int, number: int, value: float) -> tuple[str, Any]:
+    if kind == _FIXED:
+        return "constant", bool(value) if number == 1 else value
+    return "made" if kind == _MADE else "given", number

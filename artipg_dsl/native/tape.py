@@ -3,7 +3,7 @@
 Values are numbered: the variables, then the constants, then what each step makes. The arrays that come out are those that NumPy would
 make of the same operations, bit for bit: each value is made by the loop that NumPy would call, of rows that lie as they would there.
 Where that cannot be promised (types other than float64 and bool, three patterns of broadcasting, a power whose exponents are
-broadcast), ``run`` leaves the work to NumPy.
+broadcast otherwise than along rows), ``run`` leaves the work to NumPy.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 from ..records import dataclass
 from .calls import integers
 from .loops import FUNCTIONS
-from .plan import COLUMN, EVERY, ROW, NotPlanned, Plan, make_plan
+from .plan import COLUMN, EVERY, ROW, Encoded, NotPlanned, Plan, make_plan
 
 if TYPE_CHECKING:
     from .backend import Machine
@@ -28,7 +28,7 @@ _NARROWEST = 32  # columns of a row that are worth a round of their own
 _CALLS: dict[str, Callable[..., Any]] = {**FUNCTIONS, "where": np.where}  # what NumPy calls the operations
 
 _FLOAT, _BOOL = np.dtype(np.float64), np.dtype(np.bool_)
-_LETTERS = {_FLOAT: "d", _BOOL: "?"}
+_SIZES = {_FLOAT: 8, _BOOL: 1}
 
 
 @dataclass(slots=True, eq=False)
@@ -39,8 +39,16 @@ class Tape:
     constants: tuple[float | bool, ...]
     steps: tuple[tuple[str, tuple[int, ...]], ...]
     outputs: tuple[int, ...]
-    plans: dict[tuple[str, tuple[int, ...]], Plan | None] = field(init=False, default_factory=dict)
+    plans: dict[tuple[tuple[int, ...], tuple[int, ...]], Plan | None] = field(init=False, default_factory=dict)
     last: list[list[int]] | None = field(init=False, default=None)  # per step, what no later one reads
+    code: Encoded | None = field(init=False, default=None)
+
+    @property
+    def encoded(self) -> Encoded:
+        """The same as arrays, for the machine."""
+        if self.code is None:
+            self.code = Encoded(self)
+        return self.code
 
     def stepwise(self, values: Sequence[Any]) -> tuple[Any, ...]:
         """The outputs for arrays or numbers ``values``, by NumPy, a call for each step; a value is dropped behind its last use if all
@@ -69,25 +77,25 @@ class Tape:
     def run(self, machine: Machine, values: Sequence[Any]) -> tuple[Any, ...] | None:
         """The outputs for arrays or numbers ``values``; None where NumPy has to do it."""
         arrays: list[np.ndarray] = []
-        letters, shapes = "", []
+        sizes, shapes = [], []
         for value in values:
             array = value if type(value) is np.ndarray else np.asarray(value)
-            letter = _LETTERS.get(array.dtype)
-            if letter is None:
+            size = _SIZES.get(array.dtype)
+            if size is None:
                 return None
             arrays.append(array)
-            letters += letter
+            sizes.append(size)
             shapes.append(array.shape)
         found = _layout(shapes)
         if found is None:
             return None
         along, outer, inner, shape, split = found
-        key = letters, along
+        key = tuple(sizes), along
         try:
             plan = self.plans[key]
         except KeyError:
             try:
-                plan = make_plan(self, letters, along, machine.locate)
+                plan = make_plan(machine, self, sizes, along)
             except NotPlanned:
                 plan = None
             self.plans[key] = plan
