@@ -111,7 +111,8 @@ class Split:
         if self._exponents:
             shape = np.broadcast_shapes(*(array.shape for array in (*rows, *point)))
             for k in self._exponents:
-                given[k] = np.ascontiguousarray(np.broadcast_to(given[k], shape))
+                if given[k].shape != shape or 0 in given[k].strides:
+                    given[k] = np.broadcast_to(given[k], shape).copy(order="C")
         return self._points(*given, *point)
 
 
