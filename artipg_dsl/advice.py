@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .runtime.batch import Batch
     from .sampling.statistics import Statistics
     from .semantics.check import TypedProgram
+    from .validity.floating import Solids
 
 _OBJECTS = 8  # that are drawn, to see what floats, what collides and what their check takes
 _NAMED = 6  # parts that a warning names
@@ -158,7 +159,6 @@ class _Looked:
 
         if not self.follow():
             return
-        self.warn_floating()
         self.warn_rigid()
         self.warn_beyond()
         for look in (self.warn_of_cost, self.warn_untested, self.warn_invalid):
@@ -182,12 +182,12 @@ class _Looked:
             return False
         return True
 
-    def warn_floating(self) -> None:
+    def warn_floating(self, solids: Solids) -> None:
         """Report the parts that float in each of the objects that have them: none of those is ever valid."""
         from .validity.adrift import find_adrift  # start-up
         from .validity.floating import alone  # start-up
 
-        links = find_adrift(self.batch)
+        links = find_adrift(solids)
         floating = list(links)
         for part in self.lowering.context.parts:
             own = [path for path in floating if path == part.path or path.startswith(f"{part.path}.")]
@@ -211,13 +211,17 @@ class _Looked:
         )
 
     def warn_invalid(self) -> None:
-        """Report links that collide at rest in each of the objects that have both, and other faults that all objects have."""
+        """Report parts that float, links that collide at rest in each of the objects that have both, and other faults that all
+        objects have."""
         from .validity.bodies import gather  # start-up
+        from .validity.floating import Solids  # start-up
         from .validity.stuck import find_never, find_stuck  # start-up
         from .validity.tree import Tree  # start-up
 
         tree = Tree(self.batch)
         body = gather(self.batch, tree.first, tree.turn, tree.shift)
+        solids = Solids(tree, body)
+        self.warn_floating(solids)
         for stuck in find_stuck(tree, body):
             one, other = (_RANKS.sub("", part) for part in stuck.parts)
             on = [
@@ -233,7 +237,7 @@ class _Looked:
                 hint="leave a gap, as in `align lid.bottom = body.top + 1mm`; "
                 f'if the overlap is meant, write `allow overlap {one}, {other} because "..."`',
             )
-        for fault in find_never(tree, body):
+        for fault in find_never(solids):
             span = self._line(fault.where)
             told = fault.what if span or fault.where is None else fault.words
             self.report.warning(

@@ -19,8 +19,8 @@ from .fault import Fault, Key, list_faults
 from .meant import find_meant, sites_of
 from .tree import Tree
 
-TOUCH = 1e-4  # metres: what is farther apart does not touch
-ROUND = 5e-3  # of the middle extent: round solids are polyhedra here, a little smaller than they are
+_TOUCH = 1e-4  # metres: what is farther apart does not touch
+_ROUND = 5e-3  # of the middle extent: round solids are polyhedra here, a little smaller than they are
 _HOLD = 2e-2  # metres: a link this near to another can be held by it
 _THIN = 1e-6  # metres
 _FIRST = 4  # pairs of pieces of a link that are looked at first
@@ -81,14 +81,24 @@ class Solids:
             if len(self.order)
             else True
         )
-        return TOUCH + np.where((self.count == 1) & boxy, 0.0, ROUND * middle)
+        return _TOUCH + np.where((self.count == 1) & boxy, 0.0, _ROUND * middle)
 
     # ------------------------------------------------------------ within a link
 
     def floating(self) -> list[Fault]:
         """Primitives that hang together with the first of their link by no chain of contacts."""
+        loose = np.flatnonzero(self.loose()).tolist()
+        told = ((self.path(solid), self.carrier(solid), int(self.owner[solid])) for solid in loose)
+        return list_faults(((alone(path, link), None, path), owner) for path, link, owner in told)
+
+    def carrier(self, solid: int) -> str:
+        """The path of the link that a primitive is on."""
+        return self.tree.batch.program.links[self.tree.links.definition[self.link[solid]]].path
+
+    def loose(self) -> np.ndarray:
+        """Which primitives (S,) hang together with the first of their link by no chain of contacts."""
         group, margin = np.arange(len(self.site)), self.margin()
-        first, second = find_neighbours(self.link, self.low, self.high, margin)
+        first, second = _find_neighbours(self.link, self.low, self.high, margin)
         most, least = np.maximum(self.low[first], self.low[second]), np.minimum(self.high[first], self.high[second])
         shared = (least - most).min(axis=1)  # the deeper boxes overlap, the sooner a pair is asked
         while True:
@@ -98,15 +108,11 @@ class Solids:
                 break
             best = distinct(np.concatenate([_best(group[side], shared) for side in (first, second)]))
             met = self._touch(first[best], second[best], margin)
-            group = join_groups(group, first[best[met]], second[best[met]])
+            group = _join_groups(group, first[best[met]], second[best[met]])
             left = np.ones(len(first), dtype=bool)
             left[best] = False
             first, second, shared = first[left], second[left], shared[left]
-        loose = np.flatnonzero(find_loose(self.tree.batch, self.link, group)).tolist()
-        told = ((self.path(solid), int(self.link[solid]), int(self.owner[solid])) for solid in loose)
-        links = self.tree.batch.program.links
-        kind = self.tree.links.definition
-        return list_faults(((alone(path, links[kind[link]].path), None, path), owner) for path, link, owner in told)
+        return _find_loose(self.tree.batch, self.link, group)
 
     def _touch(self, first: np.ndarray, second: np.ndarray, margin: np.ndarray) -> np.ndarray:
         """Indices of the pairs of primitives that touch."""
@@ -316,7 +322,7 @@ def _may_float(batch: Batch) -> np.ndarray:
     return np.concatenate([begin + row for begin, (row, _) in zip(start[:-1], inside, strict=True)])
 
 
-def find_neighbours(
+def _find_neighbours(
     link: np.ndarray, low: np.ndarray, high: np.ndarray, margin: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of primitives of one link whose boxes, larger by the margin (S,), overlap; by link, then by first and second."""
@@ -348,7 +354,7 @@ def _swept(link: np.ndarray, low: np.ndarray, high: np.ndarray, margin: np.ndarr
     return sort, np.clip(stop, np.arange(len(sort)) + 1, ends)
 
 
-def find_loose(batch: Batch, link: np.ndarray, group: np.ndarray) -> np.ndarray:
+def _find_loose(batch: Batch, link: np.ndarray, group: np.ndarray) -> np.ndarray:
     """Which primitives (S,) are in another group than the first of their link, and in none that may float. The first is one that
     may not float itself: what floats beside the others holds none of them."""
     floats = _may_float(batch)
@@ -360,7 +366,7 @@ def find_loose(batch: Batch, link: np.ndarray, group: np.ndarray) -> np.ndarray:
     return (group != np.append(group, -1)[head[link]]) & ~excused[group]
 
 
-def join_groups(group: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def _join_groups(group: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Groups (S,), each known by its lowest member, with those of the pairs put together."""
     while True:
         before = group

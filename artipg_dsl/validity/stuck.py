@@ -42,8 +42,16 @@ def find_stuck(tree: Tree, body: Pieces) -> list[Stuck]:
     return stuck
 
 
-def find_never(tree: Tree, body: Pieces) -> list[Fault]:
-    """What is wrong with each of the objects: links that nothing holds, loops that do not close, parts that come too near one
-    another, and joints that rest outside their range."""
-    wrong = (*Solids(tree, body).find_unheld(), *find_open(tree), *find_too_near(tree, body), *find_inverted(tree))
+def find_never(solids: Solids) -> list[Fault]:
+    """What is wrong with each of the objects: no surface at all, solids without thickness, links that nothing holds, loops that
+    do not close, parts that come too near one another, and joints that rest outside their range. Parts that float are told apart."""
+    tree, body = solids.tree, solids.body
+    wrong = (
+        *solids.missing(),
+        *solids.degenerate(),
+        *solids.find_unheld(),
+        *find_open(tree),
+        *find_too_near(tree, body),
+        *find_inverted(tree),
+    )
     return [fault for fault in wrong if len(fault.objects) == len(tree.first)]

@@ -89,3 +89,21 @@ def test_the_hint_tells_along_what_nothing_places_the_part(where: str, told: str
     session.advise()
     (found,) = [d for d in session.report.diagnostics if d.code == "floating-part"]
     assert (found.hint or "").startswith(told)
+
+
+def test_a_part_in_the_hollow_of_another_floats() -> None:
+    """Its box lies in that of the other: only the solids tell them apart."""
+    text = """apg 1
+use primitives { Cuboid }
+use bodies { OpenBox }
+category Box {
+  root part body : OpenBox(size = [30cm, 50cm, 25cm], wall = 12mm)
+  part ball : Cuboid(size = [1cm, 1cm, 1cm])
+  connect ball to body
+  align ball.center = [5cm, 0, 0]
+}
+"""
+    session = Session.of_text(text, "box.apg")
+    session.advise()
+    found = [d for d in session.report.diagnostics if d.code == "floating-part"]
+    assert [d.message for d in found] == ["`ball` touches nothing else of its link, that of `body`"]

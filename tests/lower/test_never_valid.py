@@ -48,6 +48,11 @@ def _told(text: str, name: str = "programs/some.apg") -> list[tuple[str, int]]:
     return [(d.message.removesuffix(", in every object examined"), d.span.line) for d in found if d.span]
 
 
+def test_a_category_without_any_surface_is_told() -> None:
+    text = "apg 1\ntemplate Nothing { }\ncategory T {\n  root part body : Nothing\n}\n"
+    assert _told(text) == [("no part of `T` has a surface", 3)]
+
+
 @pytest.mark.parametrize(
     ("away", "more", "told"),
     [

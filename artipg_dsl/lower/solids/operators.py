@@ -54,7 +54,7 @@ from .sweeps import round_sections, sweep
 _BORED = 0.98  # of a wall, at most
 
 PX, PY, PZ = (E.var(f"p.{a}") for a in "xyz")
-ROUND = 24  # corners of a slice
+_ROUND = 24  # corners of a slice
 
 
 def solid_of(env: Env, solid: ast.SolidDecl) -> Made:
@@ -151,7 +151,7 @@ def _slices(
     """Frusta between equal steps of a solid profile, whose height must rise or fall all the way."""
     pieces = []
     way = 0.0
-    angles = [(math.cos(TURN * k / ROUND), math.sin(TURN * k / ROUND)) for k in range(ROUND)]
+    angles = [(math.cos(TURN * k / _ROUND), math.sin(TURN * k / _ROUND)) for k in range(_ROUND)]
     for span in chain:
         climb = np.diff(samples(probe, span, 48)[..., 1], axis=1)
         if np.abs(climb).max() < SMALL:
