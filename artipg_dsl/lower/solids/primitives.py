@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterator
 from functools import partial
 
 from ...graph import expr as E
@@ -27,6 +28,7 @@ from .probe import possible, test_ranges
 from .recalled import entry_of, keep, recall
 
 _MOST_COPIES = 64  # of an indexed surface
+_STRICT = 2e-9  # twice what requirements are decided to (TOLERANCE of the runtime)
 # seconds of lowering a primitive of the file itself, and one of another: what takes less is not kept
 _LONG, _BRIEF = 0.03, 0.002
 
@@ -212,23 +214,58 @@ def comparison(ev: Evaluator, node: ast.Expr) -> tuple[Expr, tuple[Expr, Expr] |
     if isinstance(node, ast.BinaryExpr) and node.op in ("<", "<=", ">", ">="):
         left, right = ev.number(ev.value(node.left), node.left.span), ev.number(ev.value(node.right), node.right.span)
         pair = (left, right) if node.op in ("<", "<=") else (right, left)
-        if node.op in ("<", ">") and whole(left) and whole(right):  # of reals, sampling cannot tell < from <=
-            pair = (pair[0], E.sub(pair[1], E.ONE))
+        if node.op in ("<", ">"):
+            pair = (pair[0], E.sub(pair[1], E.const(_apart(ev.env, left, right))))
         return E.call("le", *pair), pair
     return ev.condition(node), None
 
 
-def whole(node: Expr) -> bool:
+def _apart(env: Env, left: Expr, right: Expr) -> float:
+    """By how much one side of a strict inequality is less than the other: sampling cannot tell ``<`` from ``<=`` where they are
+    real, but does where they are one of some values (``drawers * 5cm < 15cm``)."""
+    if _is_whole(left) and _is_whole(right):
+        return 1.0
+    difference = E.sub(left, right)
+    columns = {node.value for node in _real_leaves(difference)}
+    listed = (
+        {draw.column for draw in env.context.program.draws if draw.distribution == "values"} if columns else columns
+    )
+    return _STRICT if columns <= listed and not E.variables([difference]) else 0.0
+
+
+def _is_whole(value: Expr) -> bool:
     """Whether a value is seen to be a whole number: counts, ranks, constants, and what is made of these."""
-    if node.op == "const":
-        return isinstance(node.value, float) and node.value.is_integer()
-    if node.op == "col":
-        return node.value.kind == "count"
-    if node.op in ("rank", "floor", "ceil"):
-        return True
-    if node.op in ("add", "sub", "mul", "neg", "abs", "min", "max"):
-        return all(map(whole, node.args))
-    return False
+    seen: set[Expr] = set()
+    left = [value]
+    while left:
+        node = left.pop()
+        if node in seen or node.op in ("rank", "floor", "ceil"):
+            continue
+        seen.add(node)
+        match node.op:
+            case "const" if isinstance(node.value, float) and node.value.is_integer():
+                pass
+            case "col" if node.value.kind == "count":
+                pass
+            case "add" | "sub" | "mul" | "neg" | "abs" | "min" | "max":
+                left.extend(node.args)
+            case _:
+                return False
+    return True
+
+
+def _real_leaves(value: Expr) -> Iterator[Expr]:
+    """The columns of real numbers that a value changes with continuously."""
+    seen: set[Expr] = set()
+    left = [value]
+    while left:
+        node = left.pop()
+        if node in seen or node.op in ("floor", "ceil", "sign"):
+            continue
+        seen.add(node)
+        if node.op == "col" and node.value.kind == "real":
+            yield node
+        left.extend(node.args[1:] if node.op == "where" else node.args)
 
 
 def box_of(ev: Evaluator, statement: ast.BoxDecl) -> tuple[Triple, Triple]:

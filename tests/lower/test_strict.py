@@ -1,0 +1,52 @@
+"""A strict inequality leaves its end out where the values are counted or listed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from artipg_dsl.session import Session
+
+TEXT = """apg 1
+use primitives {{ Cuboid }}
+category Box {{
+  root part body : Cuboid(size = [1cm, 1cm, 1cm])
+  {}
+}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("declared", "required", "holds"),
+    [
+        ("count a in 0 .. 4", "a * 5cm < 15cm", lambda a: a < 3),
+        ("count a in 0 .. 4", "a / 2 > 1", lambda a: a > 2),
+        ("count a in 0 .. 4", "mod(a, 2) < 1", lambda a: a % 2 < 1),
+        ("count a in 0 .. 4", "hypot(a, 3) < 5", lambda a: a < 4),
+        ("param a : ratio in 0 .. 1", "floor(4 * a) / 2 < 1", lambda a: a < 0.5),
+        ("param a : choice p | q", "(1cm if a == p else 2cm) < 2cm", lambda a: a == 0),
+        ("param a : length in 1cm .. 2cm ~ values(1cm, 15mm, 2cm)", "a < 2cm", lambda a: a < 0.02),
+    ],
+)
+def test_the_end_is_left_out(declared: str, required: str, holds: Callable[[np.ndarray], np.ndarray]) -> None:
+    sampler = Session.of_text(TEXT.format(f"{declared}\n  require {required}"), "box.apg").sampler
+    values = sampler.batch(np.arange(200), 0).state.values[0]
+    assert holds(values).all() and len(np.unique(values)) > (not declared.startswith("param a : choice"))
+
+
+def test_equal_constants_are_not_less() -> None:
+    session = Session.of_text(TEXT.format("require 5cm > 5cm"), "box.apg")
+    _ = session.lowering
+    assert [d.code for d in session.report.diagnostics] == ["impossible"]
+
+
+def test_a_formula_that_repeats_itself_is_looked_at_once() -> None:
+    """Each value names the one before it twice: walked as a tree, that is 2^60 steps."""
+    lets = "\n  ".join(f"let v{k + 1} = max(v{k}, 3 - v{k})" for k in range(60))
+    started = time.process_time()
+    session = Session.of_text(TEXT.format(f"count v0 in 0 .. 4\n  {lets}\n  require v60 < 9"), "box.apg")
+    assert session.lowering is not None
+    assert time.process_time() - started < 30
