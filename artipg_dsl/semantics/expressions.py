@@ -227,7 +227,9 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
         ),
         None,
     )
-    if option is not None:
+    if expr.op not in ("==", "!=") and (isinstance(left, ChoiceType) or isinstance(right, ChoiceType)):
+        hint = "the options of a choice have no order: compare them by `==` or `!=`"
+    elif option is not None:
         hint = f"`{option}` is declared here, so it is not the option of that name: rename what is declared"
     elif isinstance(left, StyleType) and isinstance(right, StyleType):
         hint = f"to test what a style is, write `{expr.left.span.words} is {expr.right.span.words}`"
