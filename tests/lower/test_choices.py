@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from artipg_dsl.session import Session
 
@@ -42,3 +43,19 @@ def test_the_default_of_a_choice_is_what_it_says() -> None:
         batch = Session.of_text(program, "stool.apg").sampler.batch(np.arange(1), seed=5, defaults=True)
         assert batch.drawn(0)["shape"] == expected
         assert batch.drawn(0)["seat.edge"] == "soft"  # without a default, the first that may be drawn
+
+
+@pytest.mark.parametrize("condition", ["lid == cup", "not (lid != cup)"])
+def test_choices_are_compared_by_name(condition: str) -> None:
+    """Their options may stand in another order, and not all of them need be those of both."""
+    text = TEXT.replace(
+        "root part",
+        f"""param lid : choice red | blue | green
+  param cup : choice blue | grey | red
+  require {condition}
+  root part""",
+    )
+    batch = Session.of_text(text, "stool.apg").sampler.batch(np.arange(60), seed=1)
+    found = {d.column.name: (d.options, batch.state.values[k].astype(int)) for k, d in enumerate(batch.program.draws)}
+    lid, cup = ([options[code] for code in codes] for options, codes in (found["lid"], found["cup"]))
+    assert lid == cup and set(lid) == {"red", "blue"}

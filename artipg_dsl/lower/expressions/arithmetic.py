@@ -227,7 +227,17 @@ def equal(ev: Evaluator, node: ast.BinaryExpr) -> Expr:
                 if isinstance(one, Choice | Look):
                     return one.chosen(name)
                 raise ev.impossible(subject.span, "a choice", one)
-    return E.call("eq", ev.scalar(node.left), ev.scalar(node.right))
+    left, right = ev.value(node.left), ev.value(node.right)
+    if isinstance(left, Choice) and isinstance(right, Choice) and left.options != right.options:
+        return _same_option(left, right)
+    sides = ((left, node.left.span), (right, node.right.span))
+    return E.call("eq", *(value.exists if isinstance(value, Box) else number(ev, value, span) for value, span in sides))
+
+
+def _same_option(left: Choice, right: Choice) -> Expr:
+    """That two choices with options of their own are at the same one; their numbers say nothing."""
+    shared = dict.fromkeys(name for name in left.options if name in right.options)
+    return E.any_of(E.both(left.chosen(name), right.chosen(name)) for name in shared)
 
 
 def conditional(ev: Evaluator, node: ast.IfExpr) -> Value:
