@@ -8,7 +8,7 @@ from .expr import Column, Expr, Scope
 from .linear import follow
 from .program import Program
 
-_SIDEWAYS = frozenset({"reduce", "element", "previous", "scan"})
+SIDEWAYS = frozenset({"reduce", "element", "previous", "scan"})
 
 
 def nodes_behind(program: Program, roots: Iterable[Expr], *, counted: bool = False) -> Iterator[Expr]:
@@ -92,4 +92,4 @@ def draws_behind(program: Program, roots: Iterable[Expr]) -> list[int]:
 
 def reads_across(program: Program, roots: Iterable[Expr]) -> bool:
     """Whether expressions read other rows of a table than the one they stand in and those above it."""
-    return any(node.op in _SIDEWAYS for node in nodes_behind(program, roots))
+    return any(node.op in SIDEWAYS for node in nodes_behind(program, roots))

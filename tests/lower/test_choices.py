@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -59,3 +61,33 @@ def test_choices_are_compared_by_name(condition: str) -> None:
     found = {d.column.name: (d.options, batch.state.values[k].astype(int)) for k, d in enumerate(batch.program.draws)}
     lid, cup = ([options[code] for code in codes] for options, codes in (found["lid"], found["cup"]))
     assert lid == cup and set(lid) == {"red", "blue"}
+
+
+@pytest.mark.parametrize(
+    ("within", "required", "holds"),
+    [
+        ("", "require leg[0].shade == dark", lambda found: found[0] == 0),
+        ("", "require sum(leg.one) == 1", lambda found: (found == 0).sum() == 1),
+        ("when i > 0 { require shade != previous.shade }", "", lambda found: (found[1:] != found[:-1]).all()),
+    ],
+    ids=["an element", "the sum of all", "the one before"],
+)
+def test_a_requirement_on_other_rows_leaves_a_choice_to_each(
+    within: str, required: str, holds: Callable[[np.ndarray], bool]
+) -> None:
+    text = f"""apg 1
+use primitives {{ Cuboid }}
+category Stool {{
+  root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+  repeat leg[i] in 0 ..< 4 spread seat along y margin 2cm {{
+    param shade : choice dark | pale | white
+    let one = 1 if shade == dark else 0
+    part rod : Cuboid(size = [2cm, 2cm, 20cm])
+    connect rod.top on seat.bottom at x = 0, y = leg.center.y
+    {within}
+  }}
+  {required}
+}}
+"""
+    each = Session.of_text(text, "stool.apg").sampler.batch(np.arange(60), seed=1).state.values[0].reshape(60, 4)
+    assert all(holds(found) for found in each) and len(np.unique(each, axis=0)) > 12

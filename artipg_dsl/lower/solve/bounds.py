@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...graph import expr as E
+from ...graph.depend import SIDEWAYS
 from ...graph.expr import Column, Expr, Scope
 from ...graph.inequality import Ends, Half, bounds_of, least_of
 from ...graph.linear import LinearForm
@@ -132,10 +133,20 @@ def _limit_choice(readers: Readers, draw: Draw, scope: Scope, condition: Expr, g
     if not last.scope.within(holds.scope):
         return
     holds = inline(holds, [last], readers.definitions)
+    if _reads_siblings(holds, last):
+        return
     for code in range(len(draw.options)):
         allowed = substitute(holds, {E.col(last): E.const(float(code))})
         if allowed is not E.TRUE:
             draw.limits.append(Limit(code, allowed, number))
+
+
+def _reads_siblings(node: Expr, column: Column) -> bool:
+    """Whether an expression reads the column in other rows than its own, which have another value: an element by its number, the
+    one before, what several come to."""
+    across = (n for n in E.nodes(node) if n.op in SIDEWAYS)
+    tables = ((n, n.value[1] if n.op == "reduce" else n.value) for n in across)
+    return any(column.scope.within(table) and column in E.leaves(n) for n, table in tables)
 
 
 def _opposite(draw: Draw, bound: Bound) -> Iterator[Bound]:
