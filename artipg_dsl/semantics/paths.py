@@ -352,7 +352,10 @@ def _element_member(ck: Checker, ctx: Context, obj: ElementType, word: str, span
             current = obj.key == entry.key and not obj.many
             key = kind.key if current else f"{obj.key}.{word}"
             part = replace(kind, key=key, many=obj.many, given=of_element(obj, kind.given))
-            ck.demand(ctx, part.there, span, *optional(f"{path}.{word}"), value=not ctx.subject)
+            message, hint = optional(f"{path}.{word}")
+            if obj.many:
+                hint = f"give each element a value inside the repeat, as in `let tall = {word}.size.z if {word} else 0cm`, and name that"
+            ck.demand(ctx, part.there, span, message, hint, value=not ctx.subject)
             return narrowed(ctx, part)
         return kind
     if word == "gap":

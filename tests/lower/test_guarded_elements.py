@@ -78,3 +78,36 @@ category T {
 }"""
     (found,) = (d for d in check_text(Source("t.apg", HEAD + text)).diagnostics if d.severity == "error")
     assert "a slot must bind all elements of a repeat" in found.message
+
+
+@pytest.mark.parametrize(
+    ("said", "holds"),
+    [
+        ("require e[0].p or n > 9", lambda first, last: first),
+        ("require not e[0].p or e[last].p is Cylinder", lambda first, last: not first or last == "Cylinder"),
+        (
+            "when e[last].p is Cuboid { require e[0].p is Cylinder }",
+            lambda first, last: last != "Cuboid" or first == "Cylinder",
+        ),
+        ("require (2 if e[0].p else 0) + (1 if e[last].p else 0) == 2", lambda first, last: first and not last),
+    ],
+)
+def test_a_condition_asks_what_one_element_has(said: str, holds: Any) -> None:
+    part = "part p : Cuboid(size = [1cm, 1cm, 1cm]) | Cylinder(radius = 1cm, height = 1cm) | none\n    connect p.bottom on stand.top"
+    session = Session.of_text(f"{HEAD}{elements(part, said)}", "t.apg")
+    batch = session.sampler.batch(np.arange(60), 0)
+    number, draw = next((k, d) for k, d in enumerate(batch.program.draws) if d.kind == "choice")
+    words = np.array([*draw.options[:2], ""])[batch.state.values[number].astype(int)]
+    owner = batch.owner(draw.column.scope)
+    each = [words[owner == k].tolist() for k in range(60)]
+    assert all(holds(found[0], found[-1]) for found in each) and len({(e[0], e[-1]) for e in each}) > 1
+
+
+def test_a_condition_asks_what_the_element_before_has() -> None:
+    part = """part p : Cuboid(size = [1cm, 1cm, 1cm]) | none
+    connect p.bottom on stand.top
+    when i > 0 { when previous.p { require not p } }"""
+    batch = Session.of_text(f"{HEAD}{elements(part, '')}", "t.apg").sampler.batch(np.arange(60), 0)
+    number, draw = next((k, d) for k, d in enumerate(batch.program.draws) if d.kind == "choice")
+    there, owner = batch.state.values[number] == 0, batch.owner(draw.column.scope)
+    assert not (there[1:] & there[:-1] & (owner[1:] == owner[:-1])).any() and there.any()

@@ -16,6 +16,7 @@ from ...source import Span
 from ...syntax import ast
 from ..values.kinds import Box, Choice, Frame, Line, Look, Plane, Ref, Value, Vec
 from ..values.vectors import AXES, sole_axis, times
+from .members import At, fetch
 
 if TYPE_CHECKING:
     from .evaluate import Evaluator
@@ -130,6 +131,8 @@ def truth(ev: Evaluator, value: Value, span: Span) -> Expr:
     if isinstance(value, Ref):
         branches = value.branches
         return branches[0].members[0][0].exists if len(branches) == 1 else E.TRUE
+    if isinstance(value, At):
+        return fetch(ev, value, truth(type(ev)(value.element.env), value.inner, span))
     raise ev.impossible(span, "a condition", value)
 
 

@@ -160,8 +160,15 @@ class Evaluator:
         subject, wanted = self.value(node.subject), self.env.context.symbol(node)
         if wanted is None:
             raise self.env.context.internal(node.type_span, "this is not a role or a template")
+        return self._matches(subject, wanted, node)
+
+    def _matches(self, subject: Value, wanted: Symbol, node: ast.IsExpr) -> Value:
+        """The predicate that a part or a style, of an element of a repeat too, is of a template or a role."""
         if isinstance(subject, Alternatives):
             return subject.matches(wanted)
+        if isinstance(subject, At):
+            home = type(self)(subject.element.env)
+            return members.fetch(self, subject, home._matches(subject.inner, wanted, node))
         if not isinstance(subject, Ref):
             raise self.impossible(node.subject.span, "a part", subject)
         found = [(branch.scope, branch.members[0][0].matches(wanted)) for branch in subject.branches]
