@@ -4,6 +4,8 @@ In: a formula as a tape (``graph.formula`` makes it) and arrays. Out: the arrays
 operation on numbers is an inner loop of NumPy itself. Knows neither expressions nor geometry. Begin with ``tape`` and ``backend``.
 
     machine.c       what runs a tape: moves blocks of numbers and calls loops, nothing more
+    layout.c        registers and phases of a tape, for the shapes that are given
+    tape.h          a tape as these two see it
     bodies.h        convex bodies in pairs, as the files beside it see them
     narrow.c        which of them overlap, as ``geometry.collide`` has it
     states.c        pieces in many states of joints, as ``validity.following`` has it
@@ -17,7 +19,7 @@ operation on numbers is an inner loop of NumPy itself. Knows neither expressions
     depths.c        what of clouds can be seen, as ``fit.outer`` has it
     loops           the inner loops of NumPy's functions, and how an array lies in memory
     compiler        the machine compiled, kept and loaded
-    tape, plan      straight-line programs of operations; registers and phases for the shapes that are given
+    tape, plan      straight-line programs of operations, and what is told to ``layout.c`` and ``machine.c``
     narrow, states, turning, cells, moments, gaps, wrap, digits, points, depths   what is told to the files in C of these names
     backend         which backend is used
 """
