@@ -193,8 +193,9 @@ PARTNET = {
         cabinet_base/foot_base/caster/caster_yoke drawer drawer/drawer_box drawer/handle cabinet_door cabinet_door/cabinet_door_surface
         cabinet_door/glass cabinet_door/handle""",
     "Chair": """chair chair chair_seat chair_seat/seat_surface chair_back chair_back/back_surface chair_back/back_connector chair_arm chair_base
-        chair_base/regular_leg_base chair_base/regular_leg_base/leg chair_base/regular_leg_base/bar_stretcher
-        chair_base/regular_leg_base/seat_connector chair_base/star_leg_base chair_base/star_leg_base/central_support
+        chair_base/regular_leg_base chair_base/regular_leg_base/leg chair_base/regular_leg_base/foot
+        chair_base/regular_leg_base/bar_stretcher chair_base/regular_leg_base/seat_connector chair_base/star_leg_base
+        chair_base/star_leg_base/central_support
         chair_base/star_leg_base/seat_connector chair_base/star_leg_base/star_leg_set chair_base/star_leg_base/star_leg_set/leg
         chair_base/star_leg_base/star_leg_set/foot chair_base/star_leg_base/star_leg_set/caster
         chair_base/star_leg_base/star_leg_set/caster/caster_yoke chair_base/star_leg_base/star_leg_set/caster/wheel chair_base/pedestal_base
