@@ -110,6 +110,6 @@ def test_a_repair_evaluates_many_candidates_at_a_time(monkeypatch) -> None:
         search.Search, "evaluated", lambda own, moves: sizes.append(len(moves.place)) or evaluated(own, moves)
     )
     sampler = Session.of("Scissors").sampler
-    assert len(sampler.batch(np.array([181]), 1, checked=True, mend=True).repairs)
+    assert len(sampler.batch(np.array([521]), 1, checked=True, mend=True).repairs)
     assert sum(sizes) > 30
     assert len(sizes) <= 16, "evaluating one takes as long as evaluating many"
