@@ -52,10 +52,10 @@ def test_pieces_that_are_no_numbers_have_no_extreme_points(machine):
 
 
 @needs_compiler
-@pytest.mark.parametrize("name", ["Kettle", "Foldingrack", "Keyboard"])
-def test_what_is_put_together(name, using):
-    robots = Robots(Session.of(name).sampler.batch(np.arange(3), 5))
-    gathered = Gathered(robots.pieces, 3, robots.material_rows)
+@pytest.mark.parametrize("name, objects", [("Kettle", 1), ("Foldingrack", 3), ("Keyboard", 3)])
+def test_what_is_put_together(name, objects, using):
+    robots = Robots(Session.of(name).sampler.batch(np.arange(objects), 5))
+    gathered = Gathered(robots.pieces, objects, robots.material_rows)
     found = {}
     for backend in ("numpy", "c"):
         using(backend)

@@ -25,10 +25,12 @@ def mixing(pools):
 
 
 @pytest.mark.parametrize("outside", [False, True])
-@pytest.mark.parametrize("name, per", [("Microwave", "instance"), ("Kettle", "owner"), ("Lamp", "link")])
-def test_points_of_pools(using, monkeypatch, name, per, outside):
+@pytest.mark.parametrize(
+    "name, per, objects", [("Microwave", "instance", 1), ("Kettle", "owner", 3), ("Lamp", "link", 3)]
+)
+def test_points_of_pools(using, monkeypatch, name, per, objects, outside):
     """Pools with more points than fit a round, with few, and with none that can be seen."""
-    batch, calls = Session.of(name).sampler.batch(np.arange(3), 2), []
+    batch, calls = Session.of(name).sampler.batch(np.arange(objects), 2), []
     monkeypatch.setattr(native, "_ROOM", 1)  # there is more than there is room for at first
     words = ("coarse", "near_rows", "near_flat", "near_loose", "keep")
     for word in words:
@@ -41,8 +43,8 @@ def test_points_of_pools(using, monkeypatch, name, per, outside):
     for backend in ("numpy", "c"):
         using(backend)
         assert (backend == "c") or not calls
-        found.append(points.sample_pools(sites, labels, 3, 700, KEY, address, outside=outside))
-        mixed, pools, _ = points.sample_pools(sites, labels, 3, 700, KEY, address, outside=outside, order=mixing)
+        found.append(points.sample_pools(sites, labels, objects, 700, KEY, address, outside=outside))
+        mixed, pools, _ = points.sample_pools(sites, labels, objects, 700, KEY, address, outside=outside, order=mixing)
         expected = found[-1][0].take((np.arange(len(pools.label))[:, None], mixing(pools)))
         for field in PointSet.__slots__:
             assert bits(getattr(mixed, field)) == bits(getattr(expected, field)), field
