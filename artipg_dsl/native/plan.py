@@ -109,9 +109,8 @@ def make_plan(machine: Machine, tape: Tape, sizes: Sequence[int], along: Sequenc
     code = tape.encoded
     steps, outputs = len(code.codes), len(code.outputs)
     first = tape.variables + len(code.constants)
-    most = (
-        first + 6 * steps
-    )  # a step may need a comparison with nought, truth values as numbers, and to repeat an exponent
+    # a step may need a comparison with nought, truth values as numbers, and to repeat an exponent
+    most = first + 6 * steps
     head, count = np.zeros(10, dtype=np.int64), np.zeros(3, dtype=np.int64)
     ops, regs, pool = np.empty((5 * steps, 8), np.int64), np.empty((most, 4), np.int64), np.empty(most)
     result, fixed = np.empty((outputs, 2), dtype=np.int64), np.empty(outputs)

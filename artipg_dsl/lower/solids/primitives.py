@@ -235,36 +235,30 @@ def _apart(env: Env, left: Expr, right: Expr) -> float:
 
 def _is_whole(value: Expr) -> bool:
     """Whether a value is seen to be a whole number: counts, ranks, constants, and what is made of these."""
-    seen: set[Expr] = set()
-    left = [value]
-    while left:
-        node = left.pop()
-        if node in seen or node.op in ("rank", "floor", "ceil"):
-            continue
-        seen.add(node)
-        match node.op:
-            case "const" if isinstance(node.value, float) and node.value.is_integer():
-                pass
-            case "col" if node.value.kind == "count":
-                pass
-            case "add" | "sub" | "mul" | "neg" | "abs" | "min" | "max":
-                left.extend(node.args)
-            case _:
-                return False
-    return True
+    return all(
+        node.op in ("add", "sub", "mul", "neg", "abs", "min", "max")
+        or (node.op == "const" and isinstance(node.value, float) and node.value.is_integer())
+        or (node.op == "col" and node.value.kind == "count")
+        for node in _reached(value, ("rank", "floor", "ceil"))
+    )
 
 
 def _real_leaves(value: Expr) -> Iterator[Expr]:
     """The columns of real numbers that a value changes with continuously."""
+    return (n for n in _reached(value, ("floor", "ceil", "sign")) if n.op == "col" and n.value.kind == "real")
+
+
+def _reached(value: Expr, steps: tuple[str, ...]) -> Iterator[Expr]:
+    """What a value is made of, each node once, without those of the operations ``steps`` and what they alone read, and without
+    conditions."""
     seen: set[Expr] = set()
     left = [value]
     while left:
         node = left.pop()
-        if node in seen or node.op in ("floor", "ceil", "sign"):
+        if node in seen or node.op in steps:
             continue
         seen.add(node)
-        if node.op == "col" and node.value.kind == "real":
-            yield node
+        yield node
         left.extend(node.args[1:] if node.op == "where" else node.args)
 
 
