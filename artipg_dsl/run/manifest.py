@@ -131,7 +131,7 @@ def _relative_folder(folder: str, out: Place | str) -> str:
         return folder
     if isinstance(place_of(out), Remote):
         return str(Path(folder).resolve())
-    return Path(os.path.relpath(Path(folder).resolve(), Path(str(out)).resolve())).as_posix()
+    return see_from(str(out), Path(folder).resolve())
 
 
 def make_relative(source: str, out: Place | str) -> str:
@@ -140,7 +140,15 @@ def make_relative(source: str, out: Place | str) -> str:
         return source
     if isinstance(place_of(out), Remote):
         return str(Path(source).resolve())
-    return Path(os.path.relpath(Path(source).resolve(), Path(str(out)).resolve())).as_posix()
+    return see_from(str(out), Path(source).resolve())
+
+
+def see_from(folder: Path | str, place: Path | str) -> str:
+    """A whole path as seen from a folder of this machine; as it is where nothing leads from one to the other, as between drives."""
+    try:
+        return Path(os.path.relpath(place, os.path.realpath(folder))).as_posix()
+    except ValueError:
+        return Path(place).as_posix()
 
 
 def _find_cpu_class() -> str:

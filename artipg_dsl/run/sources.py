@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from ..fit.sources import MEMORY
+from .manifest import see_from
 
 _LISTS = "objects", "failed"  # of a summary, with a source each
 
 
 def seen_from(out: Path, told: Mapping[str, Any]) -> dict[str, Any]:
     """A record or a summary as it is written into the folder ``out``."""
-    return _mapped(told, lambda source: Path(os.path.relpath(_place(source), os.path.realpath(out))).as_posix())
+    return _mapped(told, lambda source: see_from(out, _place(source)))
 
 
 def seen_here(out: Path, told: Mapping[str, Any]) -> dict[str, Any]:

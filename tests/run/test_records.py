@@ -274,3 +274,14 @@ def test_objects_given_by_their_values_are_numbered_from_0(tmp_path: Path) -> No
             with pytest.raises(UsageError, match="neither drawn nor set"):
                 read_request("Box", values=values, **more)  # type: ignore[arg-type]
     assert read_request("Box", values={"width": 0.12}).numbers == ((0, 0),)
+
+
+def test_where_nothing_leads_from_one_place_to_another_the_whole_path_stays(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def apart(*_: object) -> str:
+        raise ValueError("path is on mount 'D:', start on mount 'C:'")
+
+    assert manifests.see_from(tmp_path / "out", tmp_path / "scans" / "chair.obj") == "../scans/chair.obj"
+    monkeypatch.setattr(manifests.os.path, "relpath", apart)
+    assert manifests.see_from(tmp_path, "/scans/chair.obj") == "/scans/chair.obj"
