@@ -194,6 +194,22 @@ primitive Slab {{{SIZES}
   solid = loft(brim, oval, oval, brim) along z at [0, a / 4, a, 5 * a / 4]
 }}
 """
+COLUMN = f"""
+primitive Column {{{SIZES}
+  solid = loft(circle(a), circle(b), rectangle(a, b), rectangle(2 * a, b), rectangle(a, 2 * b)) along z at [0, l / 3, l, 1.2 * l, 2 * l]
+}}
+"""
+VASE = f"""
+primitive Vase {{{SIZES}
+  let across(u, k, n) = k * r * cos(u) / (abs(cos(u)) ^ n + abs(sin(u)) ^ n) ^ (1 / n)
+  let along(u, k, n, s) = k * a * sin(u) / (abs(cos(u)) ^ n + abs(sin(u)) ^ n) ^ (1 / n) + s * b
+  curve foot  (u in 0turn .. 1turn) = [across(u, 1.2, 3), along(u, 1.2, 3, -1)]
+  curve waist (u in 0turn .. 1turn) = [across(u, 0.8, 2.5), along(u, 0.8, 2.5, 0)]
+  curve belly (u in 0turn .. 1turn) = [across(u, 1, 2.5), along(u, 1, 2.5, 1)]
+  curve mouth (u in 0turn .. 1turn) = [across(u, 0.9, 2), along(u, 0.9, 2, 0.5)]
+  solid = loft(foot, waist, belly, belly, mouth) along z at [0, l / 2, l, 1.2 * l, 2 * l] smooth
+}}
+"""
 
 SIDEWAYS = BEND.replace("Bend", "Sideways").replace("up y", "up x")
 UPRIGHT = BEND.replace("Bend", "Upright").replace("up y", "")

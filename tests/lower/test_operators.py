@@ -12,6 +12,8 @@ from artipg_dsl.geometry.selftest import check_primitive
 from artipg_dsl.geometry.surface import evaluate
 from artipg_dsl.geometry.trial import draw_trial
 from artipg_dsl.graph.formula import compile_formula
+from artipg_dsl.lower.solids import loft
+from artipg_dsl.lower.solids.numbered import Bays, numbered
 from artipg_dsl.lower.solids.profiles import SLOPE
 
 from .operators import (
@@ -21,6 +23,7 @@ from .operators import (
     BEND,
     BLADE,
     CHANNEL,
+    COLUMN,
     DISC,
     DOME,
     DUCT,
@@ -46,6 +49,7 @@ from .operators import (
     TUBE,
     TUSK,
     UPRIGHT,
+    VASE,
     lowered,
 )
 
@@ -77,7 +81,7 @@ def test_an_end_of_a_path_may_be_nearer_than_a_foot_beside_it():
 
 @pytest.mark.parametrize(
     "text",
-    [CHANNEL, PLINTH, BEND, DUCT, HORN, HOOK, BALUSTER, SHOULDER, HANDLE, SLAB],
+    [CHANNEL, PLINTH, BEND, DUCT, HORN, HOOK, BALUSTER, SHOULDER, HANDLE, SLAB, VASE, COLUMN],
     ids=lambda text: text.split()[1].lower(),
 )
 def test_sections_and_outlines_pass_the_self_test(text):
@@ -106,6 +110,42 @@ def test_a_smooth_loft_has_no_kink_and_reaches_no_further_than_its_sections(text
         boxes.append(np.stack(bounds(primitive, params)))
     assert kinks[0] < 1e-6 and kinks[1] > 0.1
     assert boxes[0] == pytest.approx(boxes[1], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "groups"),
+    [(VASE, 1), (BALUSTER, 1), (SHOULDER, 1), (COLUMN, 3)],
+    ids=["vase", "circles", "ovals", "column"],
+)
+def test_bays_that_differ_in_numbers_are_one_formula_of_the_same_solid(text, groups, monkeypatch):
+    """What is inside, and how deep, is the same as with a formula of its own for each bay. Outside, what tells how far it is at least may
+    be another number, but has to hold: nothing is nearer than it says."""
+    found = []
+    monkeypatch.setenv("APGC_CACHE", "off")
+    monkeypatch.setattr(loft, "numbered", lambda bays: found.append(numbered(bays)) or found[-1])
+    together = lowered(text).primitive
+    assert len(found[0]) == groups
+    monkeypatch.setattr(loft, "numbered", lambda bays: [Bays((bay,), bay) for bay in bays])
+    apart = lowered(text).primitive
+    params = draw_trial(together, 40)
+    low, high = bounds(together, params)
+    rows = np.repeat(np.arange(40), 400)
+    share = np.random.default_rng(1).uniform(-0.2, 1.2, (len(rows), 3))
+    points = low[rows] + share * (high - low)[rows]
+    one, other = (depth(primitive, params, rows, points) for primitive in (together, apart))
+    inside = other < 0
+    assert inside.mean() > 0.05 and (~inside).mean() > 0.05
+    assert one[inside] == pytest.approx(other[inside], rel=1e-3, abs=1e-9)  # steps of Newton's method begin elsewhere
+    assert (one[~inside] >= 0.999 * other[~inside] - 1e-9).all()
+    for primitive in (together, apart):  # a step as long as is said leads nowhere inside
+        away = np.random.default_rng(2).normal(size=points.shape)
+        away *= (np.abs(one) / np.sqrt((away**2).sum(axis=-1)))[:, None]
+        assert (depth(primitive, params, rows, points + 0.999 * away)[one > 1e-9] > -1e-9).all()
+
+
+def depth(primitive, params, rows, points):
+    formula = compile_formula((primitive.inside,), (*primitive.parameters, "p.x", "p.y", "p.z"))
+    return formula(*(params[name][rows] for name in primitive.parameters), *points.T)[0]
 
 
 def test_a_circle_between_rectangles_is_cut_into_arcs_that_close():

@@ -14,6 +14,8 @@ bear the names of the first section's curves; the ends are ``start`` and ``end``
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from ...graph import expr as E
@@ -27,12 +29,14 @@ from ..expressions.evaluate import Evaluator
 from ..values.handed import Handed
 from ..values.kinds import Value
 from ..values.vectors import dot, unit
-from .bays import BLEND, Bay, Chains, bay_pieces, polygons, swapped
+from .bays import BLEND, Bay, Chains, swapped
 from .curves import TURN, Curve, named_curve, spans_of
 from .frames import PLACES, ROOM, Frames, bend, inwards, slowest, turning
 from .frames import frames as frames_of
 from .made import NARROW, Demand, Made, U
+from .numbered import NUMBER, Bays, numbered
 from .paths import Stretch, steps_of, stretches, windows
+from .pieces import bay_pieces, polygons
 from .probe import Probe
 from .profiles import SLOPE, Side, Span, V, circular, distance, extreme, orientation, straight
 from .rails import NEAR, P, check_directions, foot, path_of, ports_of, reach
@@ -99,8 +103,12 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
     rises = tuple(
         Demand(a, b, "the levels of the sections must rise") for a, b in zip(levels, levels[1:], strict=False)
     )
-    planes = (E.sub(levels[0], P[axis]), E.sub(P[axis], levels[-1]))
-    return _made_of(env, probe, solid, bays, low, high, {}, rises, planes)
+    groups = numbered(bays)
+
+    def inside(flats: Sequence[Expr]) -> Expr:
+        return _inside_levels(probe, axis, levels, groups, flats)
+
+    return _made_of(env, probe, solid, groups, inside, low, high, {}, rises)
 
 
 def _open_section(env: Env, node: ast.Node) -> Abort:
@@ -184,7 +192,14 @@ def _along_path(
     requires = [narrow(probe, bay) for bay in bays if bay.rail.center is not None or bay.rail.length is ZERO]
     low, high = (triple(far(probe, bays, axis, sign) for axis in range(3)) for sign in (-1, 1))
     ports = ports_of(rails, across[0].up, across[-1].up)
-    return _made_of(env, probe, solid, bays, low, high, ports, tuple(requires))
+
+    def inside(flats: Sequence[Expr]) -> Expr:
+        ends = range(len(bays))
+        each = [_inside_bay(probe, bay, flats[k], k == 0, k == ends[-1]) for k, bay in enumerate(bays)]
+        return E.minimum(*each)
+
+    groups = [Bays((bay,), bay) for bay in bays]
+    return _made_of(env, probe, solid, groups, inside, low, high, ports, tuple(requires))
 
 
 def narrow(probe: Probe, bay: Bay) -> Demand:
@@ -252,46 +267,61 @@ def _made_of(
     env: Env,
     probe: Probe,
     solid: ast.SolidDecl,
-    bays: list[Bay],
+    groups: Sequence[Bays],
+    inside: Callable[[Sequence[Expr]], Expr],
     low: Triple,
     high: Triple,
     ports: dict[str, Value],
     requires: tuple[Demand, ...],
-    ends: tuple[Expr, ...] = (),
 ) -> Made:
-    """Surfaces, inside function and pieces of bays one after another.
-
-    ``ends`` are the distances beyond the planes of the first and the last section, where they hold for all bays: a place is no deeper
-    in a bay than below these, or the inside function would jump from one bay to the next.
-    """
+    """Surfaces, inside function and pieces of bays one after another. ``inside`` makes one function of how far places in the section of
+    each group lie from its outline, by the greatest slope that this has in space."""
     patches, pieces = [], []
-    inside: Expr | None = None
-    steepest = E.maximum(*(_lean(probe, bay) for bay in bays))
-    for number, bay in enumerate(bays):
+    flats: list[Expr] = []
+    steepest = E.maximum(*(_lean(probe, bay) for group in groups for bay in group.members))
+    number, many = 0, sum(len(group.members) for group in groups)
+    for group in groups:
+        bay, name = group.one, f"bay_{number}"
         chains = bay.section(BLEND)
         seen = probe if bay.even else probe.spread(str(BLEND.value), _BLENDS)
+        seen = group.spread(seen)
         loops, fill = outline(env, seen, solid, chains)
         if any(side.span.closing for loop, _ in loops for side in loop):
             raise _open_section(env, solid)
-        for chain in chains:
-            for span in chain:
-                across = swapped(span.position, {V: U, BLEND: V})
-                patches.append(Patch(span.name, bay.place(across, V), (span.low, span.high), (ZERO, ONE)))
-        for name, here, end in (("start", number == 0, 0.0), ("end", number == len(bays) - 1, 1.0)):
-            for one, other in fill if here else ():
-                within = [E.add(b, E.mul(U, E.sub(a, b))) for a, b in zip(one.position, other.position, strict=True)]
-                place = bay.place(swapped(within, {BLEND: E.const(end)}), end)
-                patches.append(Patch(name, place, (ZERO, ONE), (one.low, one.high)))
-        value = _inside_bay(
-            probe, bay, E.div(distance(seen, loops, (X, Y)), steepest), number == 0, number == len(bays) - 1
-        )
-        if len(bays) > 1:
-            value = E.maximum(value, *ends)
-        inside = value if inside is None else E.minimum(inside, value)
+        for k, member in enumerate(group.members):
+            for chain in member.section(BLEND):
+                for span in chain:
+                    across = swapped(span.position, {V: U, BLEND: V})
+                    patches.append(Patch(span.name, member.place(across, V), (span.low, span.high), (ZERO, ONE)))
+            here = {NUMBER: E.const(float(k))}
+            for closing, end, cut in (("start", 0.0, number == 0), ("end", 1.0, number == many - 1)):
+                for one, other in fill if cut else ():
+                    within = [
+                        E.add(b, E.mul(U, E.sub(a, b))) for a, b in zip(one.position, other.position, strict=True)
+                    ]
+                    place = member.place(swapped(within, {BLEND: E.const(end), **here}), end)
+                    ends = (substitute(v, here) for v in (one.low, one.high))
+                    patches.append(Patch(closing, place, (ZERO, ONE), pair(ends)))
+            number += 1
+        flats.append(E.div(distance(seen, loops, (X, Y)), steepest))
         solid_section = len(loops) == 1 and convex(seen, loops[0][0], mirrored=False)
-        pieces += bay_pieces(seen, probe, bay, f"bay_{number}", polygons(seen, loops, fill, solid_section))
-    assert inside is not None
-    return Made(tuple(patches), tuple(pieces), inside, low, high, ports, requires)
+        pieces += bay_pieces(seen, probe, group, name, polygons(seen, loops, fill, solid_section))
+    return Made(tuple(patches), tuple(pieces), inside(flats), low, high, ports, requires)
+
+
+def _inside_levels(
+    probe: Probe, axis: int, levels: Sequence[Expr], groups: Sequence[Bays], flats: Sequence[Expr]
+) -> Expr:
+    """Along an axis a place lies in the section at its level, so the bay of that level alone tells how far it is."""
+    height, found, begin = P[axis], None, len(levels) - 1
+    for group, flat in zip(reversed(groups), reversed(flats), strict=True):
+        above, begin = begin, begin - len(group.members)
+        at = foot(probe, group.one.rail, group.one.frames.side, group.one.frames.up, ZERO)
+        value = substitute(flat, {X: at.x, Y: at.y, BLEND: at.v})
+        value = substitute(value, group.at_level(height, levels[begin:above]))
+        found = value if found is None else E.where(E.call("lt", height, levels[above]), value, found)
+    assert found is not None
+    return E.maximum(found, E.sub(levels[0], height), E.sub(height, levels[-1]))
 
 
 def _inside_bay(probe: Probe, bay: Bay, flat: Expr, begins: bool, closes: bool) -> Expr:
