@@ -1,5 +1,5 @@
-"""The shipped categories pass every phase, sample with few rejections, come out finite and rigid, labelled all over, and as heavy
-as real ones."""
+"""The shipped categories pass every phase, sample with few rejections, come out finite and rigid, labelled all over and under the
+fingers of declared grasps, and as heavy as real ones."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl.annotate.cloud import sample_points
+from artipg_dsl.annotate.grasps import sample_grasps
 from artipg_dsl.graph.text import digest, from_text, to_text
 from artipg_dsl.graph.unlabelled import find_unlabelled
 from artipg_dsl.resources import categories_dir
@@ -14,10 +15,14 @@ from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.sampling.statistics import Statistics
 from artipg_dsl.session import Session
 from artipg_dsl.validity.mass import masses
+from tests.annotate.pressed import find_pressed
 
 FILES = sorted(categories_dir().glob("*.apg"))
 OBJECTS = 24
 LEAST_VALID = 20  # of the first attempts
+GRASPED = 6  # objects
+FEW, MANY = 200, 8000  # points of a primitive; many where fingers meet so little of it that none of the few lie there
+SHARE = 0.5  # of the surface under the fingers of a family that bears the label: the rest is what lies beside the place
 
 # kg: what shops and makers state of such things, with some room
 MASSES = {
@@ -94,6 +99,25 @@ def test_all_of_the_surface_is_labelled(drawn: tuple[Batch, Statistics]) -> None
     batch, _ = drawn
     assert [batch.program.sites[bare.number].path for bare in find_unlabelled(batch.program)] == []
     assert (sample_points(batch, 128).semantic > 0).all()
+
+
+def test_what_fingers_close_on_bears_the_label(session: Session) -> None:
+    """Where a category declares a grasp, the surface under the fingers says so: ``affordance.grasp``."""
+    batch = session.sampler.batch(np.arange(GRASPED), 5)
+    grasps = sample_grasps(batch)
+    found = find_pressed(batch, grasps, np.arange(len(grasps.owner)), FEW)
+    families = np.unique(grasps.family)
+    bare = [family for family in families if not found[grasps.family == family].any()]
+    if bare:
+        rows = np.flatnonzero(np.isin(grasps.family, bare))
+        found[rows] = find_pressed(batch, grasps, rows, MANY)
+    wrong = []
+    for family in families:
+        whole, labelled = found[grasps.family == family].sum(axis=0)
+        if not labelled >= SHARE * whole or not whole:
+            grasp = batch.program.grasps[family]
+            wrong.append(f"{grasp.where}: `{grasp.name}`: {1e4 * labelled:.2f} of {1e4 * whole:.2f} cm2 have the label")
+    assert not wrong, "\n".join(wrong)
 
 
 def test_objects_weigh_about_what_real_ones_do(drawn: tuple[Batch, Statistics]) -> None:
