@@ -6,9 +6,11 @@ import signal
 import tempfile
 import zlib
 from collections.abc import Iterator
+from functools import lru_cache
 
 import pytest
 
+from artipg_dsl import session
 from artipg_dsl.graph.text import from_text, to_text
 from artipg_dsl.lower import program as lowering
 
@@ -18,6 +20,8 @@ if _KEPT not in os.environ:  # one for the run: its workers and the commands tha
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # in the background: what tests interrupt would ignore it, too
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+session._read = lru_cache(maxsize=128)(session._read.__wrapped__)  # the shipped programs stay at hand
 
 SMALL = 40  # parts: larger programs are verified pass by pass in tests/lower/test_passes.py
 SHORT = 200_000  # characters: so are those with longer formulas
