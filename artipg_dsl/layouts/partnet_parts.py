@@ -83,7 +83,7 @@ def object_parts(batch: Batch, points: Points, levels: Levels) -> Iterator[Parts
         said = said_of(batch, i, parts.semantic[part_start[i] : part_start[i + 1]])
         words = words_of(levels.name, said) or CategoryWords(to_snake_case(program.name), {})
         told = points.link, points.instance, points.element, points.semantic, points.primitive
-        rows, place = np.unique(np.stack([array[i] for array in told], axis=1), axis=0, return_inverse=True)
+        rows, place = _distinct([array[i] for array in told])
         found: dict[tuple[int, int, int, str], int] = {}
         held: list[tuple[int, str]] = []
         leaf = np.zeros(len(rows), dtype=np.int64)
@@ -100,12 +100,19 @@ def object_parts(batch: Batch, points: Points, levels: Levels) -> Iterator[Parts
                 held.append((link, text))
             leaf[k] = found.setdefault(key, len(found))
         yield Parts(
-            words,
-            leaf[place.ravel()],
-            [path for *_, path in found],
-            [link for link, _ in held],
-            [text for _, text in held],
+            words, leaf[place], [path for *_, path in found], [link for link, _ in held], [text for _, text in held]
         )
+
+
+def _distinct(columns: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """The distinct rows (k, C) of columns (n,) of small whole numbers, in their order, and which of them each row is. One number stands
+    for a row: NumPy compares rows byte by byte."""
+    number = np.zeros(len(columns[0]), dtype=np.int64)
+    for column in columns:
+        low = column.min(initial=0)
+        number = number * (column.max(initial=0) - low + 1) + (column - low)
+    _, first, place = np.unique(number, return_index=True, return_inverse=True)
+    return np.stack([column[first] for column in columns], axis=1), place
 
 
 def children(batch: Batch) -> list[dict[int, int]]:
