@@ -42,19 +42,19 @@ def test_what_loaders_stumble_over_is_told(apgc: Apgc, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "layout", "told", "enough"),
     [
-        ("Mug", "shapenet55", "test has fewer than 10 objects, and PoinTr's training divides", "0,0,1"),
-        ("Laptop", "ancsh", "test has fewer than 2 objects, and the training divides", "8,0,2"),
+        ("Mug", "shapenet55", "test has fewer than 10 objects, and PoinTr's training divides", 10),
+        ("Laptop", "ancsh", "test has fewer than 2 objects, and the training divides", 2),
     ],
 )
 def test_too_few_for_the_training_is_told(
-    apgc: Apgc, tmp_path: Path, name: str, layout: str, told: str, enough: str
+    apgc: Apgc, tmp_path: Path, name: str, layout: str, told: str, enough: int
 ) -> None:
     """A division by zero otherwise, hours later."""
     if layout == "ancsh":
         pytest.importorskip("h5py", reason="h5py, of the extra hdf5, is not installed")
-    made = ("export", name, "-n", 10, "--format", layout, "-o", tmp_path / "out")
-    assert told in apgc(*made)[2]
-    assert told not in apgc(*made, "--split", enough, "--force")[2]
+    made = ("export", name, "--format", layout, "-o", tmp_path / "out", "--split", "0,0,1", "--force", "-n")
+    assert told in apgc(*made, enough - 1)[2]
+    assert told not in apgc(*made, enough)[2]
 
 
 @pytest.mark.slow
