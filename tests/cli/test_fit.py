@@ -13,6 +13,8 @@ import artipg_dsl as apg
 
 from .helpers import CHEST, Apgc, tree
 
+pytestmark = pytest.mark.usefixtures("searched_once")
+
 
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -25,6 +25,8 @@ from .helpers import CHEST, tree
 MANY = 3000  # points that details are bound by: enough for a surface that meshes can wear
 MAP = {"Knob": "handle", "Lid": "door"}  # no object has a lid
 
+pytestmark = pytest.mark.usefixtures("searched_once")
+
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -64,6 +66,12 @@ def fitted(place: Path) -> apg.Fitted:
 @pytest.fixture(scope="module")
 def bound(fitted: apg.Fitted) -> apg.Bound:
     return fitted.bind(MANY)
+
+
+@pytest.fixture(scope="module")
+def ours(place: Path) -> apg.Bound:
+    """The details of the folder ``bound``, in memory."""
+    return apg.open_fitted(place / "fitted").bind(MANY)
 
 
 def placed(folder: Path) -> dict[str, bytes]:
@@ -272,17 +280,17 @@ def test_objects_of_the_fitted_values_wear_their_own(place: Path, tmp_path: Path
     assert [one["donor"] for one in donors] == ["chest0", "chest1"] and not any("donors" in one for one in donors)
 
 
-def test_others_borrow(place: Path, bound: apg.Bound, tmp_path: Path) -> None:
-    samples, details = apg.sample(CHEST, n=2, seed=9), apg.open_fitted(place / "fitted").bind(MANY)
-    ours, theirs = (samples.points(64, details=worn) for worn in (details, place / "bound"))
-    assert np.array_equal(ours.position, theirs.position) and ours.worn is not None and (ours.worn >= 0).any()
-    assert np.array_equal(samples.object(1).points(64, details=details).position[0], ours.position[1])
-    bare, worn = samples.object(0).mesh(), samples.object(0).mesh(details=details)
+def test_others_borrow(place: Path, ours: apg.Bound, tmp_path: Path) -> None:
+    samples = apg.sample(CHEST, n=2, seed=9)
+    first, second = (samples.points(64, details=worn) for worn in (ours, place / "bound"))
+    assert np.array_equal(first.position, second.position) and first.worn is not None and (first.worn >= 0).any()
+    assert np.array_equal(samples.object(1).points(64, details=ours).position[0], first.position[1])
+    bare, worn = samples.object(0).mesh(), samples.object(0).mesh(details=ours)
     assert bare.geometry.keys() == worn.geometry.keys() and len(worn.triangles) > len(bare.triangles)
-    samples.export(tmp_path / "objects", "obj", details=details)
-    samples.sheet(tmp_path / "sheet.png", details=details, tile=48)
+    samples.export(tmp_path / "objects", "obj", details=ours)
+    samples.sheet(tmp_path / "sheet.png", details=ours, tile=48)
     with pytest.raises(UserError, match="the details in memory are of objects of Chest, not of Board"):
-        apg.load(BOARD).points(8, details=details)
+        apg.load(BOARD).points(8, details=ours)
 
 
 def test_files_that_have_moved_are_named(place: Path, fitted: apg.Fitted, tmp_path: Path) -> None:
@@ -366,18 +374,17 @@ def test_long_work_tells_how_far_it_is_and_goes_on(
             apg.fit_objects(CHEST, real, progress=progress)  # type: ignore[arg-type]
 
 
-def test_streams_borrow_what_is_in_memory(place: Path) -> None:
-    details = apg.open_fitted(place / "fitted").bind(MANY)
-    streams = [Stream(CHEST, size=4, batch=2, points=64, seed=9, details=worn) for worn in (details, place / "bound")]
+def test_streams_borrow_what_is_in_memory(place: Path, ours: apg.Bound) -> None:
+    streams = [Stream(CHEST, size=4, batch=2, points=64, seed=9, details=worn) for worn in (ours, place / "bound")]
     other = pickle.loads(pickle.dumps(streams[0]))  # as it goes to workers
     for k in range(2):
-        ours, theirs, there = (stream.batch(k) for stream in (*streams, other))
-        assert all(np.array_equal(ours[name], theirs[name]) for name in theirs)
-        assert all(np.array_equal(ours[name], there[name]) for name in there)
+        here, theirs, there = (stream.batch(k) for stream in (*streams, other))
+        assert all(np.array_equal(here[name], theirs[name]) for name in theirs)
+        assert all(np.array_equal(here[name], there[name]) for name in there)
     bare = Stream(CHEST, size=4, batch=2, points=64, seed=9).batch(1)
-    assert not np.array_equal(bare["points"], ours["points"])
+    assert not np.array_equal(bare["points"], here["points"])
     with pytest.raises(UserError, match="the details in memory are of objects of Chest, not of Microwave"):
-        Stream("Microwave", details={"Microwave": details})
+        Stream("Microwave", details={"Microwave": ours})
     with pytest.raises(UsageError, match="details is 3"):
         Stream(CHEST, details=3)  # type: ignore[arg-type]
 
