@@ -14,7 +14,7 @@ from artipg_dsl.native import backend, compiler, digits
 
 @pytest.fixture(scope="module")
 def machine():
-    return backend.fit(compiler.compile_machine())
+    return backend.fit(compiler.kept() or compiler.compile_machine())
 
 
 @pytest.fixture(params=[False, pytest.param(True, marks=needs_compiler)])

@@ -37,7 +37,7 @@ def made(name: str) -> dict[str, bytes]:
 
 @needs_compiler
 @pytest.mark.parametrize("name", sorted(categories()) if EVERY else ["Microwave"])
-def test_either_backend_gives_the_same_bytes(name, using):
+def test_either_backend_gives_the_same_bytes(name, nothing_kept, using):
     using("numpy")
     expected = made(name)
     using("c")

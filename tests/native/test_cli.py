@@ -20,7 +20,7 @@ def test_a_run_is_the_same_files_with_either_backend(tmp_path, using):
         assert (tmp_path / "c" / file).read_bytes() == (tmp_path / "numpy" / file).read_bytes()
 
 
-def test_a_backend_that_cannot_be_had_is_an_error(tmp_path, using, monkeypatch, capsys):
+def test_a_backend_that_cannot_be_had_is_an_error(tmp_path, choosing, monkeypatch, capsys):
     monkeypatch.setattr(compiler, "compilers", lambda: [])
     assert main(["sample", CHEST, "-n", "1", "--backend", "c", "-o", str(tmp_path / "out")]) == 1
     said = capsys.readouterr().err

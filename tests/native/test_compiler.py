@@ -13,9 +13,11 @@ from artipg_dsl.native import backend, compiler
 
 from .machine import needs_compiler
 
+pytestmark = pytest.mark.usefixtures("nothing_kept")
+
 
 @pytest.fixture
-def home(tmp_path, monkeypatch):
+def home(nothing_kept, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.delenv("APGC_CACHE")
     return tmp_path / "artipg_dsl" / "compiled"
@@ -37,8 +39,16 @@ def only(tmp_path, monkeypatch):
     return make
 
 
+@pytest.fixture
+def short(tmp_path, monkeypatch):
+    """A machine that is compiled at once. What is kept, and trusted, is asked before it is loaded."""
+    source = tmp_path / "short.c"
+    source.write_text("int run(void) { return 0; }\n")
+    monkeypatch.setattr(compiler, "_SOURCES", [source])
+
+
 @needs_compiler
-def test_what_was_compiled_is_found_again(home):
+def test_what_was_compiled_is_found_again(home, short):
     assert compiler.kept() is None
     made = compiler.compile_machine()
     assert made.parent == home and compiler.kept() == made
@@ -48,7 +58,7 @@ def test_what_was_compiled_is_found_again(home):
 
 
 @needs_compiler
-def test_spoilt_code_is_never_loaded(home):
+def test_spoilt_code_is_never_loaded(home, short):
     made = compiler.compile_machine()
     made.write_bytes(made.read_bytes()[:-1])
     assert compiler.kept() is None
@@ -56,7 +66,7 @@ def test_spoilt_code_is_never_loaded(home):
 
 @needs_compiler
 @pytest.mark.skipif(os.name != "posix", reason="Windows keeps the folders of users apart")
-def test_code_that_others_could_have_written_is_never_loaded(home):
+def test_code_that_others_could_have_written_is_never_loaded(home, short):
     made = compiler.compile_machine()
     made.chmod(0o622)
     assert compiler.kept() is None
@@ -68,7 +78,7 @@ def test_code_that_others_could_have_written_is_never_loaded(home):
 
 
 @needs_compiler
-def test_a_link_is_not_followed(home, tmp_path):
+def test_a_link_is_not_followed(home, short, tmp_path):
     made = compiler.compile_machine()
     moved = made.rename(tmp_path / "elsewhere")
     made.symlink_to(moved)
@@ -76,13 +86,13 @@ def test_a_link_is_not_followed(home, tmp_path):
 
 
 @needs_compiler
-def test_a_machine_is_kept_for_its_user_whatever_folder_is_shared(home, tmp_path, monkeypatch):
+def test_a_machine_is_kept_for_its_user_whatever_folder_is_shared(home, short, tmp_path, monkeypatch):
     monkeypatch.setenv("APGC_CACHE", str(tmp_path / "shared"))
     assert compiler.compile_machine().parent == home
 
 
-def test_nothing_is_compiled_where_nothing_is_kept(using):
-    using(None)
+def test_nothing_is_compiled_where_nothing_is_kept(choosing):
+    choosing(None)
     assert backend.machine() is None and "nothing is kept" in backend.told()
 
 
@@ -94,16 +104,16 @@ def test_nothing_is_compiled_where_nothing_is_kept(using):
         ("exit 0", "cannot be loaded"),
     ],
 )
-def test_a_compiler_that_does_not_work_is_named(text, said, only, using, monkeypatch):
+def test_a_compiler_that_does_not_work_is_named(text, said, only, choosing, monkeypatch):
     only(text)
     monkeypatch.setattr(compiler, "SECONDS", 0.5)
     with pytest.raises(UserError, match="there is no backend c") as wrong:
-        using("c")
+        choosing("c")
     assert said in wrong.value.message
 
 
 @pytest.mark.parametrize("text", [None, "exit 1", "exit 0"])
-def test_no_folder_is_left_where_nothing_can_be_kept(text, only, using, tmp_path, monkeypatch):
+def test_no_folder_is_left_where_nothing_can_be_kept(text, only, choosing, tmp_path, monkeypatch):
     monkeypatch.setattr(compiler, "folder", lambda: None)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "passing"))
     (tmp_path / "passing").mkdir()
@@ -112,7 +122,7 @@ def test_no_folder_is_left_where_nothing_can_be_kept(text, only, using, tmp_path
     else:
         only(text)
     with pytest.raises(UserError, match="there is no backend c"):
-        using("c")
+        choosing("c")
     assert not list((tmp_path / "passing").iterdir())
 
 
@@ -131,35 +141,35 @@ def test_no_folder_is_left_by_a_run_that_is_sooner_than_the_compiler(tmp_path):
     assert not list((tmp_path / "passing").glob("apgc-*"))  # those of the compiler go with it
 
 
-def test_a_folder_that_cannot_be_written_is_told(using, tmp_path, monkeypatch):
+def test_a_folder_that_cannot_be_written_is_told(choosing, tmp_path, monkeypatch):
     monkeypatch.setattr(compiler, "folder", lambda: None)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "absent"))
     monkeypatch.setattr(compiler, "compilers", lambda: [["cc"]])
     with pytest.raises(UserError, match="there is no folder to compile in"):
-        using("c")
+        choosing("c")
 
 
-def test_no_compiler_is_an_error_only_where_it_is_asked_for(home, using, monkeypatch):
+def test_no_compiler_is_an_error_only_where_it_is_asked_for(home, choosing, monkeypatch):
     monkeypatch.setattr(compiler, "compilers", lambda: [])
     with pytest.raises(UserError, match="there is no C compiler"):
-        using("c")
-    using(None)
+        choosing("c")
+    choosing(None)
     backend._state.beside.join()
     assert backend.machine() is None and "there is no C compiler" in backend.told()
 
 
 @needs_compiler
-def test_numpy_works_until_the_compiler_is_done(home, using):
-    using(None)
+def test_numpy_works_until_the_compiler_is_done(home, choosing):
+    choosing(None)
     backend._state.beside.join()
     assert backend.told() == "c"
-    using("numpy")
+    choosing("numpy")
     assert backend.machine() is None and backend.told() == "numpy (as asked)"
 
 
-def test_a_backend_that_does_not_exist_is_refused(using):
+def test_a_backend_that_does_not_exist_is_refused(choosing):
     with pytest.raises(UserError, match="names no backend: `cuda`"):
-        using("cuda")
+        choosing("cuda")
 
 
 @needs_compiler

@@ -18,10 +18,11 @@ from .machine import bits, needs_compiler
 
 pytestmark = needs_compiler
 KEY = random.key(5, "points")
+N = 200  # points of a pool
 
 
 def mixing(pools):
-    return random.orders(pools.label.astype(np.uint64), 700)
+    return random.orders(pools.label.astype(np.uint64), N)
 
 
 @pytest.mark.parametrize("outside", [False, True])
@@ -32,6 +33,7 @@ def test_points_of_pools(using, monkeypatch, name, per, objects, outside):
     """Pools with more points than fit a round, with few, and with none that can be seen."""
     batch, calls = Session.of(name).sampler.batch(np.arange(objects), 2), []
     monkeypatch.setattr(native, "_ROOM", 1)  # there is more than there is room for at first
+    monkeypatch.setattr(points, "_ROUNDS", 3)  # those after them are like the third
     words = ("coarse", "near_rows", "near_flat", "near_loose", "keep")
     for word in words:
         original = getattr(native, word)
@@ -43,14 +45,14 @@ def test_points_of_pools(using, monkeypatch, name, per, objects, outside):
     for backend in ("numpy", "c"):
         using(backend)
         assert (backend == "c") or not calls
-        found.append(points.sample_pools(sites, labels, objects, 700, KEY, address, outside=outside))
-        mixed, pools, _ = points.sample_pools(sites, labels, objects, 700, KEY, address, outside=outside, order=mixing)
+        found.append(points.sample_pools(sites, labels, objects, N, KEY, address, outside=outside))
+        mixed, pools, _ = points.sample_pools(sites, labels, objects, N, KEY, address, outside=outside, order=mixing)
         expected = found[-1][0].take((np.arange(len(pools.label))[:, None], mixing(pools)))
         for field in PointSet.__slots__:
             assert bits(getattr(mixed, field)) == bits(getattr(expected, field)), field
     for field in PointSet.__slots__:
         assert bits(getattr(found[0][0], field)) == bits(getattr(found[1][0], field)), field
-    assert bits(found[0][2]) == bits(found[1][2]) and found[0][0].u.shape[1] == 700
+    assert bits(found[0][2]) == bits(found[1][2]) and found[0][0].u.shape[1] == N
     assert set(calls) == set(words)
 
 
