@@ -11,6 +11,7 @@ direction are parallel: which triangles they may meet is looked up on a grid in 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 
@@ -119,7 +120,7 @@ class Outlook:
         out = np.ones(len(owner), dtype=bool)
         if not len(owner):
             return out
-        frame = _frame(way)
+        frame = _frame(tuple(way.tolist()))
         objects = np.zeros(self.low.shape[1], dtype=bool)
         objects[owner] = True
         facing = triangles[objects[self.owner[triangles]]]
@@ -128,7 +129,7 @@ class Outlook:
         facing = facing[side * slope < 0.0]
         whose = self.owner[facing]
         turning = self.corner if own is None else self.corner[::-1]
-        corner = [[f[0] * c[0] + f[1] * c[1] + f[2] * c[2] for f in frame] for c in turning[:, :, facing]]
+        flat = [[f[0] * c[0] + f[1] * c[1] + f[2] * c[2] for f in frame[:2]] for c in turning[:, :, facing]]
         point = [f[0] * start[0] + f[1] * start[1] + f[2] * start[2] for f in frame]
         # the grid: each object's picture has its own, _BINS by _BINS
         middle, reach = (self.low + self.high) / 2, (self.high - self.low) / 2
@@ -147,8 +148,8 @@ class Outlook:
         begin = np.cumsum(count) - count
         ends = []
         for k in (0, 1):
-            low = np.minimum(np.minimum(corner[0][k], corner[1][k]), corner[2][k])
-            high = np.maximum(np.maximum(corner[0][k], corner[1][k]), corner[2][k])
+            low = np.minimum(np.minimum(flat[0][k], flat[1][k]), flat[2][k])
+            high = np.maximum(np.maximum(flat[0][k], flat[1][k]), flat[2][k])
             for value in (low, high):
                 ends.append(np.clip((value - origin[k][whose]) * scale[k][whose], 0, _BINS - 1).astype(np.int64))
         left, right, bottom, top = ends
@@ -161,6 +162,14 @@ class Outlook:
         many = begin[head + wide[of] - 1] + count[head + wide[of] - 1] - first
         some = np.flatnonzero(many)
         of, first, many = of[some], first[some], many[some]
+        # most triangles have no point near them, once few are left
+        near = np.zeros(len(facing), dtype=bool)
+        near[of] = True
+        of = (np.cumsum(near) - 1)[of]
+        facing, whose = facing[near], whose[near]
+        f = frame[2]
+        depth = [f[0] * c[0] + f[1] * c[1] + f[2] * c[2] for c in turning[:, :, facing]]
+        corner = [[x[near], y[near], z] for (x, y), z in zip(flat, depth, strict=True)]
         edge = [_edges(corner, k) for k in range(3)]
         normal = side * self.normal[:, facing]
         turned = [f[0] * normal[0] + f[1] * normal[1] + f[2] * normal[2] for f in frame]
@@ -190,8 +199,10 @@ def _edges(corner: list[list[np.ndarray]], k: int) -> tuple[np.ndarray, np.ndarr
     return y - q, p - x, x * q - p * y
 
 
-def _frame(way: np.ndarray) -> list[np.ndarray]:
+@cache
+def _frame(towards: tuple[float, float, float]) -> list[np.ndarray]:
     """Two axes across a direction, and the direction."""
+    way = np.array(towards)
     other = np.eye(3)[int(np.argmin(np.abs(way)))]
     first = np.cross(way, other)
     first = first / np.sqrt((first * first).sum())
