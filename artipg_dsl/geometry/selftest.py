@@ -396,7 +396,9 @@ def _on_piece(group: pieces.PieceGroup) -> np.ndarray:
     """(k, n, 3): the corners of a piece, the middles of its faces and of their edges."""
     corners = group.vertices[:, group.faces]
     middle = (corners[:, :, 0] + corners[:, :, 1] + corners[:, :, 2]) / 3
-    edges = (corners + np.roll(corners, 1, axis=2)).reshape(len(group.rows), -1, 3) / 2
+    start, end, count = group.faces.ravel(), np.roll(group.faces, 1, axis=1).ravel(), group.vertices.shape[1]
+    ends = np.unique(np.minimum(start, end) * count + np.maximum(start, end))  # an edge is that of two faces
+    edges = (group.vertices[:, ends // count] + group.vertices[:, ends % count]) / 2
     return np.concatenate([group.vertices, middle, edges], axis=1)
 
 
