@@ -179,7 +179,7 @@ def test_bounds_of_masses_decide_as_masses_do(name: str) -> None:
     state = State(4, np.arange(24), np.zeros(24, dtype=np.int64), {}, False)
     batch = make_batch(sampler.program, sampler.plan, state)
     for table in batch.sites():
-        moved = lot.random(len(table)) < 0.2
+        moved = lot.random(len(table)) < 0.1
         table.translation[moved] += 0.04 * lot.standard_normal((int(moved.sum()), 3))
     tree = Tree(batch)
     body = gather(batch, tree.first, tree.turn, tree.shift)
