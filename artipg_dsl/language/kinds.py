@@ -32,6 +32,11 @@ class Kind:
         return (*self.needs, *self.takes)
 
     @property
+    def call(self) -> str:
+        """How it is written with all that it takes: what the last row of the reference shows."""
+        return self.about.splitlines()[-1].split("`")[1]
+
+    @property
     def axis(self) -> str:
         """The clause that gives the axis of a joint, ``about`` or ``along``; none for a joint about a point."""
         return next((word for word in ("about", "along") if word in self.takes), "")

@@ -12,5 +12,5 @@ it. Begin with ``check``, then ``checker``.
     entries, fold                        types of declarations; values of constants
     statements, placing, attachments, labels      rules of statements, one group a file
     roles, parts, primitives             rules of roles and templates, of their members, of primitives
-    offers, foreign                      what the library would offer; words of other languages
+    offers, foreign, remedies            what the library would offer; words of other languages; what to try where a type does not fit
 """

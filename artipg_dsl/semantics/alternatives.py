@@ -130,6 +130,7 @@ def _alternatives(
                 alternative.name_span,
                 f"`{wrong[0].name}` cannot be an alternative here: it does not have the role {role_name}",
                 notes=((wrong[0].decl.name_span, f"`{wrong[0].name}` is declared here"),),
+                hint=f"choose a template of that role, or make one of it: `template Name : {role_name} {{ part ... }}`",
             )
         _check_arguments(ck, ctx, alternative.arguments, symbols, outer)
 
@@ -146,7 +147,12 @@ def _bad_alternative(ck: Checker, ctx: Context, alternative: ast.Alternative, sy
         )
         return
     if symbol is not None:
-        ck.error("unknown-template", alternative.name_span, f"`{alternative.name}` is a {symbol.kind}, not a template")
+        ck.error(
+            "unknown-template",
+            alternative.name_span,
+            f"`{alternative.name}` is a {symbol.kind}, not a template",
+            hint="name a template or a primitive; what it declares can be used by its own name",
+        )
         return
     offered = ctx.module.named("template", "primitive")
     offered += [e.name for scope in ctx.scope.chain() for e in scope.entries if e.kind in ("style", "param")]
@@ -165,7 +171,12 @@ def _weight(ck: Checker, ctx: Context, alternative: ast.Alternative) -> None:
         ck.expect(ctx, alternative.weight, RATIO, "a weight")
         value = constant(alternative.weight, ctx.module)
         if value is not None and value < 0:
-            ck.error("wrong-arguments", alternative.weight.span, "a weight cannot be negative")
+            ck.error(
+                "wrong-arguments",
+                alternative.weight.span,
+                "a weight cannot be negative",
+                hint="write 0 or more; an alternative of weight 0 is never drawn",
+            )
 
 
 def _unweighed(ck: Checker, alternatives: tuple[ast.Alternative, ...]) -> None:
@@ -205,7 +216,7 @@ def _check_arguments(
             ck.infer(ctx.but(holes=True), argument.value)
             continue
         if argument.name in seen:
-            ck.error("wrong-arguments", argument.span, f"`{argument.name}` is given twice")
+            ck.error("wrong-arguments", argument.span, f"`{argument.name}` is given twice", hint="keep one of the two")
         seen.add(argument.name)
         wanted: Type = UNKNOWN
         for symbol in symbols:
@@ -294,7 +305,12 @@ def _argument(ck: Checker, ctx: Context, argument: ast.Argument, wanted: Type) -
             for variant in given.domain:
                 if variant is not None and variant.symbol is not None and role is not None:
                     if not is_a(variant.symbol, role):
-                        ck.error("wrong-role", value.span, f"`{variant.name}` does not have the role {wanted.role}")
+                        ck.error(
+                            "wrong-role",
+                            value.span,
+                            f"`{variant.name}` does not have the role {wanted.role}",
+                            hint=f"take alternatives of the role {wanted.role} only",
+                        )
                         return
         elif given != UNKNOWN:
             ck.mismatch(value, given, wanted, f"`{argument.name}`")

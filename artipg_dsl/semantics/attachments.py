@@ -69,7 +69,11 @@ def _check_roots(ck: Checker, scope: BodyScope, roots: list[Entry], first: Entry
         for earlier in roots[:position]:
             if consistent(ck.entry_condition(entry), ck.entry_condition(earlier)):
                 ck.error(
-                    "two-roots", entry.span, "a category has one root part", notes=((earlier.span, "the first one"),)
+                    "two-roots",
+                    entry.span,
+                    "a category has one root part",
+                    notes=((earlier.span, "the first one"),),
+                    hint="keep `root` on the part that carries the others; connect the other to it",
                 )
                 break
 
@@ -81,6 +85,7 @@ def _count(ck: Checker, entry: Entry, found: list[Attachment], needed: bool, roo
             attachment.span,
             f"`{entry.name}` is the root: it cannot be attached",
             notes=((entry.span, "declared as root here"),),
+            hint="turn the statement around: attach the other part to the root",
         )
         return
     exists = _exists(ck, entry)

@@ -14,6 +14,7 @@ from . import paths
 from .fold import is_unitless
 from .guards import consistent
 from .meanings import BuiltIn, Declared, Global
+from .remedies import instead
 from .scope import Entry
 from .types import (
     ANGLE,
@@ -75,7 +76,11 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
     for argument in expr.arguments:
         ck.infer(ctx, argument.value)
     if symbol is not None or (ctx.scope is not None and ctx.scope.find(word)):
-        hint = f"to make a part, write `part name : {word}(...)`" if symbol is not None else None
+        hint = (
+            f"to make a part, write `part name : {word}(...)`"
+            if symbol is not None
+            else f"to multiply, write `{word} * (...)`"
+        )
         return ck.error("wrong-type", expr.function.span, f"`{word}` is not a function", hint=hint)
     return ck.unknown(
         ctx.module,
@@ -83,7 +88,7 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
         "unknown-function",
         expr.function.span,
         f"there is no function `{word}`",
-        hint=did_you_mean(word, [*FUNCTIONS, *ctx.names()]),
+        hint=did_you_mean(word, [*FUNCTIONS, *ctx.names()]) or f"declare it: `let {word}(a) = ...`",
     )
 
 
@@ -97,7 +102,14 @@ def _positional(ck: Checker, ctx: Context, expr: ast.CallExpr, wanted: int, word
     kinds = [ck.infer(ctx, a.value) for a in expr.arguments]
     if len(kinds) != wanted:
         many = "one argument" if wanted == 1 else f"{wanted} arguments"
-        ck.error("wrong-arguments", expr.span, f"`{word}` takes {many}, {given(len(kinds))}")
+        ck.error(
+            "wrong-arguments",
+            expr.span,
+            f"`{word}` takes {many}, {given(len(kinds))}",
+            hint="write the arguments in the order of its declaration"
+            if len(kinds) < wanted
+            else "leave out what is too many",
+        )
         return [UNKNOWN] * wanted
     return kinds
 
@@ -145,7 +157,12 @@ def _apply(
     arguments = [ScalarType(t.dimension) if isinstance(t, ScalarType) and not t.zero else t for t in arguments]
     key = (identity, *arguments)
     if identity in ck.calling:
-        return ck.error("circular-definition", expr.span, "this function is defined in terms of itself")
+        return ck.error(
+            "circular-definition",
+            expr.span,
+            "this function is defined in terms of itself",
+            hint="write the steps out, or let a repeat add them up: `sum(row.w)`",
+        )
     if key not in ck.calls:
         extra = dict(zip(names, arguments, strict=True))
         silent = inside.but(extra=extra, silent=True)
@@ -199,7 +216,12 @@ def _bound(ck: Checker, expr: ast.CallExpr, form: Form) -> Bound | None:
         return [(argument, parameter) for argument, parameter in pairs if parameter is not None]
     known, word = [p.name for p in form.parameters], form.name
     if not any(names) and form.kind in ("number", "reduction", "force"):
-        ck.error("wrong-arguments", expr.span, f"`{word}` takes {_counted(form)}, {given(len(names))}")
+        ck.error(
+            "wrong-arguments",
+            expr.span,
+            f"`{word}` takes {_counted(form)}, {given(len(names))}",
+            hint=f"write `{form.call}`",
+        )
         return None
     found: set[str] = set()
     for argument, parameter in pairs:
@@ -208,11 +230,11 @@ def _bound(ck: Checker, expr: ast.CallExpr, form: Form) -> Bound | None:
             hint = did_you_mean(argument.name or "", known) or "it takes " + ", ".join(known)
             ck.error("unknown-argument", argument.span, f"`{word}` {what}", hint=hint)
         elif parameter.name in found:
-            ck.error("wrong-arguments", argument.span, f"`{parameter.name}` is given twice")
+            ck.error("wrong-arguments", argument.span, f"`{parameter.name}` is given twice", hint="keep one of the two")
         found.add("" if parameter is None else parameter.name)
     missing = [p.name for p in form.required if p.name not in found]
     if missing and "" not in found:
-        ck.error("missing-argument", expr.span, f"`{word}` needs {any_of(missing, 'and')}")
+        ck.error("missing-argument", expr.span, f"`{word}` needs {any_of(missing, 'and')}", hint=f"write `{form.call}`")
     return None
 
 
@@ -236,7 +258,9 @@ def _one(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound
     angle_zero = wanted == ANGLE and isinstance(kind, ScalarType) and kind.zero
     if not isinstance(kind, ScalarType) or not (wanted is None or angle_zero or kind.dimension == dimension_of(wanted)):
         hint = (
-            "an angle needs a unit: multiply by 1rad or 1turn" if wanted == ANGLE and kind in (RATIO, COUNT) else None
+            "an angle needs a unit: multiply by 1rad or 1turn"
+            if wanted == ANGLE and kind in (RATIO, COUNT)
+            else instead(argument.value, kind, wanted or RATIO)
         )
         code = "wrong-dimension" if isinstance(kind, ScalarType) else "wrong-type"
         takes = with_article(parameter.type)
@@ -255,7 +279,7 @@ def _alike(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
         if kind == UNKNOWN:
             return UNKNOWN
         if not isinstance(kind, ScalarType):
-            return ck.unfit(argument, kind, f"`{form.name}` takes numbers")
+            return ck.unfit(argument, kind, f"`{form.name}` takes numbers", hint=instead(argument.value, kind, RATIO))
         if kind.zero:
             found = found or kind
         elif not isinstance(found, ScalarType) or found.zero:
@@ -278,7 +302,12 @@ def _elements(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: 
     if kind == UNKNOWN or not _one_repeat(ck, ctx, argument.value, form):
         return UNKNOWN
     if not is_number(kind):
-        return ck.unfit(argument, kind, f"`{form.name}` takes one number per element")
+        return ck.unfit(
+            argument,
+            kind,
+            f"`{form.name}` takes one number per element",
+            hint="name a number of the elements, as in `sum(row.size.z)`",
+        )
     return kind
 
 
@@ -288,7 +317,9 @@ def _counted_elements(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form,
     if kind == UNKNOWN:
         return UNKNOWN
     if not isinstance(kind, ElementType):
-        return ck.unfit(argument, kind, "`number` counts the elements of a repeat")
+        return ck.unfit(
+            argument, kind, "`number` counts the elements of a repeat", hint="name the repeat, as in `number(row)`"
+        )
     return COUNT if _one_repeat(ck, ctx, argument.value, form) else UNKNOWN
 
 
@@ -344,7 +375,7 @@ def _typed(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
             continue
         kind = ck.infer(ctx, argument.value)
         if parameter.type == "part" and kind != UNKNOWN and not isinstance(kind, Boxed):
-            ck.unfit(argument, kind, f"`{form.name}` reads the extent of a part")
+            ck.unfit(argument, kind, f"`{form.name}` reads the extent of a part", hint=f"as in `{form.name}(body, -z)`")
         if parameter.type == "number" and kind != UNKNOWN and not isinstance(_dimension(kind), ScalarType):
             message = f"`{parameter.name}` of `{form.name}` must be a number, but this is {kind}"
             ck.error("wrong-type", argument.span, message, hint="as in `wall.at(0.25turn, z = h)`")
@@ -358,7 +389,7 @@ def _moved(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
     curve = ck.infer(ctx, argument.value)
     ck.expect(ctx, distance.value, LENGTH, f"`{parameter.name}` of `{form.name}`")
     if curve not in (CURVE, UNKNOWN) and not isinstance(curve, VecType):
-        return ck.unfit(argument, curve, f"`{form.name}` takes a curve")
+        return ck.unfit(argument, curve, f"`{form.name}` takes a curve", hint=f"name a curve, as in `{form.call}`")
     return curve
 
 
@@ -374,7 +405,7 @@ def _force(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bou
     ((argument, _),) = bound
     kind = ck.infer(ctx.but(lenient=[], asked=True, many=True), argument.value)
     if not isinstance(kind, JointType) and kind != UNKNOWN:
-        ck.unfit(argument, kind, f"`{form.name}` takes a joint")
+        ck.unfit(argument, kind, f"`{form.name}` takes a joint", hint=f"name a joint, as in `{form.name}(open)`")
     return BOOL
 
 
@@ -400,12 +431,19 @@ def _method(ck: Checker, ctx: Context, expr: ast.CallExpr, function: ast.MemberE
         if obj == UNKNOWN:
             return UNKNOWN
         hint = (
-            None if form is None else f"`{form.name}` is a function of curved surfaces: `body.wall.at(0.25turn, z = h)`"
+            "parts and values have no functions: write `f(a)`, or leave the arguments out"
+            if form is None
+            else f"`{form.name}` is a function of curved surfaces: `body.wall.at(0.25turn, z = h)`"
         )
         return ck.error("unknown-function", function.name_span, f"{obj} has no function `{function.name}`", hint=hint)
     bound = _bound(ck, expr, form)
     if bound is not None and len(bound) != 2:
-        return ck.error("wrong-arguments", expr.span, "`at` needs two values, as in `wall.at(0.25turn, z = h)`")
+        return ck.error(
+            "wrong-arguments",
+            expr.span,
+            "`at` needs two values, as in `wall.at(0.25turn, z = h)`",
+            hint="give the place around and the height",
+        )
     ck.mean(function, BuiltIn(form))
     return _typed(ck, ctx, expr, form, bound or [])
 
@@ -424,5 +462,10 @@ def chain(ck: Checker, ctx: Context, expr: ast.ChainExpr) -> Type:
             )
         kind = ck.infer(ctx.but(making=expr), piece)
         if kind not in (CURVE, UNKNOWN):
-            ck.unfit(piece, kind, "a piece of a path is needed here")
+            ck.unfit(
+                piece,
+                kind,
+                "a piece of a path is needed here",
+                hint="a path is written `from(point, direction) line(length) arc(radius, angle, towards)`",
+            )
     return CURVE

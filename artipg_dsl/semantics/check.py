@@ -83,6 +83,7 @@ def check(workspace: Workspace, module: ModuleScope, report: Report) -> TypedPro
             extra.decl.name_span,
             "a file holds one category",
             notes=((categories[0].decl.name_span, "the first one"),),
+            hint="put each category into a file of its own; what both use can go into a third, brought in with `use`",
         )
     category = categories[0] if categories else None
     return TypedProgram(workspace.modules, module, category, tuple(symbols), ck.types, ck.meanings, ck, unshaped)
@@ -127,13 +128,24 @@ def _declaration(ck: Checker, symbol: Symbol, later: tuple[type[ast.Stmt], ...])
                     "reserved-name",
                     decl.name_span,
                     "a vocabulary cannot be called `field`: fields have their arrays there",
+                    hint="choose another name",
                 )
             seen: set[str] = set()
             for word, span in zip(decl.words, decl.word_spans, strict=True):
                 if word == UNLABELLED:
-                    ck.error("reserved-name", span, f"`{word}` is reserved for surface without a label")
+                    ck.error(
+                        "reserved-name",
+                        span,
+                        f"`{word}` is reserved for surface without a label",
+                        hint="leave it out: surface without a label has this word already",
+                    )
                 if word in seen:
-                    ck.error("duplicate-name", span, f"`{word}` appears twice in this vocabulary")
+                    ck.error(
+                        "duplicate-name",
+                        span,
+                        f"`{word}` appears twice in this vocabulary",
+                        hint="leave one of them out",
+                    )
                 seen.add(word)
 
 

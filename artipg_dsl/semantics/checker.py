@@ -17,6 +17,7 @@ from .fold import is_unitless
 from .guards import TRUE, Condition, conjunction, implies
 from .meanings import Inner, Meaning
 from .modules import Workspace
+from .remedies import instead, likely_units, usual_unit
 from .scope import BodyScope, Entry, Guards, build_scope, interface
 from .symbols import ModuleScope, Symbol
 from .types import NONE, UNKNOWN, ScalarType, Type, VecType, fits
@@ -69,6 +70,9 @@ class Context:
         return [*self.extra, *own, *self.module.names]
 
 
+_DECLARE = "check the spelling, declare it, or bring it in: `use module { Name }`"
+
+
 class Checker:
     """One check of a workspace. The rules are functions of a checker, a context and a piece of the tree."""
 
@@ -117,7 +121,7 @@ class Checker:
 
     def unknown(self, module: ModuleScope, name: str, code: str, span: Span, message: str, hint: str | None) -> Type:
         """Reports a name that nothing declares, unless it is missing because its import failed."""
-        return UNKNOWN if name in module.lost else self.error(code, span, message, hint=hint)
+        return UNKNOWN if name in module.lost else self.error(code, span, message, hint=hint or _DECLARE)
 
     @contextmanager
     def muted(self) -> Iterator[None]:
@@ -180,18 +184,22 @@ class Checker:
         if isinstance(wanted, ScalarType | VecType) and isinstance(given, ScalarType | VecType):
             need = wanted.dimension
             if given.dimension == NONE and need not in (NONE, None) and is_unitless(expr):
-                hint = f"give the numbers units: {expressions.usual_unit(need)}"
+                hint = f"give the numbers units: {usual_unit(need)}"
                 if isinstance(expr, ast.NumberExpr):
-                    units = expressions.likely_units(need, expr.value)
+                    units = likely_units(need, expr.value)
                     hint = f"write {' or '.join(expr.span.text + unit for unit in units)}"
                 self.error("missing-unit", expr.span, f"{what} needs a unit: {wanted} is expected", hint=hint)
                 return
-            each = None
-            if isinstance(wanted, VecType) and isinstance(given, ScalarType) and given.dimension == need:
-                each = f"give a value for each: [{', '.join([expr.span.text] * wanted.size)}]"
-            self.error("wrong-dimension", expr.span, f"{what} is {wanted}, but this is {given}", hint=each)
+            self.error(
+                "wrong-dimension",
+                expr.span,
+                f"{what} is {wanted}, but this is {given}",
+                hint=instead(expr, given, wanted),
+            )
             return
-        self.error("wrong-type", expr.span, f"{what} is {wanted}, but this is {given}")
+        self.error(
+            "wrong-type", expr.span, f"{what} is {wanted}, but this is {given}", hint=instead(expr, given, wanted)
+        )
 
     def entry_type(self, entry: Entry) -> Type:
         """The type of a declaration (of a part: all its variants); circular definitions are reported."""
@@ -203,6 +211,7 @@ class Checker:
                     "circular-definition",
                     entry.span,
                     f"`{entry.name}` is defined by itself: {' -> '.join([*ring, entry.name])}",
+                    hint="give one of them a value that names none of the others",
                 )
                 return UNKNOWN
             self._open.append(entry)

@@ -10,6 +10,7 @@ from .fold import constant
 from .guards import OPERATORS, TRUE, VERSUS, Atom, Compare, Condition, Not, Or, conjunction
 from .meanings import Global, Word
 from .offers import TEMPLATES, missing
+from .remedies import instead
 from .scope import Guard
 from .symbols import is_a
 from .types import BOOL, BOX, UNKNOWN, ChoiceType, PartType, ScalarType, StyleType, Type
@@ -25,7 +26,7 @@ def truth(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
     kind = ck.infer(ctx.but(lenient=[], asked=True) if _asks_presence(expr) else ctx, expr)
     if kind in (BOOL, UNKNOWN) or isinstance(kind, PartType) or (kind == BOX and isinstance(expr, ast.MemberExpr)):
         return
-    ck.unfit(expr, kind, "a condition must be true or false")
+    ck.unfit(expr, kind, "a condition must be true or false", hint=instead(expr, kind, BOOL))
 
 
 def _asks_presence(expr: ast.Expr) -> bool:
@@ -54,7 +55,12 @@ def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
                     hint=did_you_mean(expr.type_name, names) or f"it is {' or '.join(names)}",
                 )
     elif subject != UNKNOWN:
-        ck.unfit(expr.subject, subject, "`is` tests a part or a style")
+        ck.unfit(
+            expr.subject,
+            subject,
+            "`is` tests a part or a style",
+            hint=f"compare it: `{expr.subject.span.words} == ...`",
+        )
     return BOOL
 
 
@@ -246,7 +252,7 @@ def choice_word(ck: Checker, ctx: Context, other: ast.Expr, expr: ast.Expr) -> T
             "unknown-choice",
             expr.span,
             f"`{expr.name}` is not one of {', '.join(kind.values)}",
-            hint=did_you_mean(expr.name, kind.values),
+            hint=did_you_mean(expr.name, kind.values) or instead(expr, UNKNOWN, kind),
         )
     ck.mean(expr, Word(expr.name))
     if not ctx.silent:

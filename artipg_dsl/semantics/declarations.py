@@ -13,6 +13,7 @@ from .entries import of_reference
 from .fold import components, constant
 from .guards import consistent
 from .meanings import Declared, Word
+from .remedies import instead
 from .scope import BodyScope, Entry
 from .symbols import ModuleScope
 from .types import (
@@ -147,7 +148,7 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
     if node.domain is not None or node.positive or node.test is not None:
         if not isinstance(kind, ScalarType | VecType) and kind != UNKNOWN:
             span = node.domain.span if node.domain is not None else node.span
-            ck.error("wrong-type", span, f"{what} is {kind}: only numbers can have a range")
+            ck.error("wrong-type", span, f"{what} is {kind}: only numbers can have a range", hint="leave the range out")
             return
     if not _taken(ck, ctx, node, kind, what):
         return
@@ -178,7 +179,12 @@ def _taken(ck: Checker, ctx: Context, node: ast.ParamDecl, kind: Type, what: str
     owner = ctx.scope.owner.kind if ctx.scope is not None else ""
     number = isinstance(kind, ScalarType | VecType) or kind == UNKNOWN
     if isinstance(kind, ArrayType) or kind == STRING:
-        ck.unfit(node.type, kind, f"{what} must be one value that parts can be made from")
+        ck.unfit(
+            node.type,
+            kind,
+            f"{what} must be one value that parts can be made from",
+            hint="a parameter is a number, a vector, a choice, a switch, a place or a material: write `choice a | b` for words",
+        )
     elif owner == "primitive" and not number and kind not in (BOOL, CURVE):
         hint = "choose between primitives in a template, or take a `bool`"
         ck.unfit(node.type, kind, "a primitive takes numbers, switches and curves", hint=hint)
@@ -186,7 +192,12 @@ def _taken(ck: Checker, ctx: Context, node: ast.ParamDecl, kind: Type, what: str
         return True
     elif kind not in (BOOL, MATERIAL):
         if owner == "category":
-            ck.unfit(node.type, kind, "a parameter of a category is a number, an option, a switch or a material")
+            ck.unfit(
+                node.type,
+                kind,
+                "a parameter of a category is a number, an option, a switch or a material",
+                hint="compute it of numbers: `let name = [x, y, z]`, or declare it in a template, where whoever uses that hands it in",
+            )
         elif node.default is not None:
             said = f"{what} is {kind}, which has no default"
             ck.error("wrong-type", node.default.span, said, hint=f"pass it as an argument: `({node.names[0]} = ...)`")
@@ -212,11 +223,26 @@ def _idle(ck: Checker, ctx: Context, node: ast.ParamDecl, kind: Type, what: str)
     idle = (
         ("in", out and node.domain is not None, "an output is what the template makes it", "state a `require`"),
         ("~", node.distribution is not None and not drawn, "nothing is drawn without a range", in_range),
-        ("vary", node.vary is not None and choice, "a choice has no steps", None),
+        (
+            "vary",
+            node.vary is not None and choice,
+            "a choice has no steps",
+            "leave it out: a step takes any other option",
+        ),
         ("vary", node.vary is not None and not choice and not drawn, "nothing is drawn without a range", in_range),
         ("was", node.was is not None and not drawn, "nothing is drawn without a range", in_range),
-        ("derived", node.derived and (choice or out or kind == BOOL), "equations determine numbers only", None),
-        ("test", node.test is not None and not primitive, "primitives alone are tested over ranges", None),
+        (
+            "derived",
+            node.derived and (choice or out or kind == BOOL),
+            "equations determine numbers only",
+            "leave it out",
+        ),
+        (
+            "test",
+            node.test is not None and not primitive,
+            "primitives alone are tested over ranges",
+            "write `in` for the range that is drawn from",
+        ),
     )
     for word, here, why, hint in idle:
         if here and kind != UNKNOWN:
@@ -259,7 +285,12 @@ def _drawn(ck: Checker, ctx: Context, node: ast.ParamDecl | ast.CountDecl, kind:
         _inside(ck, ctx, node.default, node.domain, f"the default of {what}")
         values = components(node.default, ctx.module)
         if isinstance(node, ast.ParamDecl) and node.positive and any(v is not None and v <= 0 for v in values):
-            ck.error("default-outside-range", node.default.span, f"the default of {what} is not above 0")
+            ck.error(
+                "default-outside-range",
+                node.default.span,
+                f"the default of {what} is not above 0",
+                hint="write a default above 0, or leave `> 0` out",
+            )
     if node.distribution is not None:
         _distribution(ck, ctx, node.distribution, kind, node.domain)
 
@@ -272,7 +303,7 @@ def check_default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what
                 "unknown-choice",
                 default.span,
                 f"`{default.name}` is not one of {', '.join(kind.values)}",
-                hint=did_you_mean(default.name, kind.values),
+                hint=did_you_mean(default.name, kind.values) or instead(default, UNKNOWN, kind),
             )
         ck.mean(default, Word(default.name))
         return default.name in kind.values
@@ -301,7 +332,9 @@ def check_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, kind: Type, 
                     "empty-range",
                     interval.span,
                     "the range is empty: its low end lies above its high end",
-                    hint="swap the ends" if len(lows) == 1 else None,
+                    hint="swap the ends"
+                    if len(lows) == 1
+                    else "swap the components of the two ends where the low one is larger",
                 )
                 return
 
@@ -310,7 +343,13 @@ def _inside(ck: Checker, ctx: Context, value: ast.Expr, domain: ast.RangeExpr | 
     """A constant default lies in the constant domain."""
     if domain is not None and outside(value, domain, ctx.module):
         message, notes = f"{what} lies outside its range {domain.span.text}", ((domain.span, "the range"),)
-        ck.error("default-outside-range", value.span, message, notes=notes)
+        ck.error(
+            "default-outside-range",
+            value.span,
+            message,
+            notes=notes,
+            hint="choose a value in the range, or widen the range",
+        )
 
 
 def outside(
@@ -342,12 +381,22 @@ def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type,
         return
     for argument in node.arguments:
         if argument.name is not None:
-            ck.error("wrong-arguments", argument.span, "arguments of a distribution are given without names")
+            ck.error(
+                "wrong-arguments",
+                argument.span,
+                "arguments of a distribution are given without names",
+                hint=f"write `{node.name}(...)` with the values in order",
+            )
     if isinstance(kind, ChoiceType):
         _options(ck, ctx, node, kind)
         return
     if len(node.arguments) not in law.arguments:
-        ck.error("wrong-arguments", node.span, f"`{node.name}` takes {law.example}, {given(len(node.arguments))}")
+        ck.error(
+            "wrong-arguments",
+            node.span,
+            f"`{node.name}` takes {law.example}, {given(len(node.arguments))}",
+            hint=f"as in `~ {law.call}`",
+        )
         return
     fitting = True
     for position, argument in enumerate(node.arguments):
@@ -356,7 +405,12 @@ def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type,
         fitting &= fits(ck.expect(ctx, argument.value, wanted, f"an argument of `{node.name}`"), wanted)
         value = constant(argument.value, ctx.module)
         if position == 1 and position in law.positive and value is not None and value <= 0:
-            ck.error("wrong-arguments", argument.span, "a deviation must be greater than 0")
+            ck.error(
+                "wrong-arguments",
+                argument.span,
+                "a deviation must be greater than 0",
+                hint="write a deviation above 0; for one fixed value, use `let` or a default without a distribution",
+            )
         if node.name == "values":
             _inside(ck, ctx, argument.value, domain, "a value of the distribution")
     if fitting:
@@ -383,7 +437,13 @@ def _reaches(ck: Checker, ctx: Context, node: ast.Distribution, domain: ast.Rang
     low, high = constant(domain.low, ctx.module), constant(domain.high, ctx.module)
     if low is not None and high is not None and (least > high or most < low):
         said = f"nothing of `{node.span.text}` lies in the range {domain.span.text}"
-        ck.error("empty-range", node.span, said, notes=((domain.span, "the range"),))
+        ck.error(
+            "empty-range",
+            node.span,
+            said,
+            notes=((domain.span, "the range"),),
+            hint="move the distribution into the range, or widen the range",
+        )
 
 
 def _options(ck: Checker, ctx: Context, node: ast.Distribution, kind: ChoiceType) -> None:
@@ -395,7 +455,12 @@ def _options(ck: Checker, ctx: Context, node: ast.Distribution, kind: ChoiceType
         )
         return
     if not node.arguments:
-        ck.error("wrong-arguments", node.span, f"`values` takes {DISTRIBUTIONS['values'].example}, {given(0)}")
+        ck.error(
+            "wrong-arguments",
+            node.span,
+            f"`values` takes {DISTRIBUTIONS['values'].example}, {given(0)}",
+            hint=f"write `values({kind.values[0]}, {kind.values[-1]})`",
+        )
     for argument in node.arguments:
         if isinstance(argument.value, ast.NameExpr):
             check_default(ck, ctx, argument.value, kind, "a value of the distribution")

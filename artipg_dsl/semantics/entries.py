@@ -59,7 +59,12 @@ def type_of(ck: Checker, entry: Entry) -> Type:
                     hint="to choose once for several parts, use a style: `style chosen : Role = A | B`",
                 )
             if keyword == "curve" and kind != CURVE and not isinstance(kind, VecType) and kind != UNKNOWN:
-                return ck.unfit(value, kind, f"`{entry.name}` is declared as a curve")
+                return ck.unfit(
+                    value,
+                    kind,
+                    f"`{entry.name}` is declared as a curve",
+                    hint="write a path, or a formula in two or three components; a value of another kind is a `let`",
+                )
             return kind
         case ast.PartDecl():
             domain = choices(ck, entry)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from math import pi
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
-from ..units import UNITS, Dimension
+from ..units import UNITS
 from . import calls, conditions, foreign, paths
 from .fold import constant, is_unitless
 from .guards import Not
 from .meanings import Global
+from .remedies import instead, usual_unit
 from .types import (
     BOOL,
     COUNT,
@@ -23,6 +23,7 @@ from .types import (
     NONE,
     PLANE,
     POINT,
+    RATIO,
     SIZE,
     STRING,
     UNKNOWN,
@@ -34,7 +35,6 @@ from .types import (
     StyleType,
     Type,
     VecType,
-    dimension_name,
     dimension_of,
     fits,
     is_number,
@@ -44,8 +44,6 @@ from .types import (
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
-
-_USUAL_UNITS = {"length": "cm", "angle": "deg", "mass": "kg", "density": "kg/m3", "time": "s", "force": "N"}
 
 
 def infer(ck: Checker, ctx: Context, expr: ast.Expr) -> Type:
@@ -83,7 +81,9 @@ def infer(ck: Checker, ctx: Context, expr: ast.Expr) -> Type:
                 return kind
             if kind == PLANE:
                 return LENGTH
-            return ck.unfit(expr, kind, f"`{op}` needs a number, a vector or a direction")
+            return ck.unfit(
+                expr, kind, f"`{op}` needs a number, a vector or a direction", hint=instead(expr.operand, kind, RATIO)
+            )
         case ast.BinaryExpr(op="and" | "or"):
             conditions.truth(ck, ctx, expr.left)
             known = conditions.of(ck, ctx, expr.left)
@@ -117,22 +117,13 @@ def _number(ck: Checker, expr: ast.NumberExpr) -> Type:
     return ScalarType(NONE, count=float(expr.value).is_integer())
 
 
-def usual_unit(dimension: Dimension) -> str:
-    """The unit to suggest for a dimension."""
-    return _USUAL_UNITS.get(dimension_name(dimension), "")
-
-
-def likely_units(dimension: Dimension, value: float) -> list[str]:
-    """The units to suggest for a number: small ones may be metres or radians."""
-    small = {"length": ("m", value < 1), "angle": ("rad", value < 2 * pi and value % 1 > 0)}
-    unit, meant = small.get(dimension_name(dimension), ("", False))
-    return [usual_unit(dimension), *[unit] * meant]
-
-
 def _vector(ck: Checker, ctx: Context, expr: ast.VectorExpr) -> Type:
     if len(expr.items) not in (2, 3):
         return ck.error(
-            "wrong-type", expr.span, f"a vector has two or three components, but this one has {len(expr.items)}"
+            "wrong-type",
+            expr.span,
+            f"a vector has two or three components, but this one has {len(expr.items)}",
+            hint="write `[x, y, z]` or `[x, y]`; more values are several vectors",
         )
     dimension = ctx.component
     first: ast.Expr | None = None
@@ -147,7 +138,12 @@ def _vector(ck: Checker, ctx: Context, expr: ast.VectorExpr) -> Type:
             continue
         if not is_number(kind):
             failed = True
-            ck.unfit(item, kind, "a component of a vector must be a number")
+            ck.unfit(
+                item,
+                kind,
+                "a component of a vector must be a number",
+                hint=instead(item, kind, RATIO if ctx.component is None else ScalarType(ctx.component)),
+            )
             continue
         found = dimension_of(kind)
         if found is None:
@@ -257,7 +253,12 @@ def _blame(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type, rule: str
         if isinstance(own, ScalarType | VecType) and own.dimension == NONE and is_unitless(operand):
             ck.mismatch(operand, own, other if other != PLANE else LENGTH, "this number")
             return
-    ck.error("wrong-dimension", expr.span, f"{rule}: on the left {left}, on the right {right}")
+    ck.error(
+        "wrong-dimension",
+        expr.span,
+        f"{rule}: on the left {left}, on the right {right}",
+        hint=_reconciled(expr, left, right),
+    )
 
 
 def _arithmetic(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
@@ -278,8 +279,28 @@ def arithmetic(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> Ty
         found = _product(expr.op, left, right)
     if found is None:
         hint = next((operand.ranked for operand in (left, right) if isinstance(operand, ElementType)), None)
+        hint = hint or _computable(expr, left, right)
         return ck.error("wrong-type", expr.span, f"`{expr.op}` does not apply to {left} and {right}", hint=hint)
     return found
+
+
+def _computable(expr: ast.BinaryExpr, left: Type, right: Type) -> str:
+    """What to write for the operand that nothing can be computed with."""
+    odd = next(
+        ((e, k) for e, k in ((expr.left, left), (expr.right, right)) if not _addable(k) and k != DIRECTION), None
+    )
+    found = None if odd is None else instead(*odd, LENGTH if PLANE in (left, right) else RATIO)
+    return found or "compute with numbers or vectors of the same size: name the components, as in `a.x`"
+
+
+def _reconciled(expr: ast.BinaryExpr, left: Type, right: Type) -> str | None:
+    """How one side of a sum or a comparison gets the dimension of the other."""
+    a, b = (LENGTH if kind == PLANE else kind for kind in (left, right))
+    if isinstance(a, VecType) and isinstance(b, ScalarType):
+        return instead(expr.left, a, b)
+    literal = isinstance(expr.right, ast.NumberExpr)  # what is computed may need a factor, a number another unit
+    sides = (expr.left, a, b) if literal and not usual_unit(dimension_of(a) or NONE) else (expr.right, b, a)
+    return instead(*sides)
 
 
 def _addable(kind: Type) -> bool:
@@ -329,9 +350,14 @@ def _product(op: str, left: Type, right: Type) -> Type | None:
 
 def _power(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> Type:
     if not isinstance(left, ScalarType) and left != PLANE:
-        return ck.unfit(expr.left, left, "`^` needs a number")
+        return ck.unfit(expr.left, left, "`^` needs a number", hint=instead(expr.left, left, RATIO))
     if not isinstance(right, ScalarType) or dimension_of(right) not in (NONE, None):
-        return ck.error("wrong-dimension", expr.right.span, f"an exponent must be a plain number, but this is {right}")
+        return ck.error(
+            "wrong-dimension",
+            expr.right.span,
+            f"an exponent must be a plain number, but this is {right}",
+            hint=instead(expr.right, right, RATIO),
+        )
     dimension = LENGTH_DIM if left == PLANE else left.dimension  # type: ignore[union-attr]
     if dimension == NONE:
         return COUNT if left == COUNT and right == COUNT else ScalarType(NONE)

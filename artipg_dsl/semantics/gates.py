@@ -45,7 +45,12 @@ def _compared(ck: Checker, ctx: Context, left: ast.Expr, right: ast.Expr) -> Non
         return
     kind = None if given.kind is None else JOINTS.get(given.kind)
     if given.kind in ("ball", "fixed"):
-        ck.error("bad-gate", left.span, f"a {given.kind} joint has no value that says how far it is open")
+        ck.error(
+            "bad-gate",
+            left.span,
+            f"a {given.kind} joint has no value that says how far it is open",
+            hint="wait for a revolute, prismatic or continuous joint",
+        )
     elif kind is not None:
         ck.expect(ctx, right, LENGTH if given.kind == "prismatic" else ANGLE, "the value that a joint waits for")
     else:  # of a role: either

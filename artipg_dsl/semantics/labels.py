@@ -18,6 +18,7 @@ from .fold import constant
 from .guards import consistent
 from .meanings import Declared, Global, Inner, Previous
 from .offers import missing
+from .remedies import instead
 from .symbols import Symbol
 from .types import (
     BOOL,
@@ -67,7 +68,12 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
         case ast.KeypointStmt(target=at, at=place):
             kind, ctx = _place(ck, ctx, at)
             if not isinstance(kind, Boxed) and kind not in (UNKNOWN, FRAME, POINT, PLANE, EDGE, LINE, SURFACE):
-                ck.unfit(at, kind, "a keypoint must be on a part, a port or a point")
+                ck.unfit(
+                    at,
+                    kind,
+                    "a keypoint must be on a part, a port or a point",
+                    hint="name a part, a face or a port, and the place with `at [x, y, z]`",
+                )
             if place is not None:
                 ck.expect(formula(ctx), place, POINT, "the place of a keypoint")
             _keypoint_twice(ck, ctx, stmt)
@@ -76,7 +82,12 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             if turn is not None:
                 ck.expect(ctx, turn, COUNT, "the turns of a symmetry")
                 if (turns := constant(turn, ctx.module)) is not None and turns < 2:
-                    ck.error("illegal-value", turn.span, "a symmetry has at least two turns")
+                    ck.error(
+                        "illegal-value",
+                        turn.span,
+                        "a symmetry has at least two turns",
+                        hint="write 2 or more, or `any`; without a symmetry, leave the statement out",
+                    )
             ck.expect(ctx, direction, DIRECTION, "the axis of a symmetry")
         case ast.MaterialStmt():
             _material(ck, ctx, stmt)
@@ -116,7 +127,12 @@ def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str) -> Context:
     """What a label lies on: parts, slots and surfaces, also through repeats."""
     kind, ctx = _place(ck, ctx, expr)
     if not isinstance(kind, Boxed) and kind not in (UNKNOWN, PLANE, SURFACE):
-        ck.unfit(expr, kind, f"{rule} parts, slots or surfaces")
+        ck.unfit(
+            expr,
+            kind,
+            f"{rule} parts, slots or surfaces",
+            hint="name a part, a slot or a surface; where on it, say with `where`",
+        )
     elif kind == PLANE and isinstance(expr, ast.MemberExpr) and _is_surface(ck, expr):
         ck.mean(expr, Inner(expr.name))  # the surface of that name, not the face of the box
     elif kind == PLANE:
@@ -231,7 +247,9 @@ def _acted(ck: Checker, ctx: Context, joint: ast.Expr, vocabulary: str) -> None:
         )
     kind = ck.infer(ctx.but(lenient=[], asked=True, many=True), joint)
     if not isinstance(kind, JointType) and kind != UNKNOWN:
-        ck.unfit(joint, kind, "`for` must name a joint")
+        ck.unfit(
+            joint, kind, "`for` must name a joint", hint="name the joint that carries the target, as in `for open`"
+        )
 
 
 def _field(ck: Checker, ctx: Context, stmt: ast.FieldStmt) -> None:
@@ -260,7 +278,7 @@ def _condition(ck: Checker, place: Context, where: ast.Expr | None) -> None:
         return
     kind = ck.infer(place, where)
     if kind not in (BOOL, UNKNOWN):
-        ck.unfit(where, kind, "`where` needs a condition")
+        ck.unfit(where, kind, "`where` needs a condition", hint=instead(where, kind, BOOL))
     _relative(ck, where)
 
 
@@ -324,7 +342,12 @@ def _material(ck: Checker, ctx: Context, stmt: ast.MaterialStmt) -> None:
         ck.mean(stmt, Declared(stmt.material, home.depth))
         kind = ck.entry_type(paths.sole(ck, ctx, home.table[stmt.material], stmt.material_span))
         if kind not in (MATERIAL, UNKNOWN):
-            ck.error("wrong-type", stmt.material_span, f"`{stmt.material}` is not a material but {kind}")
+            ck.error(
+                "wrong-type",
+                stmt.material_span,
+                f"`{stmt.material}` is not a material but {kind}",
+                hint="name a `material`, or a `style NAME : material = oak | steel`",
+            )
         return
     symbol = ctx.module.find(stmt.material)
     if symbol is None or symbol.kind != "material":

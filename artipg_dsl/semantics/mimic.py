@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ..language import JOINTS
 from ..syntax import ast
 from ..syntax.walk import walk
+from .remedies import instead
 from .types import ANGLE, LENGTH, SEVERAL, UNKNOWN, JointType, ScalarType, Type, fits
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ def check_mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> Non
     if not leaders:
         given = ck.infer(ctx.but(lenient=[], asked=True), value)
         if given != UNKNOWN:
-            ck.unfit(value, given, "`mimic` must follow a joint")
+            ck.unfit(value, given, "`mimic` must follow a joint", hint=_FORM)
         return
     (path, joint), *others = leaders
     if any(other.span.words != path.span.words for other, _ in others):
@@ -35,7 +36,7 @@ def check_mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> Non
     if given == UNKNOWN:
         return
     if not isinstance(given, ScalarType):
-        ck.unfit(value, given, "what `mimic` computes must be a number")
+        ck.unfit(value, given, "what `mimic` computes must be a number", hint=instead(value, given, wanted))
     elif not fits(given, wanted):
         ck.error(
             "wrong-dimension",
@@ -90,7 +91,12 @@ def _value_of(ck: Checker, path: ast.Expr, joint: JointType) -> Type:
         ck.error("many-elements", path.span, message, hint="as in `mimic row[0].open` or `mimic previous.open`")
         return UNKNOWN
     if joint.kind == "fixed":
-        ck.error("bad-mimic", path.span, "a fixed joint does not move, so nothing can follow it")
+        ck.error(
+            "bad-mimic",
+            path.span,
+            "a fixed joint does not move, so nothing can follow it",
+            hint="follow a joint that moves",
+        )
     if not sole_kind(ck, path, joint) or joint.kind not in JOINTS or not JOINTS[joint.kind].moves:
         return UNKNOWN
     return LENGTH if JOINTS[joint.kind].slides else ANGLE
@@ -106,8 +112,8 @@ def sole_kind(ck: Checker, path: ast.Expr, joint: JointType) -> bool:
     return joint != SEVERAL
 
 
-def _factor(leader: ast.Expr, given: Type, wanted: Type) -> str | None:
+def _factor(leader: ast.Expr, given: Type, wanted: Type) -> str:
     if {given, wanted} != {ANGLE, LENGTH}:
-        return None
+        return _FORM
     each, one = ("2cm", "90deg") if wanted == LENGTH else ("90deg", "2cm")
     return f"say how far it goes for how much of the other: `mimic {leader.span.words} * ({each} / {one})`"

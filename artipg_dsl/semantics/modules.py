@@ -93,6 +93,7 @@ class Workspace:
                     head.name_span,
                     f"`{head.name}` is declared twice in this file",
                     notes=((first, "first declared here"),),
+                    hint="choose another name for one of them",
                 )
             else:
                 scope.names[head.name] = Symbol(head.name, KINDS[head.kind], scope, number)

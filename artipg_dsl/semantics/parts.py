@@ -233,7 +233,12 @@ def _lacking(
         )
     what = " or ".join(dict.fromkeys(v.name for v in part.variants))
     if promised is not None:
-        return ck.error("optional-outside-when", span, f"`{word}` is optional in the role, and {what} does not bind it")
+        return ck.error(
+            "optional-outside-when",
+            span,
+            f"`{word}` is optional in the role, and {what} does not bind it",
+            hint=f"bind `{word}` in the template, or leave this out",
+        )
     symbols = [v.symbol for v in part.variants if v.symbol is not None]
     offered = sorted(
         {n for symbol in symbols for n in _member_names(ck, symbol) if not ctx.ends or _is_place(ck, symbol, n)}

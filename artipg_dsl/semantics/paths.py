@@ -97,7 +97,12 @@ def name(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
         ck.mean(expr, Global(symbol))
         return _symbol(ck, ctx, symbol, expr.span)
     if word in FUNCTIONS:
-        return ck.error("wrong-type", expr.span, f"`{word}` is a function: it needs arguments in parentheses")
+        return ck.error(
+            "wrong-type",
+            expr.span,
+            f"`{word}` is a function: it needs arguments in parentheses",
+            hint=f"write `{FUNCTIONS[word][-1].call}`",
+        )
     return _unknown_name(ck, ctx, word, expr.span)
 
 
@@ -191,6 +196,7 @@ def _use(ck: Checker, ctx: Context, entries: list[Entry], span: Span) -> Type:
             span,
             f"`{entry.name}` never exists here: its guard excludes the one around this statement",
             notes=((entry.span, "declared here"),),
+            hint=f"move this under the guard of `{entry.name}`, or change one of the guards",
         )
     if isinstance(kind, PartType):
         parts = [t for e in live if isinstance(t := ck.entry_type(e), PartType)]
@@ -260,7 +266,12 @@ def _previous(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
             ck.mean(expr, Previous(scope.depth))
             entry = next(e for e in scope.parent.table[scope.repeat.name] if e.node is scope.repeat)
             return ElementType(entry, f"{entry.key}.previous", shift=1)
-    return ck.error("unknown-name", expr.span, "`previous` only exists inside a repeat")
+    return ck.error(
+        "unknown-name",
+        expr.span,
+        "`previous` only exists inside a repeat",
+        hint="move this into the repeat; from outside, name an element: `row[0]`, `row[last]`",
+    )
 
 
 def _symbol(ck: Checker, ctx: Context, symbol: Symbol, span: Span) -> Type:
@@ -269,9 +280,19 @@ def _symbol(ck: Checker, ctx: Context, symbol: Symbol, span: Span) -> Type:
             decl = symbol.decl
             assert isinstance(decl, ast.FunctionDecl)
             if decl.parameters:
-                return ck.error("wrong-type", span, f"`{symbol.name}` is a function: it needs arguments in parentheses")
+                return ck.error(
+                    "wrong-type",
+                    span,
+                    f"`{symbol.name}` is a function: it needs arguments in parentheses",
+                    hint=f"write `{symbol.name}({', '.join(decl.parameters)})`",
+                )
             if id(decl) in ck.calling:
-                return ck.error("circular-definition", span, f"`{symbol.name}` is defined by itself")
+                return ck.error(
+                    "circular-definition",
+                    span,
+                    f"`{symbol.name}` is defined by itself",
+                    hint="give one of them a value that names none of the others",
+                )
             ck.calling.append(id(decl))
             kind = ck.infer(type(ctx)(symbol.module), decl.value)
             ck.calling.pop()
@@ -280,7 +301,14 @@ def _symbol(ck: Checker, ctx: Context, symbol: Symbol, span: Span) -> Type:
             return MATERIAL
         case "template" | "role":
             return StyleType((Variant(symbol.name, symbol),), symbol.name)
-    return ck.error("wrong-type", span, f"`{symbol.name}` is a {symbol.kind}, not a value")
+    return ck.error(
+        "wrong-type",
+        span,
+        f"`{symbol.name}` is a {symbol.kind}, not a value",
+        hint="make a part of it: `part name : TEMPLATE(...)`, and name that"
+        if symbol.kind == "primitive"
+        else "name a parameter, a part or a `let`",
+    )
 
 
 def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
@@ -310,12 +338,21 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
         case NamedType():
             found = place_member(obj, word)
         case FunctionType():
-            return ck.error("wrong-type", expr.span, f"`{obj.entry.name}` is a function: it needs arguments")
+            return ck.error(
+                "wrong-type",
+                expr.span,
+                f"`{obj.entry.name}` is a function: it needs arguments",
+                hint=f"write `{obj.entry.name}(...)`",
+            )
         case _:
             found = UNKNOWN if obj == UNKNOWN else None
     if found is None:
         known = place_names(obj)
-        hint = did_you_mean(word, known) or listed(known)
+        hint = (
+            did_you_mean(word, known)
+            or listed(known)
+            or f"leave `.{word}` out: a part or a vector has members, a number none"
+        )
         if word in FACES and isinstance(expr.obj, ast.MemberExpr) and expr.obj.name in FACES:
             hint = "only adjacent faces share an edge, as in `left.back`"
         return ck.error("unknown-member", span, f"{obj} has no `{word}`", hint=hint)
@@ -402,7 +439,12 @@ def index(ck: Checker, ctx: Context, expr: ast.IndexExpr) -> Type:
         return UNKNOWN
     whole = expr.obj.span.words
     hint = f"surfaces of a family are named together; a formula chooses among them: `on {whole} where n.x > 0.5`"
-    return ck.unfit(expr, obj, "only repeats and indexed ports take an index", hint if obj == SURFACE else None)
+    return ck.unfit(
+        expr,
+        obj,
+        "only repeats and indexed ports take an index",
+        hint if obj == SURFACE else f"leave the index out: `{whole}`",
+    )
 
 
 def _port(ck: Checker, ctx: Context, ports: ArrayType, expr: ast.IndexExpr) -> Type:

@@ -67,7 +67,12 @@ def check_connect(ck: Checker, ctx: Context, node: ast.ConnectStmt) -> None:
         _mounted(ck, (node.subject, kind), (node.to.value, ck.types.get(id(node.to.value), UNKNOWN)))
     _on_face(ck, node, node.subject, kind)
     if node.to is None and node.on is None and node.in_ is None and node.between is None:
-        ck.error("missing-clause", node.span, "`connect` needs a target: `to`, `on`, `in` or `between`")
+        ck.error(
+            "missing-clause",
+            node.span,
+            "`connect` needs a target: `to`, `on`, `in` or `between`",
+            hint="as in `connect lid.bottom on body.top` or `connect handle.mount to door.front`",
+        )
     else:
         _idle(ck, node, None if kind == UNKNOWN else node.to is not None and isinstance(node.subject, ast.MemberExpr))
 
@@ -85,7 +90,12 @@ def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
     """One end of a connection: a part, or a port, face, edge or line of one."""
     places = (UNKNOWN, FRAME, PLANE, EDGE, LINE, POINT, SURFACE, BASE, BOX)
     if not isinstance(kind, Boxed) and kind not in places:
-        ck.unfit(expr, kind, f"{what} must be a part or one of its ports and faces")
+        ck.unfit(
+            expr,
+            kind,
+            f"{what} must be a part or one of its ports and faces",
+            hint="name a part, or a face, port, edge or line of one",
+        )
 
 
 def _target(ck: Checker, expr: ast.Expr, kind: Type, word: str) -> None:
@@ -119,10 +129,16 @@ def _on_face(ck: Checker, node: ast.Attaching, expr: ast.Expr, kind: Type) -> No
     target = node.on.value
     for end, found, face in ((expr, kind, "bottom"), (target, ck.types.get(id(target), UNKNOWN), "top")):
         if found not in (PLANE, FRAME, UNKNOWN):
-            hint = f"name one of its faces, as in `{end.span.words}.{face}`" if isinstance(found, PartType) else None
+            boxed = isinstance(found, Boxed) or found == BOX
+            hint = f"name one of its faces, as in `{end.span.words}.{face}`" if boxed else "name a face or a port"
             ck.unfit(end, found, "`on` lays a face on a face", hint=hint)
     if node.fit is not None and not (isinstance(target, ast.MemberExpr | ast.NameExpr) and target.name in FACES):
-        ck.error("wrong-type", node.fit.span, "`fit` needs a face of a box behind `on`, as in `on body.front fit left`")
+        ck.error(
+            "wrong-type",
+            node.fit.span,
+            "`fit` needs a face of a box behind `on`, as in `on body.front fit left`",
+            hint="name the part's face, or place the sides with `align`",
+        )
 
 
 def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> None:
@@ -136,7 +152,12 @@ def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> No
     if node.in_ is not None:
         kind = ck.infer(ends, node.in_.value)
         if not isinstance(kind, Boxed) and kind not in (BOX, UNKNOWN):
-            ck.unfit(node.in_.value, kind, "`in` needs a box")
+            ck.unfit(
+                node.in_.value,
+                kind,
+                "`in` needs a box",
+                hint="name a part, or a port that is a box, such as `body.inner`",
+            )
     for clause in ast.present(node.gap, node.sink):
         ck.expect(ctx, clause.value, LENGTH, f"the `{clause.word}`")
     if node.facing is not None:
@@ -186,7 +207,12 @@ def _idle(ck: Checker, node: ast.Attaching, mounted: bool | None) -> None:
         if clause is None or mounted is None or way in _WITH[clause.word] or clause is node.at and not way and aims:
             continue
         if way or clause is node.facing or clause is node.fit:
-            ck.error("unknown-clause", clause.span, f"`{clause.word}` goes with {any_of(_WITH[clause.word])}")
+            ck.error(
+                "unknown-clause",
+                clause.span,
+                f"`{clause.word}` goes with {any_of(_WITH[clause.word])}",
+                hint="leave it out, or place the part by " + any_of(_WITH[clause.word]),
+            )
         else:
             ck.error(
                 "unknown-clause",
@@ -206,7 +232,7 @@ def _at(ck: Checker, ctx: Context, name: str | None, value: ast.Expr, framed: bo
             "unknown-argument",
             value.span,
             f"`at` takes coordinates x, y and z, not `{name}`",
-            hint=did_you_mean(name, DIRECTIONS),
+            hint=did_you_mean(name, DIRECTIONS) or "write `at x = ..., z = ...`, or `at center`",
         )
     elif framed and isinstance(value, ast.NameExpr) and value.name == "center":
         ck.mean(value, Word("center"))
@@ -239,7 +265,12 @@ def check_joint(ck: Checker, ctx: Context, node: ast.JointDecl) -> None:
     _end(ck, node.parent, parent, "the parent of a joint")
     assert ctx.scope is not None
     if child == BASE:
-        ck.error("wrong-type", node.child.span, "`base` is what the template is attached to, so a joint cannot move it")
+        ck.error(
+            "wrong-type",
+            node.child.span,
+            "`base` is what the template is attached to, so a joint cannot move it",
+            hint="turn the joint around: `joint name : kind base -> part`",
+        )
     if parent == BASE and ctx.scope.owner.kind == "category":
         ck.error("wrong-type", node.parent.span, "`base` only exists in a template", hint="name the root part instead")
     named = isinstance(node.parent, ast.NameExpr) and (parent == BASE or isinstance(parent, Boxed))
@@ -275,6 +306,9 @@ def _taken(ck: Checker, kind: str, clause: Given) -> Given:
         hint = f"a {kind} joint slides `along` a direction"
     elif clause.word == "along" and row.turns:
         hint = "it turns `about` an edge or a line"
+    else:
+        takers = [name for name, other in JOINTS.items() if clause.word in other.clauses]
+        hint = f"leave it out, or make it {any_of(takers)}"
     code = "bad-axis" if clause.word in ("about", "along") else "unknown-clause"
     ck.error(code, clause.span, f"a {kind} joint takes no `{clause.word}`", hint=hint)
     return None  # type: ignore[return-value]
@@ -309,7 +343,12 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
             low, value, high = (next(iter(components(end, ctx.module)), None) for end in ends)
             if value is not None and (low is not None and value < low or high is not None and value > high):
                 text = interval.value.span.text
-                ck.error("illegal-value", rest.value.span, f"the rest value of the joint lies outside its range {text}")
+                ck.error(
+                    "illegal-value",
+                    rest.value.span,
+                    f"the rest value of the joint lies outside its range {text}",
+                    hint="choose a rest value in the range, or widen the range",
+                )
     for axis in ast.present(_taken(ck, kind, node.about), _taken(ck, kind, node.along)):
         axis_value(ck, axis.word, axis.value, ck.infer(ctx, axis.value))
     if (mimic := _taken(ck, kind, node.mimic)) is not None:
@@ -340,7 +379,11 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
             if isinstance(given, ScalarType):
                 text = number.value.span.text
                 bare = isinstance(number.value, ast.NumberExpr) and not number.value.unit
-                code, hint = ("missing-unit", f"write {text}{units[0]}") if bare else ("wrong-dimension", None)
+                code, hint = (
+                    ("missing-unit", f"write {text}{units[0]}")
+                    if bare
+                    else ("wrong-dimension", f"write a number in `{units[0]}`")
+                )
                 ck.error(
                     code,
                     number.value.span,
@@ -348,7 +391,9 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
                     hint=hint,
                 )
             else:
-                ck.unfit(number.value, given, f"`{number.word}` must be a number")
+                ck.unfit(
+                    number.value, given, f"`{number.word}` must be a number", hint=f"write a number in `{units[0]}`"
+                )
 
 
 def _positions(ck: Checker, ctx: Context, node: ast.JointDecl, positions: ast.Clause[ast.Expr]) -> None:
@@ -356,7 +401,12 @@ def _positions(ck: Checker, ctx: Context, node: ast.JointDecl, positions: ast.Cl
     ck.expect(ctx, positions.value, COUNT, "the number of positions")
     number = constant(positions.value, ctx.module)
     if number is not None and number < 2:
-        ck.error("illegal-value", positions.value.span, "a joint has at least two positions")
+        ck.error(
+            "illegal-value",
+            positions.value.span,
+            "a joint has at least two positions",
+            hint="write 2 or more, or leave `positions` out: the joint then stays anywhere in its range",
+        )
     if node.mimic is not None:
         message = "a joint that follows another has no positions of its own"
         ck.error("unknown-clause", positions.span, message, hint="put `positions` on the joint that leads")

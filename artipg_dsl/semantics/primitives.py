@@ -43,7 +43,7 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
 def _parameter(ck: Checker, ctx: Context, interval: ast.RangeExpr, what: str) -> Type:
     kind = range_type(ck, ctx, interval)
     if kind != UNKNOWN and not isinstance(kind, ScalarType):
-        ck.unfit(interval, kind, f"{what} must range over numbers")
+        ck.unfit(interval, kind, f"{what} must range over numbers", hint="write two numbers, as in `u in 0 .. 1`")
         return UNKNOWN
     check_range(ck, ctx, interval, kind, f"an end of the range of {what}")
     return kind
@@ -70,7 +70,12 @@ def _piece(ck: Checker, ctx: Context, stmt: ast.PieceDecl) -> None:
     for point in stmt.points:
         ck.expect(ctx, point, POINT, "a corner of a piece")
     if len(stmt.points) < 4:
-        ck.error("wrong-arguments", stmt.span, "a piece needs at least four corners")
+        ck.error(
+            "wrong-arguments",
+            stmt.span,
+            "a piece needs at least four corners",
+            hint="write the corners of a convex body: four or more points, not all in one plane",
+        )
     if stmt.guard is not None:
         truth(ck, ctx, stmt.guard)
 
@@ -127,7 +132,13 @@ def check_whole(ck: Checker, symbol: Symbol) -> None:
     for word, kind in (("solid", ast.SolidDecl), ("inside", ast.InsideDecl), ("box", ast.BoxDecl)):
         spans = [s.span for s in body if isinstance(s, kind)]
         for span in spans[1:]:
-            ck.error("duplicate-name", span, f"a primitive has one `{word}`", notes=((spans[0], "the first one"),))
+            ck.error(
+                "duplicate-name",
+                span,
+                f"a primitive has one `{word}`",
+                notes=((spans[0], "the first one"),),
+                hint="join the two into one",
+            )
     for require in (s for s in body if isinstance(s, ast.RequireStmt)):
         if require.stable is not None or require.repair is not None:
             word = "stable" if require.repair is None else "repair"

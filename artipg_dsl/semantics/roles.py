@@ -36,7 +36,12 @@ def check_parent(ck: Checker, symbol: Symbol) -> None:
         if symbol is not min(ring, key=lambda s: (s.module.name, s.decl.span.start)):
             return  # reported once
         names = [s.name for s in ring]
-        ck.error("circular-definition", span, f"roles refine each other in a circle: {' : '.join([*names, names[0]])}")
+        ck.error(
+            "circular-definition",
+            span,
+            f"roles refine each other in a circle: {' : '.join([*names, names[0]])}",
+            hint="let one of them refine no role",
+        )
 
 
 def check_template(ck: Checker, symbol: Symbol) -> None:
@@ -86,7 +91,10 @@ def check_nesting(ck: Checker, symbols: list[Symbol]) -> None:
             names = [s.name for s, _ in ring]
             entry = ring[-1][1]
             ck.error(
-                "circular-definition", entry.span, f"templates contain each other: {' > '.join([*names, names[0]])}"
+                "circular-definition",
+                entry.span,
+                f"templates contain each other: {' > '.join([*names, names[0]])}",
+                hint="give the inner part another template; for a row of the same, use `repeat`",
             )
             return
         if id(symbol) in done or symbol.kind not in ("template", "category"):

@@ -12,6 +12,7 @@ from . import alternatives, conditions, declarations, labels, placing, primitive
 from .entries import of_reference, port_context
 from .guards import Not, consistent
 from .mimic import sole_kind
+from .remedies import instead
 from .scope import BodyScope, Guards
 from .symbols import NAMED, names_of
 from .types import (
@@ -54,6 +55,13 @@ _INSTEAD: dict[tuple[str, type[ast.Stmt]], str] = {
     ("role", ast.RequireStmt): "write it in the templates that play the role, or where the part is declared",
     ("primitive", ast.CountDecl): "write `param {0} : count in ...`",
     ("primitive", ast.WhenStmt): "put the condition behind what it guards: `surface ... when`, `piece ... when`",
+}
+
+_PLACES = {
+    "role": "a role declares what its templates have in common: `inherit`, `param`, `out`, `port`, `slot`, `joint`",
+    "primitive": "a primitive declares one shape; the template or category that uses it says where that stands and what it is",
+    "template": "write it in the category that uses the template",
+    "category": "write it in a primitive, and make a part of that",
 }
 
 
@@ -120,7 +128,7 @@ def _misplaced(ck: Checker, scope: BodyScope, stmt: ast.Stmt) -> bool:
         return True
     if wrong:
         instead = _INSTEAD.get((kind, type(stmt)), "").format(*names_of(stmt))
-        ck.error("misplaced-statement", stmt.span, f"this is not allowed in a {kind}", hint=instead or None)
+        ck.error("misplaced-statement", stmt.span, f"this is not allowed in a {kind}", hint=instead or _PLACES[kind])
     return wrong
 
 
@@ -146,7 +154,12 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
         case ast.LimitStmt(joint=joint, range=interval):
             kind, inside = placing.subject(ck, ctx, joint)
             if not isinstance(kind, JointType) and kind != UNKNOWN:
-                ck.unfit(joint, kind, "`limit` must name a joint")
+                ck.unfit(
+                    joint,
+                    kind,
+                    "`limit` must name a joint",
+                    hint="name a joint, as in `limit hinge.open to 0deg .. 90deg`",
+                )
             wanted: Type = UNKNOWN
             if (
                 isinstance(kind, JointType)
@@ -163,7 +176,14 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             kind, inside = placing.subject(ck, ctx, subject)
             for expr, found in ((subject, kind), (other, ck.infer(inside, other))):
                 if found not in (UNKNOWN, POINT, FRAME, LINE, EDGE):
-                    ck.unfit(expr, found, "`close` joins points, lines or frames")
+                    ck.unfit(
+                        expr,
+                        found,
+                        "`close` joins points, lines or frames",
+                        hint=f"name a point of it, such as `{expr.span.words}.center`"
+                        if isinstance(found, Boxed) or found == PLANE
+                        else "as in `close a.pin to b.pin`",
+                    )
         case _ if isinstance(stmt, SHAPE):
             primitives.check(ck, ctx, stmt)
         case _:
@@ -194,9 +214,19 @@ def _declaration(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
                 _output(ck, ctx, stmt, stmt.name)
         case ast.PartDecl():
             if stmt.root and ctx.scope.owner.kind != "category":
-                ck.error("misplaced-statement", stmt.name_span, "only a category has a `root` part")
+                ck.error(
+                    "misplaced-statement",
+                    stmt.name_span,
+                    "only a category has a `root` part",
+                    hint="write `part`: the first part of a template is what carries the others",
+                )
             elif stmt.root and ctx.scope.repeat is not None:
-                ck.error("misplaced-statement", stmt.name_span, "the `root` part cannot be in a repeat")
+                ck.error(
+                    "misplaced-statement",
+                    stmt.name_span,
+                    "the `root` part cannot be in a repeat",
+                    hint="move it out of the repeat, or make another part the root",
+                )
             alternatives.check_part(ck, ctx, stmt)
         case ast.StyleDecl():
             alternatives.check_style(ck, ctx, stmt)
@@ -233,7 +263,12 @@ def _output(ck: Checker, ctx: Context, stmt: ast.ParamDecl | ast.LetDecl, name: 
         with ck.muted():
             own = of_reference(ck, ctx, stmt.type)
         if not fits(own, wanted):
-            ck.error("wrong-type", stmt.type.span, f"the output `{name}` is {wanted} in the role, but {own} here")
+            ck.error(
+                "wrong-type",
+                stmt.type.span,
+                f"the output `{name}` is {wanted} in the role, but {own} here",
+                hint="declare it as in the role",
+            )
 
 
 def _member(ck: Checker, ctx: Context, stmt: ast.SlotDecl | ast.PortDecl | ast.JointDecl) -> None:
@@ -282,7 +317,12 @@ def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:
         ck.mismatch(stmt.value, given, wanted, f"the port `{stmt.name}`")
     elif given not in places and not is_number(given) and not isinstance(given, Boxed):
         if not fits(given, POINT):
-            ck.unfit(stmt.value, given, "a port must be a place")
+            ck.unfit(
+                stmt.value,
+                given,
+                "a port must be a place",
+                hint="name a face, a point, a line, a box or a length, or write `frame(at = ..., out = ..., up = ...)`",
+            )
 
 
 def _align(ck: Checker, ctx: Context, first: ast.Expr, second: ast.Expr, word: str) -> None:
@@ -302,7 +342,12 @@ def _align(ck: Checker, ctx: Context, first: ast.Expr, second: ast.Expr, word: s
             return
     if is_number(left) != is_number(right):
         number, kind = (first, left) if is_number(left) else (second, right)
-        ck.unfit(number, kind, "a point can only be aligned with a point")
+        ck.unfit(
+            number,
+            kind,
+            "a point can only be aligned with a point",
+            hint="align a coordinate of the point: `a.center.z = ...`, or name a point on both sides",
+        )
         return
     a, b = dimension_of(left), dimension_of(right)
     if is_number(left) and None not in (a, b) and a != b:
@@ -315,21 +360,26 @@ def _condition(ck: Checker, ctx: Context, stmt: ast.RequireStmt | ast.PreferStmt
         kind = ck.infer(ctx.but(lenient=[]), stmt.condition)
         if kind not in (BOOL, UNKNOWN) and not isinstance(kind, PartType):
             word = "require" if isinstance(stmt, ast.RequireStmt) else "prefer"
-            ck.unfit(stmt.condition, kind, f"`{word}` needs a condition")
+            ck.unfit(stmt.condition, kind, f"`{word}` needs a condition", hint=instead(stmt.condition, kind, BOOL))
     if isinstance(stmt, ast.PreferStmt):
         if stmt.weight is not None:
             ck.expect(ctx, stmt.weight, RATIO, "the weight")
     elif stmt.repair is not None:
         kind = ck.infer(ctx.but(lenient=[], asked=True), stmt.repair)
         if not is_number(kind) and not isinstance(kind, ChoiceType | PartType) and kind != UNKNOWN:
-            ck.unfit(stmt.repair, kind, "`repair` must name the parameters that may change")
+            ck.unfit(
+                stmt.repair,
+                kind,
+                "`repair` must name the parameters that may change",
+                hint="name a parameter, a count, a choice or a part",
+            )
 
 
 def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr | None, word: str) -> None:
     for expr in ast.present(subject, other):
         kind = ck.infer(ctx.but(lenient=[], many=True, subject=True), expr)
         if not isinstance(kind, Boxed) and kind != UNKNOWN:
-            ck.unfit(expr, kind, f"`{word}` names parts")
+            ck.unfit(expr, kind, f"`{word}` names parts", hint="name a part, a slot or an element of a repeat")
         labels.not_previous(ck, expr)
 
 
@@ -345,8 +395,12 @@ def _form(ck: Checker, stmt: ast.RepeatStmt) -> None:
     given = {clause.word: clause for clause in ast.clauses(stmt)}
     for word in form.needs:
         if word not in given:
-            message = f"`{stmt.form}` needs `{word}`, for example `{_EXAMPLES[word]}`"
-            ck.error("missing-clause", given[stmt.form].span, message)
+            ck.error(
+                "missing-clause",
+                given[stmt.form].span,
+                f"`{stmt.form}` needs `{word}`",
+                hint=f"add it, for example `{_EXAMPLES[word]}`",
+            )
     for word, clause in given.items():
         if word not in (*form.clauses, *REPEATS):
             what = f"`{stmt.form}`" if stmt.form else "a repeat without a form"

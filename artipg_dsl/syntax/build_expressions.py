@@ -26,7 +26,7 @@ class ExpressionBuilder(BuilderBase):
         top, _, bottom = c[0].value.partition("/")
         value, unit = split_number(bottom)
         if not int(value):
-            self.problem(c[0], "this divides by zero")
+            self.problem(c[0], "this divides by zero", "write a divisor other than 0")
             value = "1"
         try:
             number = int(top) / int(value)

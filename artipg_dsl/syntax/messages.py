@@ -260,7 +260,10 @@ def _by_history(
         and last.type in OPERATORS | {"EQUAL"}
     ):
         if (last.type, token.type) not in (("STAR", "STAR"), ("UNTIL", "DOT")):
-            return found(f"a value is missing between `{last.value}` and {_quoted(token)}")
+            return found(
+                f"a value is missing between `{last.value}` and {_quoted(token)}",
+                "write it, or remove one of the two signs",
+            )
     if statement is not None and statement.type == "ALIGN" and token.type == "_NL":
         begin = statement.end_pos or 0
         compared = next((t for t in history if (t.start_pos or 0) >= begin and t.type in COMPARISONS), None)
@@ -399,7 +402,7 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
             f"a value is missing before {shown}", "for example a number with its unit, a name or a vector `[x, y, z]`"
         )
     if accepted <= {"LBRACE"}:
-        return found(f"`{{` is missing before {shown}")
+        return found(f"`{{` is missing before {shown}", "what belongs to the statement stands in braces: `{ ... }`")
     statement = next((t for t in reversed(history) if t.type in statement_words() | file_words()), None)
     leading = {"ON", "IN"} if statement is not None and statement.type in ("CONNECT", "JOINT") else set()
     placing = leading | {"TURNED"} if leading else set()  # `turned` is read there only to be refused
@@ -421,12 +424,15 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
             "`joint name : kind parent -> child`: the part that moves follows the arrow",
         )
     if "LBRACE" in accepted and token.type == "_NL":
-        return found(f"`{{` is missing before {shown}")
+        return found(f"`{{` is missing before {shown}", "what belongs to the statement stands in braces: `{ ... }`")
     if token.type in ("RPAR", "RSQB") and token.type not in accepted:
         return found(f"{shown} has no matching opening bracket", "remove it, or add the missing bracket before it")
     if 0 < len(accepted) <= 4:
         names = sorted(_SIGNS.get(a, f"`{words.get(a, a.lower())}`") for a in accepted)
-        return found(f"expected {' or '.join(names)}, found {shown}")
+        return found(
+            f"expected {' or '.join(names)}, found {shown}",
+            f"write {names[0]}" + ("" if token.type == "_NL" else " before it, or in its place"),
+        )
     if statement is not None and token.type == "COMMA":
         message = "a comma separates values in brackets, names and targets"
         return found(message, "numbers use a decimal point, as in `0.5`; a statement ends at the end of its line")

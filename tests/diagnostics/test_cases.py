@@ -16,7 +16,9 @@ CASES = Path(__file__).parent / "cases"
 def test_findings(path: Path, update_golden: bool) -> None:
     expected = path.read_text(encoding="utf-8")
     source = Source(str(path), bare(expected))
-    found = annotate(source, check_text(source).diagnostics)
+    diagnostics = check_text(source).diagnostics
+    assert [d.message for d in diagnostics if not d.hint] == []  # every finding says what to try
+    found = annotate(source, diagnostics)
     if update_golden:
         path.write_text(found, encoding="utf-8")
     else:

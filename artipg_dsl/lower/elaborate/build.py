@@ -171,7 +171,12 @@ def _instantiate(part: Component, option: Option, lower_body: LowerBody) -> Inst
     scope = context.guard(part.env.scope, guard, f"{part.path}={option.name}", Present(part.path, option.name))
     instance = Instance(part, option.symbol, scope, part.path + ".")
     if len(context.trace) > 40 and option.symbol.kind == "template":
-        raise context.error("circular-definition", part.span, f"`{option.name}` contains itself")
+        raise context.error(
+            "circular-definition",
+            part.span,
+            f"`{option.name}` contains itself",
+            hint="end the chain: give the inner part another template, or a `when` that stops it",
+        )
     context.trace.append((part.span, f"in `{part.path}` ({option.name})"))
     try:
         own, home = dict(part.inputs), part.env if part.style is None else part.style.env

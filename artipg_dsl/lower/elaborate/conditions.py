@@ -189,7 +189,12 @@ def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
     for value, home, _ in paths.walk(env, node):
         parts.update(value.env.all_parts() if isinstance(value, Element) else map(part_of, carriers(value, home.scope)))
     if not parts:
-        raise env.context.error("wrong-kind", node.span, f"`{node.span.words}` is not a part")
+        raise env.context.error(
+            "wrong-kind",
+            node.span,
+            f"`{node.span.words}` is not a part",
+            hint="name a part, an element of a repeat or a slot",
+        )
     return tuple(sorted(number for instance, number in links.nodes.items() if instance.part in parts))
 
 

@@ -68,7 +68,12 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
     assert domain is not None
     low, high = component_of(env, domain.low, component), component_of(env, domain.high, component)
     if low.constant is not None and high.constant is not None and low.constant > high.constant:
-        raise env.context.error("empty-range", domain.span, "the range is empty: its low end lies above its high end")
+        raise env.context.error(
+            "empty-range",
+            domain.span,
+            "the range is empty: its low end lies above its high end",
+            hint="exchange the ends, or correct what they are computed from",
+        )
     unit = SI_UNITS.get(declaration.type.name, "") if isinstance(declaration, ast.ParamDecl) else ""
     draw = _new_draw(env, declaration, path, column, declaration.span, low=low, high=high, unit=unit)
     if declaration.default is not None:
@@ -83,6 +88,7 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
                 declaration.default.span,
                 f"the default of `{path}` lies outside its range",
                 notes=((domain.span, "the range"),),
+                hint="choose a default in the range, or widen the range",
             )
     if declaration.distribution is not None:
         draw.distribution = declaration.distribution.name

@@ -77,7 +77,12 @@ class Drive:
         context = self.env.context
         program, found = context.program, joints(self.links, self.env, node)
         if any(not JOINTS[program.joints[k].kind].moves for k in found):
-            raise context.error("wrong-kind", node.span, f"the joint `{node.span.words}` is fixed and cannot move")
+            raise context.error(
+                "wrong-kind",
+                node.span,
+                f"the joint `{node.span.words}` is fixed and cannot move",
+                hint="name a joint that moves, or leave the condition out",
+            )
         carriers, scope = self.carriers(), self.aim.scope
         carried = [program.joints[k] for k in found if k in carriers]
         if found:

@@ -358,7 +358,12 @@ def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
     found = sole_axis(direction)
     if found is None:
         span = statement.direction.span
-        raise env.context.error("bad-axis", span, "a symmetry must be about x, y or z, axes of the part itself")
+        raise env.context.error(
+            "bad-axis",
+            span,
+            "a symmetry must be about x, y or z, axes of the part itself",
+            hint="write `about x`, `about y` or `about z`",
+        )
     axis = E.const(float(found))
     turns = E.ZERO if statement.turn is None else E.maximum(Evaluator(env).scalar(statement.turn), E.ONE)
     program = env.context.program

@@ -158,7 +158,7 @@ def refuse(context: Draft, quantity: Quantity, intervals: Intervals, sources: di
             hint="they are counted from 0; `[last]` is the last one",
         )
         return
-    hint = "lengths are in metres, angles in radians" if quantity.legal.measured else None
+    hint = quantity.legal.remedy or ("lengths are in metres, angles in radians" if quantity.legal.measured else None)
     said = f"{quantity.name} is {amount}, but {quantity.legal.refusal(low)}"
     context.report.error("illegal-value", span, said, hint=hint)
 

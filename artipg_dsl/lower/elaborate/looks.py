@@ -99,5 +99,10 @@ def _read_number(context: Draft, name: str, node: ast.Expr, value: Expr) -> floa
         raise context.internal(node.span, "this depends on what is drawn")
     number, legal = float(value.constant), MATERIAL[name]
     if not legal.holds(number):
-        raise context.error("illegal-value", node.span, f"`{name}` is {plain(number)}, but {legal.refusal(number)}")
+        raise context.error(
+            "illegal-value",
+            node.span,
+            f"`{name}` is {plain(number)}, but {legal.refusal(number)}",
+            hint="write a number in that range",
+        )
     return number

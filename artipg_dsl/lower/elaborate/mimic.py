@@ -102,7 +102,10 @@ def leader_of(links: Links, env: Env, node: ast.Expr) -> Reference:
     homes = (links.context.program.joints[k].scope for k in leaders if isinstance(k, int))
     if any(scope.kind == "repeat" for home in homes for scope in home.ancestors() if not env.scope.within(scope)):
         raise env.context.error(
-            "many-elements", node.span, f"`{node.span.words}` is a joint of every element of a repeat"
+            "many-elements",
+            node.span,
+            f"`{node.span.words}` is a joint of every element of a repeat",
+            hint="name one: `row[0].open`, `row[last].open`, or inside the repeat `previous.open`",
         )
     return leaders
 

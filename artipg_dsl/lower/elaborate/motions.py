@@ -33,7 +33,12 @@ def limit(links: Links, env: Env, statement: ast.LimitStmt) -> None:
     for number in joints(links, env, statement.joint):
         joint = program.joints[number]
         if joint.low is None or joint.high is None:
-            raise links.context.error("wrong-kind", statement.joint.span, f"a {joint.kind} joint has no range to limit")
+            raise links.context.error(
+                "wrong-kind",
+                statement.joint.span,
+                f"a {joint.kind} joint has no range to limit",
+                hint="limit a revolute or a prismatic joint, or make this one `revolute` with a `range`",
+            )
         here = has_row(env.scope, joint.scope)
         if here is not E.TRUE and clears(ev, statement.range.high):
             raise links.context.error(

@@ -61,7 +61,12 @@ def walk(env: Env, node: ast.Expr) -> list[Reached]:
             case Ref():
                 found.extend(r._replace(named=E.both(named, r.named)) for r in _inner_values(value, meaning))
     if not found:
-        raise env.context.error("unknown-member", node.name_span, f"nothing here has `{node.name}`")
+        raise env.context.error(
+            "unknown-member",
+            node.name_span,
+            f"nothing here has `{node.name}`",
+            hint=f"bind `{node.name}` in an alternative, or leave this statement out",
+        )
     return found
 
 

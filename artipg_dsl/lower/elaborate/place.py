@@ -244,7 +244,12 @@ def _mounted(ev: Evaluator, value: Value, node: ast.Expr, way: E.Expr) -> Frame:
             vertical = abs(direction[2].constant or 0.0) == 1.0
             return Frame(point, frame_of(times(direction, way), unit(0 if vertical else 2)), on)
     message = f"this is {describe(value)}, but a frame (a port or a face) is needed here"
-    raise ev.env.context.error("wrong-kind", node.span, message)
+    raise ev.env.context.error(
+        "wrong-kind",
+        node.span,
+        message,
+        hint="name a port or a face of the part, or write `frame(at = ..., out = ..., up = ...)`",
+    )
 
 
 def _turned_in_vain(part: Component, mount: Mount) -> None:

@@ -21,7 +21,8 @@ _MOST_ROWS = 20_000  # the runtime makes no more (``runtime.kernels``)
 @dataclass(frozen=True, slots=True)
 class Legal:
     """A closed range, in ``words`` that stand behind the value ("..., but a size lies between ..."), for a value above it in those
-    of ``beyond`` where they differ; ``measured``: of lengths or angles, so that a message says in which unit it shows them.
+    of ``beyond`` where they differ; ``measured``: of lengths or angles, so that a message says in which unit it shows them;
+    ``remedy`` is what to try.
     """
 
     low: float
@@ -29,6 +30,7 @@ class Legal:
     words: str
     measured: bool = False
     beyond: str = ""
+    remedy: str = ""
 
     def holds(self, value: float) -> bool:
         """Whether a number is legal; nan is not."""
@@ -54,24 +56,72 @@ class Quantity:
 NUMBER = Legal(-1e12, 1e12, "every value of an object must be a finite number", beyond="values are at most 1e12")
 PLACE = Legal(-_FAR, _FAR, "places must lie within 1 km of the origin", True)
 SIZE = Legal(0.0, _FAR, "sizes must not be negative and are at most 1 km", True)
-TURN = Legal(-1.0 - NEAR, 1.0 + NEAR, "a direction must not be [0, 0, 0]")
-AXIS = Legal(1.0 - NEAR, 1.0 + NEAR, "an axis must not be [0, 0, 0]")
-DIRECTION = Legal(NEAR, _FAR, "a direction must not be [0, 0, 0]")
-PARALLEL = Legal(-NEAR, NEAR, "axes that coincide must be parallel")
-APART = Legal(NEAR, _FAR, "a gripper must close across its approach")
+TURN = Legal(
+    -1.0 - NEAR,
+    1.0 + NEAR,
+    "a direction must not be [0, 0, 0]",
+    remedy="name an axis, or make one component differ from 0",
+)
+AXIS = Legal(
+    1.0 - NEAR, 1.0 + NEAR, "an axis must not be [0, 0, 0]", remedy="name an axis, or make one component differ from 0"
+)
+DIRECTION = Legal(
+    NEAR, _FAR, "a direction must not be [0, 0, 0]", remedy="name an axis, or make one component differ from 0"
+)
+PARALLEL = Legal(
+    -NEAR,
+    NEAR,
+    "axes that coincide must be parallel",
+    remedy="turn one of them as the other, or close points, which have no direction",
+)
+APART = Legal(
+    NEAR,
+    _FAR,
+    "a gripper must close across its approach",
+    remedy="let `close` and `approach` be perpendicular, as in `approach -x  close y`",
+)
 MOTION = Legal(-1e4, 1e4, "the range of a joint must be finite", True, "a joint goes no further than 10,000 m or rad")
 PITCH = Legal(NEAR, _FAR, "the pitch of a screw must not be 0 and is at most 1 km", True)
-POSITIONS = Legal(2.0, 1e5, "a joint has at least two positions", beyond="a joint has at most 100,000 positions")
-HELD = Legal(0.0, 1e9, "it must be finite and not negative", beyond="it is at most 1e9")
-DRIVEN = Legal(1e-9, 1e9, "it must be finite and above 0", beyond="it is at most 1e9")
-RESERVE = Legal(-1e-9, 1e9, "a joint must take its spring to the end of its range")
+POSITIONS = Legal(
+    2.0,
+    1e5,
+    "a joint has at least two positions",
+    beyond="a joint has at most 100,000 positions",
+    remedy="leave `positions` out for a joint that stays anywhere in its range",
+)
+HELD = Legal(0.0, 1e9, "it must be finite and not negative", beyond="it is at most 1e9", remedy="write 0 or more")
+DRIVEN = Legal(
+    1e-9,
+    1e9,
+    "it must be finite and above 0",
+    beyond="it is at most 1e9",
+    remedy="write a value above 0, or leave the clause out",
+)
+RESERVE = Legal(
+    -1e-9,
+    1e9,
+    "a joint must take its spring to the end of its range",
+    remedy="give the joint more `effort`, or the spring less `stiffness`",
+)
 OPENING = Legal(NEAR, _FAR, "an opening must be above 0", True, "an opening is at most 1 km")
-SHARE = Legal(0.0, 1.0, "it must lie in 0 .. 1")
+SHARE = Legal(
+    0.0, 1.0, "it must lie in 0 .. 1", remedy="write a number from 0 to 1; a percentage needs its sign, as in `40%`"
+)
 ROOM = Legal(-1e-9, _FAR, "it must not be negative", True)
 DISTANCE = Legal(0.0, _FAR, "a distance must not be negative and is at most 1 km", True)
 EVERY = Legal(NEAR, _FAR, "the spacing of elements must be at least 0.001 mm", True, "it is at most 1 km")
-OPTION = Legal(1e-12, 1e12, "at least one alternative needs a weight above 0")
-ELEMENTS = Legal(0.0, _MOST_ELEMENTS, f"a repeat must have 0 to {_MOST_ELEMENTS:,} elements")
+OPTION = Legal(
+    1e-12,
+    1e12,
+    "at least one alternative needs a weight above 0",
+    remedy="give one alternative a weight above 0, or put what is not drawn under `when`",
+)
+ELEMENTS = Legal(
+    0.0,
+    _MOST_ELEMENTS,
+    f"a repeat must have 0 to {_MOST_ELEMENTS:,} elements",
+    remedy="correct the number behind `in`: `0 ..< n` has n elements",
+)
 ELEMENT = Legal(0.0, _MOST_ELEMENTS, "the repeat has no such element")
 ROWS = Legal(0.0, _MOST_ROWS, f"an object must have 0 to {_MOST_ROWS:,} elements of one kind")
 WEIGHT = Legal(0.0, 1e12, "a weight must be finite and not negative", beyond="a weight is at most 1e12")

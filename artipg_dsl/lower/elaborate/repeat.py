@@ -122,7 +122,12 @@ def ring(ev: Evaluator, statement: ast.RepeatStmt, count: Expr, scope: Scope) ->
             point = ORIGIN
     direction = ev.direction(found.value)
     if norm(direction) is not E.ONE:
-        raise ev.env.context.error("bad-axis", found.span, "a ring needs an axis of unit length")
+        raise ev.env.context.error(
+            "bad-axis",
+            found.span,
+            "a ring needs an axis of unit length",
+            hint="write `x`, `y` or `z`, a line or a face; of a vector, divide it by its length",
+        )
     angle = E.mul(E.div(E.rank(scope), count), E.const(6.283185307179586))
     # the origin: the point of the axis nearest the scope's origin keeps it independent of where the line starts
     axis = signed_axis(direction)
@@ -137,7 +142,12 @@ def _mirror_pose(ev: Evaluator, statement: ast.RepeatStmt, scope: Scope) -> Pose
     assert found is not None
     axis = signed_axis(ev.direction(found.value))
     if axis is None:
-        raise ev.env.context.error("bad-axis", found.span, "a mirror must be across x, y or z")
+        raise ev.env.context.error(
+            "bad-axis",
+            found.span,
+            "a mirror must be across x, y or z",
+            hint="write `across x`, `across y` or `across z`",
+        )
     sign = E.where(E.call("eq", E.rank(scope), E.ZERO), E.ONE, E.const(-1.0))
     if axis[0] == 1:
         return Pose(IDENTITY, ORIGIN, sign)

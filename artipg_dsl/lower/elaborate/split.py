@@ -98,7 +98,9 @@ def axis_of(ev: Evaluator, statement: ast.RepeatStmt) -> int:
     assert found is not None
     axis = signed_axis(ev.direction(found.value))
     if axis is None:
-        raise ev.env.context.error("bad-axis", found.span, "a repeat must run along x, y or z")
+        raise ev.env.context.error(
+            "bad-axis", found.span, "a repeat must run along x, y or z", hint="write `along x`, `along y` or `along z`"
+        )
     if axis[1] < 0:
         said = "elements are counted in the positive direction of an axis"
         hint = f"write `along {'xyz'[axis[0]]}`: the element at the other end is `{statement.name}[last]`"

@@ -24,7 +24,12 @@ def apply_placements(env: Env, placements: tuple[ast.Placement, ...], outer: Mat
                 )
             step = along(direction)
         elif all(c is E.ZERO for c in direction):
-            raise env.context.error("bad-axis", placement.direction.span, "an axis must not be [0, 0, 0]")
+            raise env.context.error(
+                "bad-axis",
+                placement.direction.span,
+                "an axis must not be [0, 0, 0]",
+                hint="write `x`, `y` or `z`, or a vector of which one component is not 0",
+            )
         else:
             step = rotation_about(normalized(direction), ev.scalar(placement.angle))
         made = product(step, made)

@@ -38,6 +38,7 @@ def pick(ports: Ports, index: Expr, env: Env, span: Span) -> Value:
                 "unknown-port",
                 span,
                 f"`{ports.name}` has no index {int(index.constant)}; it has 0 .. {len(values) - 1}",
+                hint=f"write `[last]` for the last, or declare more: `port {ports.name}[{int(index.constant) + 1}]`",
             )
         return values[int(index.constant)]
     return whichever([(E.call("eq", index, E.const(float(key))), values[key]) for key in sorted(values)])
@@ -121,6 +122,7 @@ def box(ev: Evaluator, node: ast.CallExpr, form: Form) -> Box:
             "wrong-arguments",
             node.span,
             f"the faces {', '.join(missing)} are open: this template has no box of its own to supply them",
+            hint="give them too, or give the template `param size : length[3]`",
         )
     return Box(triple(c for c in low if c is not None), triple(c for c in high if c is not None), on=on)
 

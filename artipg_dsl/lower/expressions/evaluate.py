@@ -148,6 +148,7 @@ class Evaluator:
                         item.span,
                         f"`{item.span.words}` is a plane across {AXES[value.axis or 0]}, but is used as the"
                         f" {AXES[k]} coordinate",
+                        hint=f"name a face across {AXES[k]} there, or write the coordinate as a number",
                     )
                 on += value.on
                 value = value.coordinate

@@ -126,7 +126,12 @@ def member(ev: Evaluator, value: Value, node: ast.MemberExpr) -> Value:
         case _:
             found = None
     if found is None and isinstance(value, Face | Edge):
-        raise ev.env.context.error("unknown-member", node.name_span, f"{describe(value)} has no `{node.name}`")
+        raise ev.env.context.error(
+            "unknown-member",
+            node.name_span,
+            f"{describe(value)} has no `{node.name}`",
+            hint="name it of the part itself: `part.right`, not `part.left.right`",
+        )
     if found is None:
         if isinstance(value, At):
             ev.env.refuse_circle(node.name, node.name_span)

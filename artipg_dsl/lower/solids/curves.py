@@ -119,7 +119,12 @@ def spans_of(ev: Evaluator, node: ast.Expr) -> list[Span]:
 
 def plane(ev: Evaluator, point: tuple[Expr, ...], place: Place) -> Point:
     if len(point) != 2:
-        raise ev.env.context.error("wrong-kind", place, "a curve in a plane is needed here, but this one lies in space")
+        raise ev.env.context.error(
+            "wrong-kind",
+            place,
+            "a curve in a plane is needed here, but this one lies in space",
+            hint="let the curve have two components: `curve f(v) for v in 0 .. 1 = [a, b]`",
+        )
     return point
 
 

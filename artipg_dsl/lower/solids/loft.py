@@ -71,7 +71,12 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
             raise _open_section(env, argument)
     if isinstance(path, Curve | Handed):
         if len(sections) != 2:
-            raise env.context.error("wrong-arguments", solid.span, "along a path `loft` takes two sections")
+            raise env.context.error(
+                "wrong-arguments",
+                solid.span,
+                "along a path `loft` takes two sections",
+                hint="write `loft` with the section at the beginning and the one at the end",
+            )
         if flowing is not None:
             raise env.context.error(
                 "wrong-arguments",
@@ -112,7 +117,12 @@ def loft(env: Env, solid: ast.SolidDecl) -> Made:
 
 
 def _open_section(env: Env, node: ast.Node) -> Abort:
-    return env.context.error("broken-chain", node.span, "a section must be a closed curve, but this one is open")
+    return env.context.error(
+        "broken-chain",
+        node.span,
+        "a section must be a closed curve, but this one is open",
+        hint="let the last curve end where the first begins",
+    )
 
 
 def alike(probe: Probe, sections: Chains) -> Chains:
@@ -149,7 +159,10 @@ def _levels_of(env: Env, solid: ast.SolidDecl, count: int) -> list[Expr]:
         if isinstance(at, ast.VectorExpr) and len(at.items) == count:
             return [ev.scalar(level) for level in at.items]
         raise env.context.error(
-            "wrong-arguments", at.span, f"there are {count} sections, so `at` takes a list of {count} levels"
+            "wrong-arguments",
+            at.span,
+            f"there are {count} sections, so `at` takes a list of {count} levels",
+            hint="write one level for each section, in rising order, or `from` and `to`",
         )
     if ends[0] is None or ends[1] is None:
         raise env.context.error(

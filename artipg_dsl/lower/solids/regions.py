@@ -38,7 +38,12 @@ def axis_of(env: Env, solid: ast.SolidDecl, clause: ast.Clause[ast.Expr] | None)
     found = signed_axis(Evaluator(env).direction(clause.value))
     if found is None or found[1] < 0:
         message = f"`{solid.operator}` takes x, y or z after `{clause.word}`"
-        raise env.context.error("bad-axis", clause.value.span, message)
+        raise env.context.error(
+            "bad-axis",
+            clause.value.span,
+            message,
+            hint=f"write `{clause.word} x`, `{clause.word} y` or `{clause.word} z`",
+        )
     return found[0]
 
 
