@@ -91,7 +91,7 @@ class Checker:
         self._conditions: dict[int, Condition] = {}
         self.subjects: dict[int, Condition] = {}  # subjects of statements, by identity -> where these have one
         # by scope, name and target: where they stand, and under what condition
-        self.keypoints: dict[tuple[BodyScope | None, str, str], list[tuple[Condition, Span]]] = {}
+        self.marks: dict[tuple[BodyScope | None, str, str, str], list[tuple[Condition, Span]]] = {}
         self.calls: dict[tuple[Any, ...], Type] = {}
         self.calling: list[int] = []
 

@@ -76,7 +76,7 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
                 )
             if place is not None:
                 ck.expect(formula(ctx), place, POINT, "the place of a keypoint")
-            _keypoint_twice(ck, ctx, stmt)
+            _twice(ck, ctx, stmt, "keypoint")
         case ast.SymmetryStmt(target=at, turn=turn, direction=direction):
             target(ck, ctx, at, "a symmetry belongs to")
             if turn is not None:
@@ -95,17 +95,17 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             raise TypeError(f"no rule for {type(stmt).__name__}")
 
 
-def _keypoint_twice(ck: Checker, ctx: Context, stmt: ast.KeypointStmt) -> None:
-    """Two keypoints of one name on one part could not be told apart, unless conditions exclude each other."""
+def _twice(ck: Checker, ctx: Context, stmt: ast.KeypointStmt | ast.GraspStmt, kind: str) -> None:
+    """Two keypoints or grasps of one name on one part could not be told apart, unless conditions exclude each other."""
     words = stmt.target.span.words
-    before = ck.keypoints.setdefault((ctx.scope, stmt.name, words), [])
+    before = ck.marks.setdefault((ctx.scope, kind, stmt.name, words), [])
     first = next((span for condition, span in before if consistent(condition, ctx.condition)), None)
     if first is not None:
         ck.error(
             "duplicate-name",
             stmt.name_span,
-            f"there are two keypoints `{stmt.name}` on `{words}`",
-            hint="rename one of them, as in `tip_left`",
+            f"there are two {kind}s `{stmt.name}` on `{words}`",
+            hint=f"rename one of them, as in `{stmt.name}_left`",
             notes=((first, "the first of them"),),
         )
     before.append((ctx.condition, stmt.name_span))
@@ -303,6 +303,7 @@ def _is_length(unit: str) -> bool:
 
 def _grasp(ck: Checker, ctx: Context, stmt: ast.GraspStmt) -> None:
     ctx = target(ck, ctx, stmt.target, "a grasp lies on")
+    _twice(ck, ctx, stmt, "grasp")
     place = formula(ctx)
     if stmt.range is not None and stmt.parameter is not None:
         kind = range_type(ck, place, stmt.range)
