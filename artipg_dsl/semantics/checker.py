@@ -11,6 +11,7 @@ from ..diagnostics import Report
 from ..records import dataclass
 from ..source import Span
 from ..syntax import ast
+from ..syntax.walk import walk
 from ..units import Dimension
 from . import conditions, entries, expressions
 from .fold import is_unitless
@@ -71,6 +72,19 @@ class Context:
 
 
 _DECLARE = "check the spelling, declare it, or bring it in: `use module { Name }`"
+
+
+def _summed(entry: Entry) -> str | None:
+    """What to write for a value that adds to that of the element before."""
+    if not isinstance(entry.node, ast.LetDecl) or (repeat := entry.scope.repeat) is None:
+        return None
+    value = entry.node.value
+    if not any(isinstance(node, ast.NameExpr) and node.name == "previous" for node in walk(value)):
+        return None
+    return (
+        f"a total is `sum({repeat.name}.w)`, of any number `w` of the elements; to put each element behind the one before, "
+        "write `align part.left = previous.part.right`"
+    )
 
 
 class Checker:
@@ -211,7 +225,7 @@ class Checker:
                     "circular-definition",
                     entry.span,
                     f"`{entry.name}` is defined by itself: {' -> '.join([*ring, entry.name])}",
-                    hint="give one of them a value that names none of the others",
+                    hint=_summed(entry) or "give one of them a value that names none of the others",
                 )
                 return UNKNOWN
             self._open.append(entry)

@@ -101,7 +101,7 @@ def name(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
             "wrong-type",
             expr.span,
             f"`{word}` is a function: it needs arguments in parentheses",
-            hint=f"write `{FUNCTIONS[word][-1].call}`",
+            hint=_option(ck, ctx, word) or f"write `{FUNCTIONS[word][-1].call}`",
         )
     return _unknown_name(ck, ctx, word, expr.span)
 
@@ -130,12 +130,22 @@ def _unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     parts = _within_parts(ck, ctx, word)
     owned = f"a part has it: write {any_of(parts[:_NAMED])}" if parts else None
     hint = (
-        _within_repeat(ctx, word)
+        _option(ck, ctx, word)
+        or _within_repeat(ctx, word)
         or " ".join(filter(None, (near, owned)))
         or foreign.NAMES.get(word)
         or _within_category(ck, ctx, word)
     )
     return ck.unknown(ctx.module, word, "unknown-name", span, f"there is no `{word}` here", hint)
+
+
+def _option(ck: Checker, ctx: Context, word: str) -> str | None:
+    """What to write for an option of a choice, which is a value only beside its choice."""
+    for entry in (e for scope in ctx.scope.chain() for e in scope.entries) if ctx.scope is not None else ():
+        if isinstance(entry.node, ast.ParamDecl) and word in entry.node.type.values:
+            compared = f"{entry.name} == {word}"
+            return f"an option stands only beside its choice: compare it, as in `{compared}`, or `let is_{word} = {compared}`"
+    return None
 
 
 def _within_repeat(ctx: Context, word: str) -> str | None:
