@@ -126,6 +126,9 @@ def _whole(ck: Checker, stmt: ast.SolidDecl, operator: Kind) -> None:
         ck.error("missing-clause", stmt.span, f"`{operator.name}` needs {any_of(lacking, 'and')}", hint=hint)
 
 
+_ENDS = ("start", "end")
+
+
 def check_whole(ck: Checker, symbol: Symbol) -> None:
     """A primitive is surfaces with an inside function and a box, or one solid."""
     body = symbol.body
@@ -147,6 +150,16 @@ def check_whole(ck: Checker, symbol: Symbol) -> None:
             ck.error("misplaced-statement", require.span, said, hint=hint)
     solids = [s for s in body if isinstance(s, ast.SolidDecl)]
     if solids:
+        for curve in (s for s in body if isinstance(s, ast.CurveDecl | ast.LetDecl) and s.name in _ENDS):
+            if isinstance(curve, ast.LetDecl) and curve.keyword != "curve":
+                continue
+            ck.error(
+                "reserved-name",
+                curve.name_span,
+                f"the operator makes a surface `{curve.name}`, which could not be told from that of this curve",
+                hint="choose another name for the curve, such as `skin`",
+                notes=((solids[0].span, "this operator"),),
+            )
         for own in (s for s in body if isinstance(s, ast.SurfaceDecl | ast.InsideDecl)):
             what = "inside (p)" if isinstance(own, ast.InsideDecl) else f"surface {own.name}"
             ck.error(

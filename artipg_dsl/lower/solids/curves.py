@@ -123,7 +123,7 @@ def plane(ev: Evaluator, point: tuple[Expr, ...], place: Place) -> Point:
             "wrong-kind",
             place,
             "a curve in a plane is needed here, but this one lies in space",
-            hint="let the curve have two components: `curve f(v) for v in 0 .. 1 = [a, b]`",
+            hint="let the curve have two components: `curve f (v in 0 .. 1) = [a, b]`",
         )
     return point
 
