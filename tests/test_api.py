@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import struct
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -218,6 +219,21 @@ def test_a_folder_of_a_program_given_as_text_says_so(tmp_path: Path) -> None:
         slab["width"]
     with pytest.raises(UsageError, match="it has none at all"):
         slab.states(open=1)
+
+
+def test_details_that_a_folder_keeps_from_other_objects_are_told(tmp_path: Path) -> None:
+    slab = apg.load(
+        "apg 1\nuse primitives { Cuboid }\ncategory Slab { root part body : Cuboid(size = [1m, 1m, 1m]) }\n"
+    )
+    out = slab.to(tmp_path / "out", points=4)
+    (out / "details").mkdir()
+    (out / "details" / "bind.json").write_text("{}")
+    with pytest.warns(UserWarning, match="details holds details that these objects do not wear: remove it"):
+        slab.to(out, points=8, force=True)
+    assert (out / "details" / "bind.json").exists(), "someone may have bound them by hand"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        slab.to(out, points=8)
 
 
 def test_an_array_without_axes_is_a_number() -> None:

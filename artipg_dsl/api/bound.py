@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import replace
 from functools import cached_property, partial
@@ -183,3 +183,12 @@ def place_details(
         )
     folder, write = details._beside(Path(out), force)
     return replace(dressing, folder=str(folder)), write
+
+
+def find_stale_details(out: Path, worn: Mapping[str, Any] | None) -> Path | None:
+    """Details in a folder of objects that wear others, or none: what the objects that were there before wore. A run removes what it has
+    written itself alone, and whoever bound these may need them. ``worn``: those that the manifest names."""
+    from ..details.dressing import BESIDE, SUMMARY
+
+    beside = out / BESIDE
+    return beside if (beside / SUMMARY).exists() and (worn is None or worn["folder"] != BESIDE) else None

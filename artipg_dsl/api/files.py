@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -17,7 +18,7 @@ from ..arguments import read_flag, read_path
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError
 from ..run.job import Job
-from .bound import Worn, choose_details, place_details
+from .bound import Worn, choose_details, find_stale_details, place_details
 
 _PICTURED = 8  # objects on the picture in a notebook
 
@@ -106,7 +107,10 @@ class Files:
                 raise UsageError("details are worn by points and meshes: none of the formats has any", "add points")
             worn, write_details = place_details(details, worn, folder, force)
             output = replace(output, content=replace(content, details=worn))
-        write_dataset(self.job.fresh(), folder, output, force=force, begin=write_details)
+        manifest = write_dataset(self.job.fresh(), folder, output, force=force, begin=write_details)
+        if force and (left := find_stale_details(out, manifest["identity"]["details"] if worn else None)) is not None:
+            said = f"{left} holds details that these objects do not wear: remove it, unless something else needs it"
+            warnings.warn(said, stacklevel=2)
         return out
 
     def export(
