@@ -36,6 +36,23 @@ def test_the_end_is_left_out(declared: str, required: str, holds: Callable[[np.n
     assert holds(values).all() and len(np.unique(values)) > (not declared.startswith("param a : choice"))
 
 
+@pytest.mark.parametrize(
+    ("required", "holds"),
+    [
+        ("not (sqrt(a) <= 1)", lambda a: a >= 1),
+        ("not (sqrt(a) > 1)", lambda a: (a >= 0) & (a <= 1)),
+        ("not (a <= 1 or log(a) > 1)", lambda a: (a >= 1) & (a <= np.e)),
+        ("not (not (log(a) <= 1) and a < 10)", lambda a: (a > 0) & (a <= np.e)),
+    ],
+)
+def test_the_opposite_of_what_has_no_value_does_not_hold(
+    required: str, holds: Callable[[np.ndarray], np.ndarray]
+) -> None:
+    text = TEXT.format(f"param a : ratio in -4 .. 4\n  require {required}")
+    values = Session.of_text(text, "box.apg").sampler.batch(np.arange(200), 0).state.values[0]
+    assert holds(values).all() and np.ptp(values) > 0.5
+
+
 def test_equal_constants_are_not_less() -> None:
     session = Session.of_text(TEXT.format("require 5cm > 5cm"), "box.apg")
     _ = session.lowering

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from ...graph import expr as E
 from ...graph.depend import draws_behind
@@ -32,7 +33,7 @@ def require(links: Links, env: Env, statement: ast.RequireStmt) -> None:
         message = statement.message or ("it tips over when open" if statement.stable == "open" else "it tips over")
         env.context.program.stable.append(Stable(env.scope, statement.stable == "open", message, where(statement.span)))
         return
-    for node in _conjuncts(statement.condition):
+    for node in _conjuncts(_positive(statement.condition)):
         others, bounding = _disjuncts(node)
         condition, slack = comparison(ev, bounding)
         guard = E.all_of((_presence(env, node), *(E.negate(ev.condition(other)) for other in others)))
@@ -66,13 +67,35 @@ def prefer(links: Links, env: Env, statement: ast.PreferStmt) -> None:
             "the weight of a preference must be above 0",
             hint="to prefer the opposite, write the opposite condition",
         )
-    condition, _ = comparison(ev, statement.condition)
+    condition, _ = comparison(ev, _positive(statement.condition))
     guard = _presence(env, statement.condition)
     if env.scope.parent is None and not env.path:
         env.context.preferred[len(env.context.program.preferences)] = statement.span
     env.context.program.preferences.append(
         Preference(env.scope, condition, guard, weight, where(statement.span), statement.condition.span.words)
     )
+
+
+_OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "and": "or", "or": "and"}
+
+
+def _positive(node: ast.Expr, wanted: bool = True, said: Span | None = None) -> ast.Expr:
+    """A condition, or (``wanted`` False) its opposite, without a `not` around inequalities: `not (a <= b)` is `a > b`. That narrows a
+    draw, and where a side has no value, neither of the two holds. ``said``: the text of the `not` around it, which messages quote."""
+    span = said or node.span
+    if not any(isinstance(part, ast.BinaryExpr) and part.op in ("<", "<=", ">", ">=") for part in walk(node)):
+        return node if wanted else ast.UnaryExpr(span=span, op="not", operand=node)
+    match node:
+        case ast.UnaryExpr(op="not", operand=operand):
+            return _positive(operand, not wanted, span)
+        case ast.BinaryExpr(op="and" | "or", left=left, right=right):
+            op = node.op if wanted else _OPPOSITE[node.op]
+            return replace(
+                node, span=span, op=op, left=_positive(left, wanted, said), right=_positive(right, wanted, said)
+            )
+        case ast.BinaryExpr(op="<" | "<=" | ">" | ">=") if not wanted:
+            return replace(node, span=span, op=_OPPOSITE[node.op])
+    return node if wanted else ast.UnaryExpr(span=span, op="not", operand=node)
 
 
 def _conjuncts(node: ast.Expr) -> list[ast.Expr]:
