@@ -30,6 +30,7 @@ def judge(context: Draft, hollow: list[tuple[Scope, tuple[int, ...]]], own: str)
         if frozenset(conflict.reasons) not in told:  # one contradiction empties several ranges: the first tells it
             told.add(frozenset(conflict.reasons))
             _tell(context, conflict)
+    _refuse_exact(context)
     if context.report.failed:
         return
     for number in find_idle(program):
@@ -47,6 +48,23 @@ def judge(context: Draft, hollow: list[tuple[Scope, tuple[int, ...]]], own: str)
             said = "always holds: no values in the ranges can break it" if holds else "never holds"
             message = f"this preference {said}, so it makes no object rarer than another"
             context.report.warning("always-true", span, message, hint="drop it, or correct the comparison")
+
+
+def _refuse_exact(context: Draft) -> None:
+    """Report requirements that a number drawn from a range be equal to something: it never is."""
+    for draw in context.program.draws:
+        if draw.kind != "real" or draw.distribution == "values" or draw.low is draw.high:
+            continue
+        for union in draw.unions:
+            if union.requirement in context.stated and all(low is high for low, high in union.intervals):
+                words = context.program.requirements[union.requirement].text
+                context.report.error(
+                    "impossible",
+                    context.stated[union.requirement][0],
+                    f"`{draw.column.name}` is drawn from a range, so `{words}` never holds exactly",
+                    hint="state an equation, `align a = b`, and declare what follows from it without a range or as `derived`",
+                    notes=tuple((span, "drawn here") for span in filter(None, [context.spans.get(draw.column)])),
+                )
 
 
 def _tell(context: Draft, conflict: Conflict) -> None:
