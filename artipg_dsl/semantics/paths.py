@@ -9,6 +9,7 @@ from ..diagnostics.suggest import any_of, did_you_mean
 from ..language import DIRECTIONS, FACES, FUNCTIONS, WORDS
 from ..source import Span
 from ..syntax import ast
+from ..units import UNITS
 from . import foreign
 from .entries import narrowed
 from .fold import constant
@@ -365,6 +366,8 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
         )
         if word in FACES and isinstance(expr.obj, ast.MemberExpr) and expr.obj.name in FACES:
             hint = "only adjacent faces share an edge, as in `left.back`"
+        if isinstance(expr.obj, ast.NumberExpr) and word in UNITS:
+            hint = f"a unit directly follows its number: write `{expr.obj.span.text.rstrip('.')}{word}`"
         return ck.error("unknown-member", span, f"{obj} has no `{word}`", hint=hint)
     return found
 

@@ -442,8 +442,14 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
     if statement is not None and token.value:
         near = suggest(token.value, clauses)
         listed = ", ".join(f"`{c}`" for c in clauses)
-        hint = f"did you mean `{near}`?" if near else f"expected {listed}" if 0 < len(clauses) <= 12 else None
+        hint = (
+            f"did you mean `{near}`?"
+            if near
+            else f"expected {listed}"
+            if 0 < len(clauses) <= 12
+            else "remove it, or begin a new line before it"
+        )
         if near is None and statement.type == "PARAM" and [t.type for t in history[-2:]] == ["COLON", "NAME"]:
             hint = "a range follows `in`, a default `=`; a choice is written `param kind : choice one | two`"
         return found(f"{shown} cannot be part of this `{statement.value}`", hint)
-    return found(f"{shown} is not allowed here")
+    return found(f"{shown} is not allowed here", "remove it, or begin a new line before it")
