@@ -120,10 +120,16 @@ ELEMENTS = Legal(
     0.0,
     _MOST_ELEMENTS,
     f"a repeat must have 0 to {_MOST_ELEMENTS:,} elements",
-    remedy="correct the number behind `in`: `0 ..< n` has n elements",
+    remedy="`0 ..< n` makes n elements; `fill` as many as the length divided by `every`",
 )
 ELEMENT = Legal(0.0, _MOST_ELEMENTS, "the repeat has no such element")
 ROWS = Legal(0.0, _MOST_ROWS, f"an object must have 0 to {_MOST_ROWS:,} elements of one kind")
+WEIGHTS = Legal(
+    1e-12,
+    math.inf,
+    "at least one element needs a weight above 0",
+    remedy="give one a weight above 0, or leave `weight` out for equal shares",
+)
 WEIGHT = Legal(0.0, 1e12, "a weight must be finite and not negative", beyond="a weight is at most 1e12")
 SPREAD = Legal(1e-12, 1e12, "a deviation must be finite and above 0", beyond="a deviation is at most 1e12")
 MEDIAN = Legal(1e-12, 1e12, "a median must be finite and above 0", beyond="a median is at most 1e12")

@@ -13,7 +13,7 @@ from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..values.kinds import Box
 from ..values.vectors import signed_axis
-from .ranges import ROOM, SIZE, WEIGHT, Quantity
+from .ranges import ROOM, SIZE, WEIGHT, WEIGHTS, Quantity
 
 _ROUNDS = 8
 
@@ -35,6 +35,8 @@ def split(
     if statement.weight is not None:
         name, place = f"the weight of an element of `{element.name}`", where(statement.weight.span)
         asked.append(Quantity(name, scope, weight, WEIGHT, place))
+        name, some = f"the sum of the weights of `{element.name}`", E.call("lt", E.ZERO, element.count)
+        asked.append(Quantity(name, inner.outer.scope, total(scope, weight, element.count), WEIGHTS, place, some))
     if statement.gap is not None:
         name, place = f"the gap between elements of `{element.name}`", where(statement.gap.span)
         asked.append(Quantity(name, inner.outer.scope, gap, ROOM, place))
