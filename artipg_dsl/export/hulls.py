@@ -49,8 +49,7 @@ class Gathered:
     @cached_property
     def site(self) -> np.ndarray:
         """(n,) the number of the site of each piece."""
-        found: np.ndarray = np.array([group.table.number for group in self._groups])[self._which]
-        return found
+        return self._of_rows([group.table.site[group.rows] for group in self._groups])
 
     @cached_property
     def likeness(self) -> np.ndarray:

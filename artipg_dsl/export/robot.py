@@ -16,6 +16,7 @@ import numpy as np
 
 from ..annotate.frames import quaternion
 from ..geometry.resolution import STANDARD, Resolution
+from ..geometry.sites import join_tables
 from ..graph.program import Material
 from ..language import JOINTS, Kind
 from ..records import dataclass
@@ -173,16 +174,18 @@ class Robots:
         self.batch = batch
         self.tables = batch.sites()
         self.links, self.joints, self.parts = batch.links(), batch.joints(), batch.parts()
+        joined = join_tables(self.tables)
         self.meshes = (
-            solids.build_meshes(self.tables, resolution)
+            solids.build_meshes(joined, resolution)
             if details is None
             else build_dressed(batch, self.tables, resolution, details)
         )
         self.note = "" if details is None else NOTE
         self.physics = physics
-        self.pieces = solids.build_pieces(self.tables) if physics or colliders else []
+        self.pieces = solids.build_pieces(joined) if physics or colliders else []
         self.catalogue = list_materials(batch)
-        self.material_rows = {t.number: material_rows(batch, t) for t in self.tables}
+        # those of joined tables begin with the rows of the site that gives them its number
+        self.material_rows = {t.number: material_rows(batch, t) for t in (*(self.tables if details else ()), *joined)}
         self.visuals = solids.group_by_object(self.meshes, len(batch))
         objects = np.arange(len(batch) + 1)
         self.link_start = np.searchsorted(self.links.owner, objects)
@@ -251,7 +254,7 @@ class Robots:
     @cached_property
     def turns(self) -> dict[int, np.ndarray]:
         """By site, the rotation of each row as a quaternion w x y z."""
-        return {table.number: quaternion(table.rotation) for table in self.tables}
+        return {group.table.number: quaternion(group.table.rotation) for group in self.pieces}
 
     @cached_property
     def materials(self) -> list[list[Material]]:

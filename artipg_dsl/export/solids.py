@@ -16,7 +16,6 @@ from ..annotate.frames import place
 from ..geometry import mesh
 from ..geometry.pieces import fit_all
 from ..geometry.resolution import FINEST, STANDARD, Resolution, measure_bends, within_budget
-from ..geometry.sites import scatter
 from ..geometry.topology import topology
 from ..geometry.vectors import cross, dot, extent
 from ..records import dataclass
@@ -147,7 +146,6 @@ def _steps_of(tables: list[SiteTable], resolution: Resolution) -> Sequence[int |
 def build_pieces(tables: list[SiteTable]) -> list[ShapedPieces]:
     """Convex pieces of all instances of all sites, boxes told from other hulls."""
     groups: list[ShapedPieces] = []
-    scatter(tables)
     for table in tables:
         for fit in fit_all(table.clouds):
             is_box, size, center = match_box(fit.corners)
@@ -225,7 +223,6 @@ def order_by_object(groups: Sequence[Group]) -> tuple[np.ndarray, np.ndarray, np
         return (np.zeros(0, dtype=np.int64),) * 4
     which, k = enumerate_ranges(np.zeros(len(groups), dtype=np.int64), np.array([len(group.rows) for group in groups]))
     row, place = (np.concatenate(column) for column in zip(*((g.rows, g.places) for g in groups), strict=True))
-    site = np.array([group.table.number for group in groups])[which]
-    owner = np.concatenate([group.table.owner[group.rows] for group in groups])
+    site, owner = (np.concatenate([getattr(g.table, name)[g.rows] for g in groups]) for name in ("site", "owner"))
     order = np.lexsort((place, row, site, owner))
     return which[order], k[order], row[order], owner[order]

@@ -171,6 +171,22 @@ def clouds(primitive: Primitive, params: Params) -> list[Cloud]:
     return sorted(declared, key=lambda cloud: cloud.number)
 
 
+def join_clouds(some: Sequence[Sequence[Cloud]], starts: Sequence[int]) -> list[Cloud]:
+    """The clouds of several sets of instances of one primitive as those of all, the rows of each set counted from its start on."""
+    alike: dict[tuple[int, tuple[bool, ...]], list[Cloud]] = {}
+    for clouds, start in zip(some, starts, strict=False):
+        for cloud in clouds:
+            alike.setdefault((cloud.number, cloud.variant), []).append(replace(cloud, rows=cloud.rows + start))
+    found = []
+    for key in sorted(alike):
+        rows, index, points = (
+            np.concatenate([getattr(cloud, name) for cloud in alike[key]]) for name in ("rows", "index", "points")
+        )
+        order = np.argsort(index, kind="stable")
+        found.append(replace(alike[key][0], rows=rows[order], index=index[order], points=points[order]))
+    return found
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Fitted:
     """Pieces with one ``hull``: by the number ``cloud`` (k,) of a cloud and ``index`` (k,), of instances ``rows`` (k,); corners (k, P, 3)."""

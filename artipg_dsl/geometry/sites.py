@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -12,6 +13,8 @@ from ..records import dataclass
 from . import pieces as convex
 from .box import bounds, turn_boxes
 from .quadrature import volume_inertia
+
+_COLUMNS = ("owner", "rotation", "translation", "mirror", "link", "instance", "semantic", "rank")
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +43,21 @@ class SiteTable:
     def take(self, at: np.ndarray) -> SiteTable:
         """Some of the rows, ascending."""
         params = {name: value[at] for name, value in self.params.items()}
-        columns = ("owner", "rotation", "translation", "mirror", "link", "instance", "semantic", "rank")
-        return replace(self, params=params, **{name: getattr(self, name)[at] for name in columns})
+        return replace(self, params=params, **{name: getattr(self, name)[at] for name in _COLUMNS})
+
+    def singles(self) -> Sequence[SiteTable]:
+        """The tables of single sites whose rows it has."""
+        return (self,)
+
+    @cached_property
+    def site(self) -> np.ndarray:
+        """(k,) the number of the site of each row."""
+        return np.repeat([table.number for table in self.singles()], [len(table) for table in self.singles()])
+
+    @cached_property
+    def row(self) -> np.ndarray:
+        """(k,) which row of its site each is."""
+        return np.concatenate([np.arange(len(table)) for table in self.singles()])
 
     @cached_property
     def clouds(self) -> list[convex.Cloud]:
@@ -68,6 +84,38 @@ class SiteTable:
     @cached_property
     def _weights(self) -> tuple[np.ndarray, np.ndarray]:
         return volume_inertia(self.primitive, self.params, inertia=False)[:2]
+
+
+@dataclass(frozen=True, eq=False)
+class _JoinedTable(SiteTable):
+    """The rows of all sites of one primitive, one site after the other; ``number`` and ``path`` are those of the first. What is made of
+    shapes is made of these at once."""
+
+    tables: tuple[SiteTable, ...]
+
+    def singles(self) -> Sequence[SiteTable]:
+        return self.tables
+
+    @cached_property
+    def clouds(self) -> list[convex.Cloud]:
+        """Of all rows; those that single tables have are not made again."""
+        if all("clouds" in table.__dict__ for table in self.tables):
+            starts = np.cumsum([0, *(len(table) for table in self.tables)]).tolist()
+            return convex.join_clouds([table.clouds for table in self.tables], starts)
+        return convex.clouds(self.primitive, self.params)
+
+
+def join_tables(tables: list[SiteTable]) -> list[SiteTable]:
+    """The tables with rows, those of one primitive as one."""
+    found: list[SiteTable] = []
+    for group, params in _of_one_primitive(tables):
+        joined = {name: np.concatenate([getattr(table, name) for table in group]) for name in _COLUMNS}
+        found.append(
+            _JoinedTable(group[0].number, group[0].path, group[0].primitive, params, **joined, tables=tuple(group))
+            if len(group) > 1
+            else group[0]
+        )
+    return found
 
 
 def object_boxes(tables: list[SiteTable], count: int) -> tuple[np.ndarray, np.ndarray]:

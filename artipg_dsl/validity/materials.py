@@ -45,10 +45,14 @@ def draw_property(batch: Batch, material: Material, name: str) -> np.ndarray:
 
 
 def material_rows(batch: Batch, table: SiteTable) -> np.ndarray:
-    """(k,) for each instance of a site, 1 + the index of its material in the program, the last whose predicate holds.
+    """(k,) for each row of a table, 1 + the index of its material in the program, the last whose predicate holds.
 
     0 where nothing is said.
     """
+    return np.concatenate([_site_rows(batch, own) for own in table.singles()])
+
+
+def _site_rows(batch: Batch, table: SiteTable) -> np.ndarray:
     names = list(batch.program.materials)
     site = batch.program.sites[table.number]
     chosen = np.zeros(len(table.owner), dtype=np.int64)

@@ -167,6 +167,7 @@ def _join(triangle: np.ndarray, weights: np.ndarray, tint: np.ndarray) -> tuple[
 
 def _opacities(robots: Robots, i: int, made: Soup) -> np.ndarray:
     """The opacity of each triangle (T,): one looks through panes here as in pictures of materials."""
-    known = {(item.group.table.number, item.row): robots.look(i, item).opacity for item in robots.visuals[i]}
+    places = [(item.group.table, item.row, item) for item in robots.visuals[i]]
+    known = {(int(table.site[k]), int(table.row[k])): robots.look(i, item).opacity for table, k, item in places}
     of_row = [known.get(place, 1.0) for place in zip(made.rows.site.tolist(), made.rows.row.tolist(), strict=True)]
     return np.array(of_row)[made.row]

@@ -289,7 +289,8 @@ def test_a_small_ring_about_a_tube_is_left_on_all_sides() -> None:
     robots, looked_at = Robots(Session.of("Foldingrack").sampler.batch(np.arange(12, 14), 0)), 0
     held = Gathered(robots.pieces, 2, robots.material_rows).stock
     for hulls in robots.colliders:
-        rings = [hull for hull in hulls if hull.item.group.table.path == "shoe.ring"]
+        items = [(hull, hull.item.group.table.site[hull.item.row]) for hull in hulls]
+        rings = [hull for hull, site in items if robots.batch.program.sites[site].path == "shoe.ring"]
         planes = [planes_of(hull.vertices[None], hull.faces) for hull in rings]
         assert rings and all(hull.cut for hull in rings)
         for piece in (hull.pieces[k : k + 1] for hull in rings for k in range(len(hull.pieces))):

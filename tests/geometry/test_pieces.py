@@ -5,10 +5,12 @@ import pytest
 
 from artipg_dsl.geometry import mesh, pieces
 from artipg_dsl.geometry.errors import PrimitiveError
+from artipg_dsl.geometry.sites import join_tables, scatter
 from artipg_dsl.geometry.trial import draw_trial
 from artipg_dsl.graph.expr import ZERO, const, var
 from artipg_dsl.graph.formula import compile_formula
 from artipg_dsl.graph.primitive import Piece
+from artipg_dsl.session import Session
 
 from . import shapes
 
@@ -152,3 +154,23 @@ def test_a_guarded_piece_may_be_in_no_row():
     small = {"size.x": np.array([0.05, 0.25]), "size.y": np.full(2, 0.1), "size.z": np.full(2, 0.2)}
     assert [group.name for group in pieces.build(split, small)] == ["box"]
     assert [g.name for cloud in pieces.clouds(split, small) for g in cloud.groups()] == ["box"]
+
+
+def test_tables_of_one_primitive_are_one_and_keep_what_they_have() -> None:
+    """Clouds that tables have already are put together to those of all rows."""
+    tables = Session.of("Microwave").sampler.batch(np.arange(6), 3).sites()
+    joined = join_tables(tables)
+    assert len(joined) == len({id(table.primitive) for table in tables if len(table)}) < len(tables)
+    assert sum(map(len, joined)) == sum(map(len, tables))
+    for table in joined:
+        own = [(tables[site].params, row) for site, row in zip(table.site.tolist(), table.row.tolist(), strict=True)]
+        for name, column in table.params.items():
+            assert column.tolist() == [params[name][row] for params, row in own]
+    scatter(tables)
+    kept = join_tables(tables)
+    for one, other in zip(joined, kept, strict=True):
+        assert [cloud.number for cloud in one.clouds] == [cloud.number for cloud in other.clouds]
+        for a, b in zip(one.clouds, other.clouds, strict=True):
+            assert a.variant == b.variant
+            for name in ("rows", "index", "points"):
+                assert np.array_equal(getattr(a, name), getattr(b, name))
