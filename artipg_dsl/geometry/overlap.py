@@ -8,13 +8,15 @@ stand alike, the region is the box itself and the result exact.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import fields
 from functools import cached_property, lru_cache
 
 import numpy as np
 
 from ..graph.primitive import Primitive
+from ..native import backend
+from ..native import overlaps as native
 from ..records import dataclass
 from .block import Block, placed_points, to_local
 from .box import bounds
@@ -200,6 +202,9 @@ class _Rows:
     def points(self, pairs: Pairs, count: int, shift: np.ndarray | None = None) -> _Points:
         """Three arrays (n, count): points of the object, evenly in the boxes of pairs; ``shift`` (3, n) moves them on within."""
         share, size = sequence(count), pairs.high - pairs.low
+        machine = backend.machine() if shift is None else None
+        if machine is not None:
+            return native.place_shares(machine, self.poses, pairs.frame, pairs.low, size, share)
         part = share[:, None] if shift is None else (share[:, None] + shift[:, :, None]) % 1.0
         local = [pairs.low[k][:, None] + size[k][:, None] * part[k] for k in range(3)]
         x, y, z = placed_points(self.poses, pairs.frame[:, None], local)
@@ -215,20 +220,24 @@ class _Rows:
             width = max(1, int(counts[chosen].max(initial=1)))
             for part in _parts(len(chosen), max(1, _AT_ONCE // width)):
                 at = chosen[part]
-                width = int(counts[at].max())
-                # those asked first, as many of each row as of the one with the most
-                pick = (
-                    np.argsort(~asked[at], axis=1, kind="stable")[:, :width] if width < asked.shape[1] else slice(None)
-                )
-                some = [axis[at[:, None], pick] if width < asked.shape[1] else axis[at] for axis in points]
-                local = to_local(self.poses, row[at, None], some)
+                local, place = self._asked(row[at], points, asked, at, int(counts[at].max()))
                 values = list(self.values[number].take(row[at] - shelf.start, axis=1)[..., None])
-                inside = self.inside[number].points(values, *local)[0] <= limit[at, None]
-                if width < asked.shape[1]:
-                    held[at[:, None], pick] = inside
-                else:
-                    held[at] = inside
+                held[place] = self.inside[number].points(values, *local)[0] <= limit[at, None]
         return held & asked
+
+    def _asked(
+        self, row: np.ndarray, points: _Points, asked: np.ndarray, at: np.ndarray, width: int
+    ) -> tuple[_Points, tuple[np.ndarray, ...]]:
+        """The points of the pairs ``at`` (k,) that are asked in the frames of rows (k,), with others, so that there are ``width`` of each, as
+        of the pair with the most; and where these stand."""
+        machine = backend.machine()
+        if machine is not None:
+            local, pick = native.local_points(machine, self.poses, points, asked, at, row, width)
+            return local, (at,) if width == asked.shape[1] else (at[:, None], pick)
+        if width == asked.shape[1]:
+            return to_local(self.poses, row[:, None], [axis[at] for axis in points]), (at,)
+        first = at[:, None], np.argsort(~asked[at], axis=1, kind="stable")[:, :width]
+        return to_local(self.poses, row[:, None], [axis[first] for axis in points]), first
 
     def both(self, pairs: Pairs, points: _Points, near: np.ndarray | float = 0.0) -> np.ndarray:
         """Which points (n, count) lie in both rows of pairs; the one that is told sooner is asked first."""
@@ -304,21 +313,20 @@ class _Rows:
         self, pairs: Pairs, points: _Points, held: np.ndarray, inertia: bool
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Volume (n,), centre (n, 3), inertia (n, 3, 3) of what is held of the boxes; exact where that is all."""
-        whole = held.all(axis=1)
+        many, means, spread = _held_moments(held, points, inertia)
+        whole = many == held.shape[1]
         size = pairs.high - pairs.low
-        volume = size[0] * size[1] * size[2] * (held.sum(axis=1) / held.shape[1])
-        mean = _means(held, points)
+        volume = size[0] * size[1] * size[2] * (many / held.shape[1])
         middle = placed_points(self.poses, pairs.frame, (pairs.low + pairs.high) / 2)
-        center = np.stack([np.where(whole, m, other) for m, other in zip(middle, mean, strict=True)], axis=-1)
+        center = np.where(whole[:, None], np.stack(middle, axis=-1), means)
         about = np.zeros((len(pairs), 3, 3))
         if not inertia:
             return volume, center, about
-        spread = _products(held, [axis - m[:, None] for axis, m in zip(points, mean, strict=True)])
         turn = self.rows.rotation[:, pairs.frame]
         for i in range(3):
             for j in range(3):
                 exact = sum(turn[3 * i + k] * turn[3 * j + k] * size[k] ** 2 for k in range(3)) / 12.0
-                second = volume * np.where(whole, exact, spread[i][j])
+                second = volume * np.where(whole, exact, spread[:, i, j])
                 about[:, i, j] -= second
                 if i == j:
                     for k in range(3):
@@ -326,15 +334,27 @@ class _Rows:
         return volume, center, about
 
 
-def _means(held: np.ndarray, axes: Iterable[np.ndarray]) -> list[np.ndarray]:
-    """The means (n,) of arrays (n, count) over what is held."""
-    count = np.maximum(held.sum(axis=1), 1)
-    return [np.where(held, a, 0.0).sum(axis=1) / count for a in axes]
+def _held_moments(held: np.ndarray, points: _Points, inertia: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of points (n, count) that are held: how many there are (n,), their mean (n, 3) and, for ``inertia``, the means of the products of any
+    two coordinates from there (n, 3, 3); noughts where there are none, the products also where all are held."""
+    if (machine := backend.machine()) is not None:
+        return native.held_moments(machine, held, points, inertia)
+    many = held.sum(axis=1)
+    mean, spread = np.zeros((len(held), 3)), np.zeros((len(held), 3, 3))
+    some = np.flatnonzero(many)
+    mean[some] = np.stack([_mean(held[some], axis[some]) for axis in points], axis=-1)
+    some = np.flatnonzero((many > 0) & (many < held.shape[1]))
+    local = [axis[some] - mean[some, k, None] for k, axis in enumerate(points)]
+    for i in range(3 if inertia else 0):
+        for j in range(i, 3):
+            spread[some, i, j] = spread[some, j, i] = _mean(held[some], local[i] * local[j])
+    return many, mean, spread
 
 
-def _products(held: np.ndarray, axes: list[np.ndarray]) -> list[list[np.ndarray]]:
-    """The means (n,) of the products of any two of three arrays."""
-    return [_means(held, [a * b for b in axes]) for a in axes]
+def _mean(held: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The means (n,) of values (n, count) over what is held, at least one of each."""
+    found: np.ndarray = np.where(held, values, 0.0).sum(axis=1) / held.sum(axis=1)
+    return found
 
 
 @lru_cache(maxsize=512)

@@ -12,6 +12,7 @@ operation on numbers is an inner loop of NumPy itself. Knows neither expressions
     turning.c       pieces that turn, as ``validity.validate`` has it
     cells.c         pieces that several joints move, as ``validity.together`` has it
     moments.c       sums over the surfaces of solids, as ``geometry.quadrature`` has it
+    overlaps.c      points in which solids may overlap, as ``geometry.overlap`` has it
     gaps.c          how far hulls reach from their pieces, as ``geometry.merge`` has it
     wrap.c          the faces of convex hulls, as ``geometry.wrap`` has them
     digits.c        rows of numbers as text, with the bytes of Python's ``%`` and of its JSON

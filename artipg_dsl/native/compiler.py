@@ -28,6 +28,7 @@ _SOURCES = [
         "turning.c",
         "cells.c",
         "moments.c",
+        "overlaps.c",
         "digits.c",
         "gaps.c",
         "wrap.c",
