@@ -35,6 +35,14 @@ def numbers(values: Iterable[float] | np.ndarray, digits: int = 9) -> str:
     return _form(digits, len(few)) % tuple(rounded)
 
 
+def rows(values: np.ndarray, digits: int = 9) -> list[str]:
+    """What ``numbers`` makes of each of several rows (n, k)."""
+    if not len(values):
+        return []
+    ends = ("", *[" "] * (values.shape[1] - 1), "\n")
+    return print_rows(np.round(values, 12) + 0.0, f"%.{digits}g", ends)[:-1].split("\n")
+
+
 @lru_cache(maxsize=64)
 def _form(digits: int, count: int) -> str:
     return " ".join([f"%.{digits}g"] * count)

@@ -16,7 +16,7 @@ from .pose import rest_poses
 
 if TYPE_CHECKING:
     from .primitives import Collider, SeenMaterial, Visual
-    from .robot import Robot, RobotLink
+    from .robot import Robot
 
 _LIBRARY = "object.mtl"
 _FEW = 1024  # faces, up to which their text is kept
@@ -101,21 +101,27 @@ def obj_bytes(shapes: Sequence[Shape]) -> bytes:
     return text.encode("utf-8")
 
 
-def link_meshes(link: RobotLink) -> list[tuple[str, SeenMaterial, bytes]]:
-    """One OBJ for each material of a link, in the link's frame: its name, how it looks, its text."""
-    own: dict[str, list[Visual]] = {}
-    for visual in link.visuals:
-        own.setdefault(visual.look.name, []).append(visual)
+Mesh = tuple[str, "SeenMaterial", bytes]  # the name of a file, how it looks, its text
+
+
+def link_meshes(robot: Robot) -> dict[str, list[Mesh]]:
+    """For each link, by its name, one OBJ for each material, in the link's frame."""
+    own: dict[tuple[str, str], list[Visual]] = {}
+    for link in robot.links:
+        for visual in link.visuals:
+            own.setdefault((link.name, link.meshes[visual.look.name]), []).append(visual)
     texts = obj_texts([([visual.shape for visual in same], ()) for same in own.values()])
-    named = zip(own.items(), texts, strict=True)
-    return [(link.meshes[material], same[0].look, text.encode("utf-8")) for (material, same), text in named]
+    found: dict[str, list[Mesh]] = {link.name: [] for link in robot.links}
+    for ((name, file), same), text in zip(own.items(), texts, strict=True):
+        found[name].append((file, same[0].look, text.encode("utf-8")))
+    return found
 
 
-def piece_meshes(colliders: Sequence[Collider]) -> list[bytes]:
-    """An OBJ for the hull of each of some colliders, in the link's frame."""
-    hulls = [collider.hull for collider in colliders if collider.hull is not None]
-    texts = obj_texts([([Shape("piece", hull.vertices, hull.faces)], ()) for hull in hulls])
-    return [text.encode("utf-8") for text in texts]
+def piece_meshes(robot: Robot, told: Callable[[Collider], bool]) -> dict[str, bytes]:
+    """An OBJ for the hull of each collider, by its full name, in the link's frame; none of those that are ``told`` without."""
+    hulls = {c.full: c.hull for link in robot.links for c in link.colliders if c.hull is not None and not told(c)}
+    texts = obj_texts([([Shape("piece", hull.vertices, hull.faces)], ()) for hull in hulls.values()])
+    return {name: text.encode("utf-8") for name, text in zip(hulls, texts, strict=True)}
 
 
 def obj_files(robot: Robot) -> dict[str, bytes]:

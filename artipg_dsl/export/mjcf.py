@@ -14,11 +14,12 @@ from numpy.polynomial import Polynomial
 from ..runtime.motion import perpendicular_to
 from . import decimals
 from .adjacent import find_adjacent
+from .decimals import rows
 from .mesh_obj import link_meshes
 from .naming import Names
 from .pose import link_poses, rest_values
 from .primitives import Collider
-from .robot import Robot, RobotJoint, RobotLink
+from .robot import Robot, RobotJoint
 from .template import find_template
 from .write import ExportError
 
@@ -30,6 +31,7 @@ _TYPES = {
     "ball": "ball",
     "fixed": "",
 }
+_DIGITS = 10  # significant ones
 _ADVANCE = "_advance"  # a screw's slide is named after the screw
 
 
@@ -83,6 +85,11 @@ class _Model:
         robot.refuse_coupled_balls("MuJoCo", "mjcf")
         self.advances = {screw: slide for slide, screw in advances(robot).items()}
         looks = {visual.look.name: visual.look for link in robot.links for visual in link.visuals}
+        self._seen = link_meshes(robot)
+        every = [collider for link in robot.links for collider in link.colliders]
+        center = rows(np.array([collider.center for collider in every]).reshape(-1, 3), _DIGITS)
+        turn = rows(np.array([collider.turn for collider in every]).reshape(-1, 4), _DIGITS)
+        self._places = {c.full: {"pos": pos, "quat": quat} for c, pos, quat in zip(every, center, turn, strict=True)}
         self.root = self._body(0, None, below)
         self.order = self._joint_order(self.root)
         self.base = Names(self.order)(f"{robot.links[0].name}_free")  # the joint of a base that is free to move
@@ -121,7 +128,7 @@ class _Model:
     def _body(self, k: int, above: RobotJoint | None, below: dict[int, list[RobotJoint]]) -> dict[str, Any]:
         link = self.robot.links[k]
         visuals = []
-        for name, look, data in link_meshes(link):
+        for name, look, data in self._seen[link.name]:
             file = f"meshes/{name}.obj"
             self.files[file], self.meshes[name] = data, file
             visuals.append({"name": name, "material": look.name})
@@ -140,7 +147,7 @@ class _Model:
                 for side, at, point in zip("ab", closure.links, closure.points, strict=True)
                 if at == k
             ],
-            "pieces": [self._piece(link, collider) for collider in link.colliders],
+            "pieces": [self._piece(collider) for collider in link.colliders],
             "children": [self._body(joint.child, joint, below) for joint in below.get(k, [])],
         }
 
@@ -181,11 +188,11 @@ class _Model:
         given = " ".join(f"{c:.9g}" for c in (*coefficients, *[0.0] * (5 - len(coefficients))))
         self.couplings.append({"name": follower, "joint1": follower, "joint2": leader, "polycoef": given})
 
-    def _piece(self, link: RobotLink, collider: Collider) -> dict[str, str]:
+    def _piece(self, collider: Collider) -> dict[str, str]:
         name = collider.full
         dynamic = sum(collider.material.friction_dynamic) / 2
         entry = {"name": f"{name}_collision", "class": "collision", "friction": f"{dynamic:.6g} 0.005 0.0001"}
-        placed = {"pos": numbers(collider.center), "quat": numbers(collider.turn)}
+        placed = self._places[name]
         if collider.size is not None:
             return entry | {"type": "box", "size": numbers(np.array(collider.size) / 2)} | placed
         if collider.bar is not None:
@@ -241,11 +248,14 @@ def qpos(robot: Robot, values: dict[str, float], order: list[str]) -> list[float
 def _bounds(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
     """The box (3,), (3,) of what is seen, with the joints at 0."""
     poses = link_poses(robot, {joint.name: 0.0 for joint in robot.joints})
-    points = [v.shape.vertices + pose[1] for link, pose in zip(robot.links, poses, strict=True) for v in link.visuals]
-    every = np.concatenate(points) if points else np.zeros((1, 3))
-    return every.min(axis=0), every.max(axis=0)
+    seen = [(visual, pose[1]) for link, pose in zip(robot.links, poses, strict=True) for visual in link.visuals]
+    if not seen:
+        return np.zeros(3), np.zeros(3)
+    ends = np.array([[end[v.item.k] for end in v.item.group.ends] for v, _ in seen])  # (n, 2, 3)
+    ends = ends - np.array([v.origin for v, _ in seen])[:, None] + np.array([shift for _, shift in seen])[:, None]
+    return ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)
 
 
 def numbers(values: Any) -> str:
     """Numbers with ten significant digits and a blank between."""
-    return decimals.numbers(values, 10)
+    return decimals.numbers(values, _DIGITS)

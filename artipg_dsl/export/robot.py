@@ -33,6 +33,7 @@ from .mechanisms import find_mechanisms
 from .mesh_obj import Shape
 from .naming import Names
 from .primitives import Bar, Collider, SeenMaterial, Visual
+from .principal import find_principal
 from .write import ExportError
 
 if TYPE_CHECKING:
@@ -218,6 +219,11 @@ class Robots:
         inertia = mass.inertia + spare[:, None, None] * np.eye(3)
         center = np.where(mass.mass[:, None] > 0, mass.center - self.origins, 0.0)
         return Mass(np.maximum(mass.mass, SMALLEST_MASS), center, inertia)
+
+    @cached_property
+    def principal(self) -> tuple[np.ndarray, np.ndarray]:
+        """Principal moments (L, 3) of the links, and their axes (L, 3, 3) as columns."""
+        return find_principal(self.mass.inertia)
 
     @cached_property
     def curves(self) -> dict[int, tuple[np.ndarray, np.ndarray]]:

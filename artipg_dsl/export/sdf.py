@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from ..annotate.frames import euler
-from .decimals import numbers
-from .mesh_obj import link_meshes, piece_meshes
+from ..records import dataclass
+from .decimals import numbers, rows
+from .mesh_obj import Mesh, link_meshes, piece_meshes
 from .pose import link_poses
 from .primitives import Collider
 from .robot import Robot, RobotJoint, RobotLink
@@ -16,6 +17,7 @@ from .template import find_template
 from .write import ExportError
 
 _KINDS = ("revolute", "continuous", "prismatic", "screw", "ball", "fixed")
+_DIGITS = 10  # significant ones
 _APART = 1e-6  # metres: points of a loop that are farther apart do not meet
 
 
@@ -27,7 +29,8 @@ def sdf_files(robot: Robot) -> dict[str, bytes]:
     """
     files: dict[str, bytes] = {}
     pieces: dict[bytes, str] = {}
-    links = [_link(link, files, pieces) for link in robot.links]
+    told = _Told.of(robot)
+    links = [_link(link, told, files, pieces) for link in robot.links]
     joints = [*(_joint(joint, robot) for joint in robot.joints), *_closures(robot)]
     robot.refuse_coupled_balls("SDFormat", "sdf")
     text = find_template("model.sdf.j2").render(name=robot.name, links=links, joints=joints)
@@ -36,15 +39,31 @@ def sdf_files(robot: Robot) -> dict[str, bytes]:
     return files
 
 
-def _link(link: RobotLink, files: dict[str, bytes], pieces: dict[bytes, str]) -> dict[str, Any]:
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """What is written of all links at once: meshes to be seen by the link, by the collider its mesh and where it stands."""
+
+    seen: dict[str, list[Mesh]]
+    met: dict[str, bytes]
+    poses: dict[str, str]
+
+    @staticmethod
+    def of(robot: Robot) -> _Told:
+        every = [collider for link in robot.links for collider in link.colliders]
+        center = np.array([collider.center for collider in every]).reshape(-1, 3)
+        turn = euler(np.array([collider.rotation for collider in every]).reshape(-1, 3, 3))
+        poses = rows(np.concatenate([center, turn], axis=1), _DIGITS)
+        plain = piece_meshes(robot, lambda collider: collider.size is not None or collider.bar is not None)
+        return _Told(link_meshes(robot), plain, dict(zip((c.full for c in every), poses, strict=True)))
+
+
+def _link(link: RobotLink, told: _Told, files: dict[str, bytes], pieces: dict[bytes, str]) -> dict[str, Any]:
     visuals = []
-    for name, look, data in link_meshes(link):
+    for name, look, data in told.seen[link.name]:
         files[f"meshes/{name}.obj"] = data
         entry = {"name": name, "file": f"meshes/{name}.obj", "colour": _numbers([*look.colour, look.opacity])}
         entry |= {"metalness": f"{look.metalness:.6g}", "roughness": f"{look.roughness:.6g}"}
         visuals.append(entry | {"transparency": f"{1.0 - look.opacity:.6g}"})
-    meshed = [c for c in link.colliders if c.size is None and c.bar is None]
-    meshes = dict(zip((c.full for c in meshed), piece_meshes(meshed), strict=True))
     noise = 1e-12 * (link.inertia[0, 0] + link.inertia[1, 1] + link.inertia[2, 2])
     tensor = np.where(np.abs(link.inertia) > noise, link.inertia, 0.0)
     cells = [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)]
@@ -55,17 +74,15 @@ def _link(link: RobotLink, files: dict[str, bytes], pieces: dict[bytes, str]) ->
         "mass": f"{link.mass:.9g}",
         "inertia": {name: f"{tensor[i, j]:.9g}" for name, i, j in cells},
         "visuals": visuals,
-        "colliders": [_collider(c, meshes.get(c.full), files, pieces) for c in link.colliders],
+        "colliders": [_collider(c, told, files, pieces) for c in link.colliders],
     }
 
 
-def _collider(
-    collider: Collider, mesh: bytes | None, files: dict[str, bytes], pieces: dict[bytes, str]
-) -> dict[str, Any]:
+def _collider(collider: Collider, told: _Told, files: dict[str, bytes], pieces: dict[bytes, str]) -> dict[str, Any]:
     material, name = collider.material, collider.full
     entry: dict[str, Any] = {
         "name": f"{name}_collision",
-        "pose": f"{_numbers(collider.center)} {_numbers(euler(collider.rotation))}",
+        "pose": told.poses[name],
         "friction": f"{sum(material.friction_dynamic) / 2:.6g}",
         "restitution": f"{sum(material.restitution) / 2:.6g}",
     }
@@ -76,7 +93,7 @@ def _collider(
         if collider.bar.kind != "sphere":
             sizes["length"] = _numbers([collider.bar.length])
         return entry | {"shape": collider.bar.kind, "sizes": sizes}
-    assert mesh is not None
+    mesh = told.met[name]
     file = pieces.setdefault(mesh, f"meshes/{name}.collision.obj")  # equal pieces share a file
     files[file] = mesh
     return entry | {"pose": "0 0 0 0 0 0", "shape": "mesh", "sizes": {"uri": file}}
@@ -139,4 +156,4 @@ def _closures(robot: Robot) -> list[dict[str, Any]]:
 
 def _numbers(values: Any) -> str:
     """Numbers with ten significant digits and a blank between."""
-    return numbers(values, 10)
+    return numbers(values, _DIGITS)

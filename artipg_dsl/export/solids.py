@@ -46,6 +46,11 @@ class SolidGroup:
         return np.zeros(len(self.rows), dtype=np.int64)
 
     @cached_property
+    def ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """The least and the most (k, 3) of the vertices along each axis."""
+        return extent(self.vertices)
+
+    @cached_property
     def shading(self) -> Shading:
         """Vertices split where an edge is to look sharp, with normals (k, V', 3)."""
         return shade(self.vertices, self.faces, self.face_patch)

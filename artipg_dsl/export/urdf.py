@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from ..annotate.frames import euler
+from ..records import dataclass
 from .adjacent import find_adjacent
-from .decimals import numbers
-from .mesh_obj import link_meshes, piece_meshes
+from .decimals import numbers, rows
+from .mesh_obj import Mesh, link_meshes, piece_meshes
 from .primitives import Collider
 from .robot import Robot, RobotJoint, RobotLink
 from .substitute import simple_joints
@@ -33,7 +34,8 @@ def urdf_files(robot: Robot) -> dict[str, bytes]:
     pieces: dict[bytes, str] = {}
     pairs = _pairs(whole, robot)
     groups = _groups([(one, other) for one, other, reason in pairs if reason == _APART])
-    links = [_link(link, files, looks, pieces) | {"group": groups.get(link.name)} for link in robot.links]
+    told = _Told.of(robot)
+    links = [_link(link, told, files, looks, pieces) | {"group": groups.get(link.name)} for link in robot.links]
     joints = [_joint(joint, robot) for joint in robot.joints]
     materials = [{"name": name, "rgba": rgba} for name, rgba in looks.items()]
     known = find_template("robot.srdf.j2").render(name=robot.name, pairs=pairs) + "\n"
@@ -43,8 +45,8 @@ def urdf_files(robot: Robot) -> dict[str, bytes]:
         inertial, collisions = write.inertial(link), write.collisions(link)
         solid.append(write.link(link["name"], inertial + collisions))
         looks_of.append(write.link(link["name"], inertial + write.visuals(link) + collisions))
-    told = [write.note(robot.note)] if robot.note else []
-    seen = [*told, *map(write.material, materials)]
+    note = [write.note(robot.note)] if robot.note else []
+    seen = [*note, *map(write.material, materials)]
     fixed = [write.fixed(_unused("world", robot), links[0]["name"])]
     linked = [write.joint(joint, True) for joint in joints]
     texts = {
@@ -91,15 +93,37 @@ def _groups(pairs: list[tuple[str, str]]) -> dict[str, dict[str, int]]:
     return {link: {"group": bits[link], "mask": masks[link]} for link in bits}
 
 
-def _link(link: RobotLink, files: dict[str, bytes], looks: dict[str, str], pieces: dict[bytes, str]) -> dict[str, Any]:
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """What is written of all links at once: meshes to be seen by the link, by the collider its mesh and where it stands."""
+
+    seen: dict[str, list[Mesh]]
+    met: dict[str, bytes]
+    places: dict[str, dict[str, str]]
+
+    @staticmethod
+    def of(robot: Robot) -> _Told:
+        every = [collider for link in robot.links for collider in link.colliders]
+        center = rows(np.array([collider.center for collider in every]).reshape(-1, 3))
+        turn = rows(euler(np.array([collider.rotation for collider in every]).reshape(-1, 3, 3)))
+        places = {c.full: {"xyz": xyz, "rpy": rpy} for c, xyz, rpy in zip(every, center, turn, strict=True)}
+        return _Told(link_meshes(robot), piece_meshes(robot, _is_plain), places)
+
+
+def _is_plain(collider: Collider) -> bool:
+    """Whether URDF has a word for its shape."""
+    return collider.size is not None or (collider.bar is not None and collider.bar.kind != "capsule")
+
+
+def _link(
+    link: RobotLink, told: _Told, files: dict[str, bytes], looks: dict[str, str], pieces: dict[bytes, str]
+) -> dict[str, Any]:
     visuals = []
-    for name, look, data in link_meshes(link):
+    for name, look, data in told.seen[link.name]:
         looks.setdefault(look.name, numbers([*look.colour, look.opacity]))
         file = f"meshes/{name}.obj"
         files[file] = data
         visuals.append({"name": name, "file": file, "material": look.name})
-    meshed = [c for c in link.colliders if c.size is None and (c.bar is None or c.bar.kind == "capsule")]
-    meshes = dict(zip((c.full for c in meshed), piece_meshes(meshed), strict=True))
     noise = 1e-12 * (link.inertia[0, 0] + link.inertia[1, 1] + link.inertia[2, 2])
     tensor = np.where(np.abs(link.inertia) > noise, link.inertia, 0.0)
     inertia = {
@@ -112,23 +136,21 @@ def _link(link: RobotLink, files: dict[str, bytes], looks: dict[str, str], piece
         "mass": f"{link.mass:.9g}",
         "inertia": inertia,
         "visuals": visuals,
-        "colliders": [_collider(c, meshes.get(c.full), files, pieces) for c in link.colliders],
+        "colliders": [_collider(c, told, files, pieces) for c in link.colliders],
     }
 
 
-def _collider(
-    collider: Collider, mesh: bytes | None, files: dict[str, bytes], pieces: dict[bytes, str]
-) -> dict[str, Any]:
+def _collider(collider: Collider, told: _Told, files: dict[str, bytes], pieces: dict[bytes, str]) -> dict[str, Any]:
     name = collider.full
-    placed = {"name": name, "xyz": numbers(collider.center), "rpy": numbers(euler(collider.rotation))}
+    placed = {"name": name, **told.places[name]}
     if collider.size is not None:
         return placed | {"shape": {"kind": "box", "sizes": {"size": numbers(collider.size)}}}
-    if collider.bar is not None and mesh is None:
+    if collider.bar is not None and _is_plain(collider):
         sizes = {"radius": numbers([collider.bar.radius])}
         if not collider.bar.capped:
             sizes["length"] = numbers([collider.bar.length])
         return placed | {"shape": {"kind": collider.bar.kind, "sizes": sizes}}
-    assert mesh is not None
+    mesh = told.met[name]
     file = pieces.setdefault(mesh, f"meshes/{name}.collision.obj")  # equal pieces (the keys of a pad) share a file
     files[file] = mesh
     return {"name": name, "xyz": "0 0 0", "rpy": "0 0 0", "shape": None, "file": file}

@@ -22,7 +22,6 @@ from .decimals import numbers
 from .materials import to_linear
 from .pose import rest_poses
 from .primitives import Collider, Visual
-from .principal import find_principal
 from .robot import Robot, RobotClosure, RobotJoint, Robots
 from .template import find_template
 from .write import ExportError
@@ -65,7 +64,8 @@ def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
     link_names = [bodies(link.name) for link in robot.links]
     named = robots.batch.link_words[int(robots.link_start[i]) :]
     told = _Told.of(robot)
-    moments, axes = find_principal(np.stack([link.inertia for link in robot.links]))
+    own_links = slice(*robots.link_start[i : i + 2].tolist())
+    moments, axes = (column[own_links] for column in robots.principal)
     turns, shifts = (np.stack(column) for column in zip(*rest_poses(robot), strict=True))
     columns = {
         "center": _tuples(np.stack([link.center for link in robot.links])),
