@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -231,7 +232,7 @@ class Weighing:
     ):
         self.count, self.inertia = n_links, inertia
         weigh(tables, inertia)
-        self.own = [_whole(*what, link_start, inertia) for what in zip(tables, densities, strict=True) if len(what[0])]
+        self.own = _whole(tables, densities, link_start, inertia)
         rows = block_of(tables, 0, len(link_start))
         self.owner = rows.owner
         if not len(self.owner):
@@ -298,28 +299,36 @@ def _summed(rows: list[_Portion], n_links: int) -> tuple[np.ndarray, np.ndarray]
     return total, first / np.where(total > 0, total, 1.0)[:, None]
 
 
-def _whole(table: SiteTable, density: np.ndarray, link_start: np.ndarray, inertia: bool) -> _Portion:
-    """The primitives of a site."""
-    volume, center = table.weights if not inertia else table.moments[:2]
-    if (volume < 0.0).any():
-        low, high = bounds(table.primitive, table.params)
-        if (
-            volume < -_INVERTED * np.prod(high - low, axis=1)
-        ).any():  # one that was edited: the check of a program finds it
-            raise PrimitiveError(table.primitive, None, "its surfaces are inside out")
-    center = center * np.stack([np.ones_like(table.mirror), table.mirror, np.ones_like(table.mirror)], axis=-1)
-    center = apply(table.rotation, center) + table.translation
-    about = np.zeros((len(table), 3, 3))
-    if inertia:
-        about = _turned_inertia(table, table.moments[2] * density[:, None, None])
-    return link_start[table.owner] + table.link, np.abs(volume) * density, center, about
-
-
-def _turned_inertia(table: SiteTable, inertia: np.ndarray) -> np.ndarray:
-    """Inertia tensors (k, 3, 3) of local frames in the axes of the object."""
-    sign = np.stack([np.ones_like(table.mirror), table.mirror, np.ones_like(table.mirror)], axis=-1)
-    inertia = inertia * sign[:, :, None] * sign[:, None, :]
-    return multiply(multiply(table.rotation, inertia), table.rotation.transpose(0, 2, 1))
+def _whole(
+    tables: list[SiteTable], densities: list[np.ndarray], link_start: np.ndarray, inertia: bool
+) -> list[_Portion]:
+    """The primitives of each site that has some; what they weigh is turned for all sites at once."""
+    there = [(table, density) for table, density in zip(tables, densities, strict=True) if len(table)]
+    if not there:
+        return []
+    weights = [table.weights if not inertia else table.moments for table, _ in there]
+    for (table, _), (volume, *_) in zip(there, weights, strict=True):
+        if (volume < 0.0).any():
+            low, high = bounds(table.primitive, table.params)
+            if (
+                volume < -_INVERTED * np.prod(high - low, axis=1)
+            ).any():  # one that was edited: the check of a program finds it
+                raise PrimitiveError(table.primitive, None, "its surfaces are inside out")
+    volume, center, *second = (np.concatenate(column) for column in zip(*weights, strict=True))
+    density = np.concatenate([density for _, density in there])
+    mirror, rotation, translation = (
+        np.concatenate([getattr(table, name) for table, _ in there]) for name in ("mirror", "rotation", "translation")
+    )
+    sign = np.stack([np.ones_like(mirror), mirror, np.ones_like(mirror)], axis=-1)
+    center = apply(rotation, center * sign) + translation
+    about = np.zeros((len(mirror), 3, 3))
+    if second:
+        turned = second[0] * density[:, None, None] * sign[:, :, None] * sign[:, None, :]
+        about = multiply(multiply(rotation, turned), rotation.transpose(0, 2, 1))
+    link = np.concatenate([link_start[table.owner] + table.link for table, _ in there])
+    ends = np.cumsum([0, *(len(table) for table, _ in there)]).tolist()
+    mass = np.abs(volume) * density
+    return [(link[a:b], mass[a:b], center[a:b], about[a:b]) for a, b in pairwise(ends)]
 
 
 def _parallel_axis(mass: np.ndarray, offset: np.ndarray) -> np.ndarray:
