@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import Polynomial
 
+from ..native.digits import print_blocks
 from ..runtime.motion import perpendicular_to
 from . import decimals
 from .adjacent import find_adjacent
@@ -85,7 +86,7 @@ class _Model:
         robot.refuse_coupled_balls("MuJoCo", "mjcf")
         self.advances = {screw: slide for slide, screw in advances(robot).items()}
         looks = {visual.look.name: visual.look for link in robot.links for visual in link.visuals}
-        self._seen = link_meshes(robot)
+        self._seen, self._points = link_meshes(robot), _hull_points(robot)
         every = [collider for link in robot.links for collider in link.colliders]
         center = rows(np.array([collider.center for collider in every]).reshape(-1, 3), _DIGITS)
         turn = rows(np.array([collider.turn for collider in every]).reshape(-1, 4), _DIGITS)
@@ -198,13 +199,10 @@ class _Model:
         if collider.bar is not None:
             sizes = [collider.bar.radius, *([collider.bar.length / 2] if collider.bar.kind != "sphere" else [])]
             return entry | {"type": collider.bar.kind, "size": numbers(sizes)} | placed
-        assert collider.hull is not None
-        # equal pieces (the keys of a pad) share a mesh: its points are those about its own middle
-        middle = np.round((collider.hull.vertices.min(axis=0) + collider.hull.vertices.max(axis=0)) / 2, 9)
-        points = numbers(np.round(collider.hull.vertices - middle, 9).ravel())
+        middle, points = self._points[name]
         mesh = self._same_hull.setdefault(points, f"{name}_hull")
         self.hulls[mesh] = points
-        return entry | {"type": "mesh", "mesh": mesh, "pos": numbers(middle)}
+        return entry | {"type": "mesh", "mesh": mesh, "pos": middle}
 
     def _joint_order(self, body: dict[str, Any]) -> list[str]:
         """Names of joints as MuJoCo orders them: depth first."""
@@ -214,6 +212,22 @@ class _Model:
         """``qpos`` with every joint at rest: numbers in MuJoCo's order, a ball's as a quaternion, the free base's first."""
         values: list[float] = [*self.robot.links[0].origin.tolist(), 1.0, 0.0, 0.0, 0.0] if free else []
         return numbers([*values, *qpos(self.robot, rest_values(self.robot), self.order)]) if self.order or free else ""
+
+
+def _hull_points(robot: Robot) -> dict[str, tuple[str, str]]:
+    """By the collider that is a hull, its middle and the points about it: equal ones (the keys of a pad) share a mesh."""
+    met = {c.full: c.hull for link in robot.links for c in link.colliders if c.size is None and c.bar is None}
+    points = [hull.vertices for hull in met.values() if hull is not None]
+    if not points:
+        return {}
+    every, counts = np.concatenate(points), np.array(list(map(len, points)))
+    start = np.cumsum([0, *counts])
+    low, high = (best.reduceat(every, start[:-1]) for best in (np.minimum, np.maximum))
+    middle = np.round((low + high) / 2, 9)
+    about = np.round(every - middle.repeat(counts, axis=0), 9)
+    lines = print_blocks(np.round(about, 12) + 0.0, start.tolist(), f"%.{_DIGITS}g", ("", " ", " ", "\n"))
+    texts = [text[:-1].replace("\n", " ") for text in lines]
+    return dict(zip(met, zip(rows(middle, _DIGITS), texts, strict=True), strict=True))
 
 
 def _waiting(name: str, low: float, high: float) -> str:
