@@ -49,6 +49,9 @@ class Machine:
                 "depth_sides",
                 "chain",
                 "cluster",
+                "place_shares",
+                "local_points",
+                "held_moments",
             ):
                 getattr(library, name).restype = None
             for name in (

@@ -1,4 +1,4 @@
-"""_Points of boxes in which primitives may overlap, by compiled code: what ``geometry.overlap`` computes, with the same bits."""
+"""Points of boxes in which primitives may overlap, by compiled code: what ``geometry.overlap`` computes, with the same bits."""
 
 from __future__ import annotations
 
