@@ -87,7 +87,7 @@ def test_a_loop_that_does_not_close_is_warned_of_where_it_is_stated(low: str, to
 
 @pytest.mark.parametrize(
     ("demand", "hint"),
-    [("away == 2cm", "write `align`"), ("abs(sin(away * 1rad / 1mm) * away) >= 29mm", "widen the ranges")],
+    [("abs(away - 1cm) == 1cm", "write `align`"), ("abs(sin(away * 1rad / 1mm) * away) >= 29mm", "widen the ranges")],
 )
 def test_an_equation_that_is_demanded_is_told_apart_from_a_range_that_is_too_narrow(demand: str, hint: str) -> None:
     session = Session.of_text(CHEST.format(away="1mm", more=f"require {demand}"), "programs/some.apg")
