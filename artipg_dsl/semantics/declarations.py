@@ -109,12 +109,23 @@ def _shared(a: ast.Stmt, b: ast.Stmt) -> bool:
     return any(isinstance(x, ast.SlotDecl) and x.targets and isinstance(y, ast.PartDecl) for x, y in ((a, b), (b, a)))
 
 
+# what formulas of primitives are over, beside parameters
+_VARIABLES = {
+    "u": "a variable of surfaces",
+    "v": "a variable of surfaces",
+    "i": "the number of a copy of a surface or a piece",
+    "p": "the point that `inside` is asked of",
+}
+
+
 def _reserved(scope: BodyScope, kind: str, node: ast.Stmt, name: str) -> str | None:
     """Why a name may not be declared in this body, or None."""
     if name in FACES and kind != "surface" and not (scope.owner.kind == "category" and kind == "part"):
         return "a face of the box that every part has"
     if name in OWN and not (name == "size" and kind == "param"):
         return "a member that every part has"
+    if kind in ("param", "count") and scope.owner.kind == "primitive" and name in _VARIABLES:
+        return _VARIABLES[name]
     called = isinstance(node, ast.LetDecl) and node.parameters
     if called:  # `x` alone stays the axis
         if name in FUNCTIONS:

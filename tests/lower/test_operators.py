@@ -112,6 +112,19 @@ def test_a_smooth_loft_has_no_kink_and_reaches_no_further_than_its_sections(text
     assert boxes[0] == pytest.approx(boxes[1], abs=1e-12)
 
 
+@pytest.mark.parametrize("name", ["bay", "section"])
+def test_a_parameter_may_be_called_what_a_solid_is_made_of(name):
+    solid = f"""
+primitive Pot {{
+  param {name} : length > 0  test 2cm .. 4cm
+  curve foot (u in 0turn .. 1turn) = [{name} * cos(u), 0.8 * {name} * sin(u)]
+  curve rim  (u in 0turn .. 1turn) = [0.9 * {name} * cos(u), {name} * sin(u)]
+  solid = loft(foot, rim, foot) along z at [0mm, {name}, 3 * {name}]
+}}
+"""
+    assert check_primitive(lowered(solid).primitive, samples=1) == []
+
+
 @pytest.mark.parametrize(
     ("text", "groups"),
     [(VASE, 1), (BALUSTER, 1), (SHOULDER, 1), (COLUMN, 3)],

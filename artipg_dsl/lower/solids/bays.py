@@ -15,7 +15,8 @@ from .paths import Stretch
 from .profiles import Point, Span
 from .smooth import Course
 
-BLEND = E.var("section")  # 0 at the first section of a bay, 1 at its last
+# 0 at the first section of a bay, 1 at its last. No parameter of an author is called so, nor a component of one
+BLEND = E.var("section.blend")
 Chains = list[list[Span]]
 
 

@@ -47,7 +47,7 @@ from .strips import convex
 from .summits import W
 from .summits import reached as summits
 
-X, Y = E.var("section.x"), E.var("section.y")
+X, Y = E.var("section.at.x"), E.var("section.at.y")
 _BLENDS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 

@@ -19,7 +19,7 @@ from .probe import Probe
 from .profiles import Span, V
 from .smooth import Course, Run
 
-NUMBER = E.var("bay")  # of a bay among those that are one
+NUMBER = E.var("section.bay")  # of a bay among those that are one
 _PADDED = {"add": ZERO, "sub": ZERO, "mul": ONE, "div": ONE, "pow": ONE}  # what leaves the other argument as it is
 
 
