@@ -366,7 +366,8 @@ RESOLVING = (
         """
         Types, constructors, built-in functions, the faces of a box, `size`, `center` and `box` keep their meaning
         everywhere and cannot be declared: it would be unclear which one is meant. Choose another name: `front_edge`,
-        `seat_size`. After a dot and as names of arguments, such words are allowed.
+        `seat_size`. After a dot and as names of arguments, such words are allowed. A parameter of a primitive must not be
+        called `u`, `v`, `i` or `p`: these are variables of its formulas.
         """,
         """
         apg 1
