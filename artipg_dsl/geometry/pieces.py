@@ -174,7 +174,7 @@ def clouds(primitive: Primitive, params: Params) -> list[Cloud]:
 def join_clouds(some: Sequence[Sequence[Cloud]], starts: Sequence[int]) -> list[Cloud]:
     """The clouds of several sets of instances of one primitive as those of all, the rows of each set counted from its start on."""
     alike: dict[tuple[int, tuple[bool, ...]], list[Cloud]] = {}
-    for clouds, start in zip(some, starts, strict=False):
+    for clouds, start in zip(some, starts, strict=True):
         for cloud in clouds:
             alike.setdefault((cloud.number, cloud.variant), []).append(replace(cloud, rows=cloud.rows + start))
     found = []

@@ -100,7 +100,7 @@ class _JoinedTable(SiteTable):
     def clouds(self) -> list[convex.Cloud]:
         """Of all rows; those that single tables have are not made again."""
         if all("clouds" in table.__dict__ for table in self.tables):
-            starts = np.cumsum([0, *(len(table) for table in self.tables)]).tolist()
+            starts = np.cumsum([0, *(len(table) for table in self.tables[:-1])]).tolist()
             return convex.join_clouds([table.clouds for table in self.tables], starts)
         return convex.clouds(self.primitive, self.params)
 

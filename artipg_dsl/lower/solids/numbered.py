@@ -37,7 +37,7 @@ class Bays:
 
     def at_level(self, height: Expr, levels: Sequence[Expr]) -> dict[Expr, Expr]:
         """What to substitute in what reads ``NUMBER`` for the bay at a height; the ``levels`` are those where the bays begin."""
-        return {_below(k): E.call("lt", height, level) for k, level in enumerate(levels[1:])}
+        return {_below(NUMBER, k): E.call("lt", height, level) for k, level in enumerate(levels[1:])}
 
 
 def numbered(bays: Sequence[Bay]) -> list[Bays]:
@@ -53,15 +53,15 @@ def numbered(bays: Sequence[Bay]) -> list[Bays]:
     return found
 
 
-def _below(number: int) -> Expr:
-    return E.call("lt", NUMBER, E.const(number + 0.5))
+def _below(index: Expr, number: int) -> Expr:
+    return E.call("lt", index, E.const(number + 0.5))
 
 
-def _selected(values: Sequence[Expr]) -> Expr:
-    """The value of the bay of number ``NUMBER``."""
+def select(index: Expr, values: Sequence[Expr]) -> Expr:
+    """Of values the one of an index, a formula that counts from 0."""
     found = values[-1]
     for k in range(len(values) - 2, -1, -1):
-        found = E.where(_below(k), values[k], found)
+        found = E.where(_below(index, k), values[k], found)
     return found
 
 
@@ -73,8 +73,8 @@ def _one(bays: tuple[Bay, ...]) -> Bay | None:
     if sections[0] is None or sections[1] is None or course is None and any(courses):
         return None
     places = (tuple(bay.rail.place[axis] for bay in bays) for axis in range(3))
-    place = triple(_common(along) or _selected(along) for along in places)
-    rail = Stretch(place, bays[0].rail.direction, _selected([bay.rail.length for bay in bays]))
+    place = triple(_common(along) or select(NUMBER, along) for along in places)
+    rail = Stretch(place, bays[0].rail.direction, select(NUMBER, [bay.rail.length for bay in bays]))
     return Bay(rail, bays[0].frames, [sections[0]], [sections[1]], course)
 
 
@@ -99,7 +99,7 @@ def _course(courses: Sequence[Course | None]) -> Course | None:
 
 def _run(runs: Sequence[Run]) -> Run:
     ends = zip(*((run.first, run.last, run.begin, run.end) for run in runs), strict=True)
-    return Run(*map(_selected, ends))
+    return Run(*(select(NUMBER, values) for values in ends))
 
 
 def _common(exprs: tuple[Expr, ...]) -> Expr | None:
@@ -111,7 +111,7 @@ def _common(exprs: tuple[Expr, ...]) -> Expr | None:
         if all(e is some[0] for e in some):
             return some[0]
         if not any(e.reads & V.reads for e in some):
-            return _selected(some)
+            return select(NUMBER, some)
         if some not in known:
             known[some] = join(some)
         return known[some]

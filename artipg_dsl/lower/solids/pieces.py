@@ -16,7 +16,7 @@ from ..values.vectors import dot, minus, plus, times
 from .bays import BLEND, Bay, swapped
 from .curves import TURN
 from .frames import turning
-from .numbered import NUMBER, Bays
+from .numbered import NUMBER, Bays, select
 from .paths import turned
 from .probe import Probe
 from .profiles import Loop, Point, Side, between, equal_steps, extreme, orientation, right_of, straight
@@ -104,19 +104,11 @@ def _piece(drawn: _Steps, label: str, first: int, count: int, lost: np.ndarray) 
     else:
         behind = E.call("floor", E.div(index, E.const(float(count)))) if len(lost) > 1 else ZERO
         step = E.sub(index, E.mul(E.const(float(count)), behind))
-        corners = drawn.corners(step, count, _listed(index, lost.ravel()))
+        corners = drawn.corners(step, count, select(index, [E.const(one) for one in lost.ravel().tolist()]))
         bay, each = E.add(E.const(float(first)), behind), E.const(float(many))
     if first or many > 1:
         label = f"{label}_{first}"
     return Piece(label, tuple(triple(substitute_all(corner, {NUMBER: bay})) for corner in corners), each)
-
-
-def _listed(index: Expr, values: np.ndarray) -> Expr:
-    """Of the values the one of an index, which is a formula."""
-    found = E.const(float(values[-1]))
-    for k in range(len(values) - 2, -1, -1):
-        found = E.where(E.call("lt", index, E.const(k + 0.5)), E.const(float(values[k])), found)
-    return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
