@@ -5,7 +5,7 @@ In: a primitive (``graph.primitive``) and its parameters, a dict of columns (k,)
 metres, angles in radians; shapes live in the primitive's own frame, unmirrored, unless a table of sites places them.
 Begin with ``patches`` and ``mesh``.
 
-    facts                                        what was found in an earlier run
+    facts, split                                 what was found in an earlier run; formulas as functions, kept there
     trial, topology, weld, flat, resolution      computed once per primitive: which edges meet, how many steps
     patches, surface, density, quadrature        positions, normals, areas, places drawn by area, integrals
     mesh, pieces, box, bound                     watertight meshes, convex pieces, stated boxes

@@ -9,8 +9,8 @@ import numpy as np
 from ..graph.primitive import Primitive
 from ..records import dataclass
 from .box import bounds
-from .patches import Params
 from .sites import SiteTable
+from .split import Params
 
 
 @dataclass(frozen=True, slots=True, eq=False)

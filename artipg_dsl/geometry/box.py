@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..graph.primitive import Primitive
-from .patches import Params, evaluate_rows
+from .patches import evaluate_rows
+from .split import Params
 from .vectors import dot
 
 

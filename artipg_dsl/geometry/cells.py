@@ -12,7 +12,8 @@ from ..records import dataclass
 from .block import Block, Coordinates, Shelf, to_object
 from .density import patch_area
 from .flat import BENT, PLANAR, quads, shapes
-from .patches import Params, find_existing, surfaces
+from .patches import find_existing, surfaces
+from .split import Params
 from .surface import PatchEvaluator
 from .topology import orientation
 

@@ -17,7 +17,8 @@ from ..graph.primitive import Primitive, Triple
 from ..records import dataclass
 from ..shapes import fit
 from . import facts
-from .patches import Params, Split, find_existing, grid, surfaces
+from .patches import find_existing, grid, surfaces
+from .split import Params, Split
 from .topology import shown_rows, turns
 
 _FLAT = 1e-9  # relative deviation below which an element counts as constant or linear
@@ -32,7 +33,7 @@ _FAR = 1e300
 @lru_cache(maxsize=4096)
 def element_split(primitive: Primitive, patch: int) -> Split:
     """|du x dv| over fractions: square metres per unit of u and v."""
-    return Split(primitive, (norm(surfaces(primitive)[patch].cross),))
+    return Split.kept(primitive, f"element of {patch}", 1, lambda: (norm(surfaces(primitive)[patch].cross),))
 
 
 def norm(vector: Triple) -> Expr:

@@ -12,22 +12,13 @@ import numpy as np
 
 from ..graph.derive import derive
 from ..graph.expr import ONE, ZERO, Expr
+from ..graph.formula import Formula
 from ..graph.primitive import Primitive
 from ..graph.substitution import substitute
 from ..shapes import fit
 from . import facts
-from .patches import (
-    Params,
-    U,
-    V,
-    find_existing,
-    grid,
-    inside_split,
-    parameter_formula,
-    position_split,
-    rows_of,
-    surfaces,
-)
+from .patches import U, V, find_existing, grid, inside_split, position_split, surfaces
+from .split import Params, keep_formula, rows_of
 from .topology import shown_rows
 from .trial import draw_trial
 
@@ -74,21 +65,25 @@ def _shape(primitive: Primitive, patch: int) -> int:
 
 
 @lru_cache(maxsize=512)
-def _corner_formulas(primitive: Primitive) -> tuple[tuple[int, ...], tuple[Expr, ...]]:
-    """The flat patches, and the coordinates of their corners (0, 0), (1, 0), (0, 1), (1, 1) as formulas."""
+def _corners(primitive: Primitive) -> tuple[tuple[int, ...], Formula]:
+    """The flat patches, and the coordinates of their corners (0, 0), (1, 0), (0, 1), (1, 1)."""
     flat = tuple(int(p) for p in np.flatnonzero(shapes(primitive) != BENT))
     ends = [{U: u, V: v} for v in (ZERO, ONE) for u in (ZERO, ONE)]
-    every = surfaces(primitive)
-    return flat, tuple(substitute(every[p].position[axis], end) for end in ends for axis in range(3) for p in flat)
+
+    def formulas() -> list[Expr]:
+        every = surfaces(primitive)
+        return [substitute(every[p].position[axis], end) for end in ends for axis in range(3) for p in flat]
+
+    return flat, keep_formula(primitive, "corners of quads", 12 * len(flat), formulas)
 
 
 def quads(primitive: Primitive, params: Params) -> tuple[tuple[int, ...], np.ndarray]:
     """The flat patches, and (4, 3, k, flat patches): origin, a, b and c in the own frames of the instances."""
-    flat, formulas = _corner_formulas(primitive)
+    flat, corners = _corners(primitive)
     corner = np.empty((4, 3, rows_of(params), len(flat)))
     if not flat:
         return flat, corner
-    values = parameter_formula(primitive, formulas)(*(params[n] for n in primitive.parameters))
+    values = corners(*(params[n] for n in primitive.parameters))
     for number, value in enumerate(values):
         vector, patch = divmod(number, len(flat))
         corner[vector // 3, vector % 3, :, patch] = value

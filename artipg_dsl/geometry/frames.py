@@ -11,7 +11,8 @@ import numpy as np
 
 from ..graph.primitive import Primitive
 from ..records import dataclass
-from .patches import Params, surfaces, tangent_split
+from .patches import surfaces, tangent_split
+from .split import Params
 from .surface import PatchEvaluator
 from .vectors import cross, dot
 

@@ -12,8 +12,9 @@ import numpy as np
 
 from ..graph.primitive import Primitive
 from ..records import dataclass
-from .patches import Params, find_existing, position_split, rows_of
+from .patches import find_existing, position_split
 from .resolution import measure_bends, measure_spans
+from .split import Params, rows_of
 from .topology import Topology, topology
 from .vectors import extent
 from .weld import WeldPlan, plan_weld, step_counts

@@ -20,7 +20,8 @@ from ..native import overlaps as native
 from ..records import dataclass
 from .block import Block, placed_points, to_local
 from .box import bounds
-from .patches import Split, inside_split
+from .patches import inside_split
+from .split import Split
 
 FEW, MANY = 512, 4096  # points of a pair: to see whether there is an overlap, and to measure it
 _CROWDED = 2048  # pairs of a body: with more of them its rows are measured whole

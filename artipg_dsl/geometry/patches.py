@@ -1,7 +1,7 @@
 """The patches of a primitive as functions of parameters and of fractions 0 .. 1 along u and v.
 
 Indexed patches are spelt out, so a *patch number* counts the surfaces that exist: ``handle[0]``, ``handle[1]``, ...
-Formulas are split: what depends on the parameters alone is evaluated once per instance, the rest per point.
+Their formulas are split: what depends on the parameters alone is evaluated once per instance, the rest per point.
 """
 
 from __future__ import annotations
@@ -18,19 +18,35 @@ from ..graph.formula import compile_formula
 from ..graph.primitive import Patch, Primitive, Triple, triple
 from ..graph.substitution import substitute
 from ..records import dataclass
+from .split import Params, Split, rows_of
 
 U, V = var("u"), var("v")
-Params = dict[str, np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """One patch: ``position`` over fractions of u and v."""
+    """One patch: the ``index``-th where it is declared for several."""
 
     name: str
+    patch: Patch
     declared: int  # index into Primitive.patches
-    guard: Expr | None
-    position: Triple
+    index: int | None
+
+    def _at(self, expr: Expr) -> Expr:
+        return expr if self.index is None else substitute(expr, {var("i"): const(self.index)})
+
+    @cached_property
+    def guard(self) -> Expr | None:
+        """Whether it exists, of the parameters; None where it always does."""
+        return None if self.patch.guard is None else self._at(self.patch.guard)
+
+    @cached_property
+    def position(self) -> Triple:
+        """Over fractions of u and v."""
+        u0, u1, v0, v1 = map(self._at, (*self.patch.u_range, *self.patch.v_range))
+        mapping = {} if self.index is None else {var("i"): const(self.index)}
+        mapping |= {U: u0 + U * (u1 - u0), V: v0 + V * (v1 - v0)}
+        return triple(substitute(e, mapping) for e in self.patch.position)
 
     @cached_property
     def tangents(self) -> tuple[Triple, Triple]:
@@ -51,104 +67,44 @@ def surfaces(primitive: Primitive) -> tuple[Surface, ...]:
     found = []
     for declared, patch in enumerate(primitive.patches):
         if patch.count is None:
-            found.append(_surface(patch, declared, patch.name, {}))
+            found.append(Surface(patch.name, patch, declared, None))
         for i in range(patch.count or 0):
-            found.append(_surface(patch, declared, f"{patch.name}[{i}]", {var("i"): const(i)}))
+            found.append(Surface(f"{patch.name}[{i}]", patch, declared, i))
     return tuple(found)
-
-
-def _surface(patch: Patch, declared: int, name: str, index: dict[Expr, Expr]) -> Surface:
-    u0, u1, v0, v1 = (substitute(e, index) for e in (*patch.u_range, *patch.v_range))
-    mapping = {**index, U: u0 + U * (u1 - u0), V: v0 + V * (v1 - v0)}
-    position: Triple = triple(substitute(e, mapping) for e in patch.position)
-    guard = None if patch.guard is None else substitute(patch.guard, index)
-    return Surface(name, declared, guard, position)
-
-
-class Split:
-    """Formulas over the parameters, ``u`` and ``v``, split into a part per instance and a part per point."""
-
-    def __init__(self, primitive: Primitive, exprs: Sequence[Expr], point: Sequence[str] = ("u", "v")):
-        self._names = primitive.parameters
-        along = 0
-        for name in point:
-            along |= var(name).reads
-        hoisted: dict[Expr, None] = {}
-        seen: set[Expr] = set()
-
-        def collect(node: Expr) -> None:
-            if node in seen:
-                return
-            seen.add(node)
-            if node.reads & along:
-                for arg in node.args:
-                    collect(arg)
-            elif node.op != "const":
-                hoisted[node] = None
-
-        for expr in exprs:
-            collect(expr)
-        powers = {node.args[1] for node in seen if node.op == "pow"}
-        self._exponents = [k for k, node in enumerate(hoisted) if node in powers]
-        self._rows = compile_formula(tuple(hoisted), self._names)
-        self._points = compile_formula(exprs, point, tuple(hoisted))
-
-    def rows(self, params: Params) -> np.ndarray:
-        """(h, k): the values per instance that the formulas need."""
-        count = rows_of(params)
-        values = self._rows(*(params[n] for n in self._names))
-        out = np.empty((len(values), count))
-        for row, value in zip(out, values, strict=True):
-            row[...] = value
-        return out
-
-    def points(self, rows: Sequence[np.ndarray], *point: np.ndarray) -> tuple[Any, ...]:
-        """The values at points: ``rows`` gathered to arrays that broadcast with the point variables (fractions).
-
-        Exponents are told for every point: NumPy computes the power of one that is broadcast in another way, by the number of rows.
-        """
-        given = list(rows)
-        if self._exponents:
-            shape = np.broadcast_shapes(*(array.shape for array in (*rows, *point)))
-            for k in self._exponents:
-                if given[k].shape != shape or 0 in given[k].strides:
-                    given[k] = np.broadcast_to(given[k], shape).copy(order="C")
-        return self._points(*given, *point)
-
-
-def rows_of(params: Params) -> int:
-    """The number of instances; a primitive without parameters is one instance unless ``""`` gives a column."""
-    return len(next(iter(params.values()))) if params else 1
 
 
 @lru_cache(maxsize=4096)
 def position_split(primitive: Primitive, patch: int) -> Split:
     """Position of a patch: three values."""
-    return Split(primitive, surfaces(primitive)[patch].position)
+    return Split.kept(primitive, f"position of {patch}", 3, lambda: surfaces(primitive)[patch].position)
 
 
 @lru_cache(maxsize=512)
 def inside_split(primitive: Primitive) -> Split:
     """The inside function over p.x, p.y, p.z."""
-    return Split(primitive, (primitive.inside,), ("p.x", "p.y", "p.z"))
+    return Split.kept(primitive, "inside", 1, lambda: (primitive.inside,), ("p.x", "p.y", "p.z"))
 
 
 @lru_cache(maxsize=512)
 def tangent_split(primitive: Primitive, patch: int) -> Split:
     """Both tangents of a patch, by fractions: six values."""
-    du, dv = surfaces(primitive)[patch].tangents
-    return Split(primitive, (*du, *dv))
+
+    def tangents() -> tuple[Expr, ...]:
+        du, dv = surfaces(primitive)[patch].tangents
+        return (*du, *dv)
+
+    return Split.kept(primitive, f"tangents of {patch}", 6, tangents)
 
 
 @lru_cache(maxsize=512)
-def parameter_formula(primitive: Primitive, exprs: tuple[Expr, ...]) -> Callable[..., tuple[Any, ...]]:
+def _parameter_formula(primitive: Primitive, exprs: tuple[Expr, ...]) -> Callable[..., tuple[Any, ...]]:
     """Formulas of the parameters alone, as a function of their columns."""
     return compile_formula(exprs, primitive.parameters)
 
 
 def evaluate_rows(primitive: Primitive, exprs: Sequence[Expr], params: Params, kind: type = np.float64) -> np.ndarray:
     """(number of expressions, k): formulas of the parameters alone, per instance."""
-    values = parameter_formula(primitive, tuple(exprs))(*(params[n] for n in primitive.parameters))
+    values = _parameter_formula(primitive, tuple(exprs))(*(params[n] for n in primitive.parameters))
     out: np.ndarray = np.empty((len(exprs), rows_of(params)), dtype=kind)
     for row, value in zip(out, values, strict=True):
         row[...] = value

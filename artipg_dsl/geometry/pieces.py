@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 
 from ..graph.expr import Expr
-from ..graph.formula import compile_formula
 from ..graph.primitive import Primitive
 from ..records import dataclass
 from . import facts, mesh
 from .errors import PrimitiveError
-from .patches import Params, evaluate_rows, rows_of
+from .patches import evaluate_rows
 from .runs import absent
+from .split import Params, keep_formula, rows_of
 from .topology import topology
 from .trial import draw_trial, variants
 from .vectors import cross, dot, extent
@@ -270,8 +270,9 @@ def _counts(primitive: Primitive, number: int, params: Params) -> np.ndarray:
 @lru_cache(maxsize=2048)
 def _corners(primitive: Primitive, numbers: tuple[int, ...]) -> Callable[..., tuple[Any, ...]]:
     """The declared points of some pieces as a function of the parameters' columns and of their index."""
-    coordinates = tuple(e for number in numbers for point in primitive.pieces[number].points for e in point)
-    return compile_formula(coordinates, (*primitive.parameters, "i"))
+    points = [point for number in numbers for point in primitive.pieces[number].points]
+    name = f"corners of {' '.join(map(str, numbers))}"
+    return keep_formula(primitive, name, 3 * len(points), lambda: [e for point in points for e in point], ("i",))
 
 
 def _points(primitive: Primitive, numbers: tuple[int, ...], index: np.ndarray, params: Params) -> list[np.ndarray]:

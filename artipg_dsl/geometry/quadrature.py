@@ -19,7 +19,8 @@ from ..native.moments import add_moments
 from ..shapes import fit
 from . import facts
 from .box import bounds
-from .patches import Params, Split, find_existing, rows_of, surfaces
+from .patches import find_existing, surfaces
+from .split import Params, Split, rows_of
 from .topology import orientation, turns
 from .trial import draw_trial
 
@@ -42,7 +43,7 @@ def _nodes(turn: float, times: int) -> tuple[np.ndarray, np.ndarray]:
 def _split(primitive: Primitive, patch: int) -> Split:
     """Position and du x dv of a patch."""
     made = surfaces(primitive)[patch]
-    return Split(primitive, (*made.position, *made.cross))
+    return Split.kept(primitive, f"flux of {patch}", 6, lambda: (*made.position, *made.cross))
 
 
 def _rule(primitive: Primitive, patch: int, times: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -17,7 +17,8 @@ from ..arguments import read_whole
 from ..errors import UsageError
 from ..graph.primitive import Primitive
 from ..records import dataclass
-from .patches import Params, grid, position_split, rows_of, tangent_split
+from .patches import grid, position_split, tangent_split
+from .split import Params, rows_of
 from .topology import Topology
 from .vectors import dot
 

@@ -18,7 +18,8 @@ from ..records import dataclass
 from . import mesh, pieces, quadrature, surface
 from .box import bounds
 from .errors import PrimitiveError
-from .patches import Params, inside_split, rows_of, surfaces
+from .patches import inside_split, surfaces
+from .split import Params, rows_of
 from .trial import draw_trial
 
 _ON_SURFACE = 1e-9  # how far the inside function may be from 0 on a surface, relative to the diagonal

@@ -6,10 +6,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..graph.expr import ZERO, const
+from ..graph.expr import ZERO, Expr, const
 from ..graph.primitive import Primitive
 from .density import AreaPlacement, norm, patch_area
-from .patches import Params, Split, rows_of, surfaces
+from .patches import surfaces
+from .split import Params, Split, rows_of
 from .topology import orientation
 
 _COLLAPSED = 1e-60  # m4: the square of an area element that is zero but for rounding
@@ -36,12 +37,16 @@ def place(
 @lru_cache(maxsize=4096)
 def _split(primitive: Primitive, patch: int) -> Split:
     """Position, outward unit normal, and the squared element where it can vanish on the surface (else 1)."""
-    surface = surfaces(primitive)[patch]
-    sign = const(float(orientation(primitive)[patch]))
-    x, y, z = surface.cross
-    length = norm(surface.cross)
-    normal = tuple(ZERO if c is ZERO else sign * c / length for c in surface.cross)
-    return Split(primitive, (*surface.position, *normal, x * x + y * y + z * z))
+
+    def formulas() -> tuple[Expr, ...]:
+        surface = surfaces(primitive)[patch]
+        sign = const(float(orientation(primitive)[patch]))
+        x, y, z = surface.cross
+        length = norm(surface.cross)
+        normal = (ZERO if c is ZERO else sign * c / length for c in surface.cross)
+        return (*surface.position, *normal, x * x + y * y + z * z)
+
+    return Split.kept(primitive, f"surface of {patch}", 7, formulas)
 
 
 class PatchEvaluator:

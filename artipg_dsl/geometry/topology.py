@@ -17,7 +17,8 @@ from ..records import dataclass
 from ..shapes import fit
 from . import facts
 from .errors import PrimitiveError
-from .patches import Params, grid, position_split, surfaces, tangent_split
+from .patches import grid, position_split, surfaces, tangent_split
+from .split import Params
 from .trial import draw_trial, variants
 
 _TOLERANCE = 1e-9  # relative to the extent of the instance

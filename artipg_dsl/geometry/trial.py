@@ -10,7 +10,8 @@ from .. import random
 from ..graph.expr import Expr
 from ..graph.primitive import Primitive
 from .errors import PrimitiveError
-from .patches import Params, evaluate_rows, find_existing
+from .patches import evaluate_rows, find_existing
+from .split import Params
 
 _OVERSAMPLE = 64  # candidates per wanted row: `requires` may refuse many
 _PER_END = 3  # rows with one parameter at an end of its range, per end

@@ -135,32 +135,32 @@ _CALL, _TOLD, _STEP = 1000, 60_000, 280
 class Formula:
     """A tape as a function of arrays or numbers that returns a tuple of values, one per output."""
 
-    __slots__ = ("_tape", "_code", "_calls", "_work", "_worth")
+    __slots__ = ("tape", "_code", "_calls", "_work", "_worth")
 
     def __init__(self, tape: Tape):
-        self._tape = tape
+        self.tape = tape
         self._code: Callable[..., tuple[Any, ...]] | None = None
         self._calls = 0
         self._work = 0  # what NumPy would have had to do for each step
         self._worth = _STEP + _TOLD // max(1, len(tape.steps))  # of such work, to tell the machine of it
 
     def __call__(self, *values: Any) -> tuple[Any, ...]:
-        machine = backend.machine() if len(self._tape.steps) >= SHORT else None
+        machine = backend.machine() if len(self.tape.steps) >= SHORT else None
         if machine is not None and self._work < self._worth:
             self._work += _CALL + prod(np.broadcast_shapes(*map(np.shape, values)))
         if machine is not None and self._work >= self._worth:
-            found = self._tape.run(machine, values)
+            found = self.tape.run(machine, values)
             if found is not None:
                 return found
         self._calls += 1
-        return self.numpy(*values) if self._calls > _OFTEN else _stepwise(self._tape, values)
+        return self.numpy(*values) if self._calls > _OFTEN else _stepwise(self.tape, values)
 
     @property
     def numpy(self) -> Callable[..., tuple[Any, ...]]:
         """The same by generated NumPy code."""
         if self._code is None:
             namespace: dict[str, Any] = {"np": np}
-            text = _source(self._tape, "formula")
+            text = _source(self.tape, "formula")
             exec(compile(text, "<formula>", "exec"), namespace)  # noqa: S102 - no text of a program reaches it
             self._code = _quiet(namespace["formula"])
         return self._code

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import field
+from itertools import accumulate, pairwise
 from math import prod
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,8 @@ _LITTLE = 1 << 20  # numbers that may be kept for nothing: which ones are is not
 _NARROWEST = 32  # columns of a row that are worth a round of their own
 _CALLS: dict[str, Callable[..., Any]] = {**FUNCTIONS, "where": np.where}  # what NumPy calls the operations
 
+_TAKEN = {**{operation: function.nin for operation, function in FUNCTIONS.items()}, "where": 3}  # arguments of a step
+
 _FLOAT, _BOOL = np.dtype(np.float64), np.dtype(np.bool_)
 _SIZES = {_FLOAT: 8, _BOOL: 1}
 
@@ -42,6 +45,16 @@ class Tape:
     plans: dict[tuple[tuple[int, ...], tuple[int, ...]], Plan | None] = field(init=False, default_factory=dict)
     last: list[list[int]] | None = field(init=False, default=None)  # per step, what no later one reads
     code: Encoded | None = field(init=False, default=None)
+
+    def to_data(self) -> dict[str, Any]:
+        """As JSON has it; ``read_tape`` reads it."""
+        return {
+            "variables": self.variables,
+            "constants": list(self.constants),
+            "steps": " ".join(operation for operation, _ in self.steps),
+            "arguments": [k for _, arguments in self.steps for k in arguments],
+            "outputs": list(self.outputs),
+        }
 
     @property
     def encoded(self) -> Encoded:
@@ -115,6 +128,25 @@ class Tape:
             made[place] if kind == "made" else arrays[place] if kind == "given" else place
             for kind, place in plan.results
         )
+
+
+def read_tape(held: Any) -> Tape:
+    """A tape that was kept. Raises ValueError, TypeError or KeyError where data is none: each step takes what is there before it."""
+    variables, constants = held["variables"], held["constants"]
+    words, arguments, outputs = held["steps"].split(), held["arguments"], held["outputs"]
+    counts = [_TAKEN[word] for word in words]
+    ends = list(accumulate(counts, initial=0))
+    first = variables + len(constants)
+    numbers = {type(k) for k in (variables, *arguments, *outputs)}
+    if numbers != {int} or not {type(c) for c in constants} <= {int, float, bool} or ends[-1] != len(arguments):
+        raise ValueError("no tape")
+    limit = np.repeat(np.arange(first, first + len(words)), np.array(counts, dtype=np.int64))
+    if min((variables, *arguments, *outputs)) < 0 or (np.array(arguments, dtype=np.int64) >= limit).any():
+        raise ValueError("a step takes what is not there")
+    if max(outputs, default=-1) >= first + len(words):
+        raise ValueError("an output is not there")
+    taken = [tuple(arguments[start:stop]) for start, stop in pairwise(ends)]
+    return Tape(variables, tuple(constants), tuple(zip(words, taken, strict=True)), tuple(outputs))
 
 
 def _alike(arrays: Sequence[np.ndarray]) -> bool:

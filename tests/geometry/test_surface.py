@@ -7,7 +7,8 @@ import pytest
 
 from artipg_dsl import random
 from artipg_dsl.geometry import density, mesh, surface
-from artipg_dsl.geometry.patches import Split, surfaces
+from artipg_dsl.geometry.patches import surfaces
+from artipg_dsl.geometry.split import Split
 from artipg_dsl.geometry.trial import draw_trial
 from artipg_dsl.graph.expr import const, raw, var
 from artipg_dsl.graph.formula import compile_formula
@@ -127,7 +128,7 @@ def test_the_normal_of_a_sphere_octant_is_its_radius():
 
 
 def test_powers_of_a_row_are_the_same_alone_and_among_others():
-    split = Split(shapes.cylinder(), (raw("pow", (var("p.x"), var("radius"))),), ("p.x",))
+    split = Split.of(shapes.cylinder(), (raw("pow", (var("p.x"), var("radius"))),), ("p.x",))
     x = np.random.default_rng(1).uniform(0, 3, (2, 400))
     exponents = np.array([[2.0], [0.5]])  # which NumPy has shorter ways for
     both = split.points([exponents], x)[0]

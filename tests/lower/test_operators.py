@@ -7,8 +7,8 @@ import pytest
 
 from artipg_dsl.geometry.box import bounds
 from artipg_dsl.geometry.mesh import build, moments
-from artipg_dsl.geometry.patches import rows_of
 from artipg_dsl.geometry.selftest import check_primitive
+from artipg_dsl.geometry.split import rows_of
 from artipg_dsl.geometry.surface import evaluate
 from artipg_dsl.geometry.trial import draw_trial
 from artipg_dsl.graph.formula import compile_formula

@@ -75,9 +75,9 @@ def test_the_bits_are_those_of_numpy(machine, exprs, shapes, seed):
     values = [column(int(np.prod(shape)), seed + 9 * k).reshape(shape) for k, shape in enumerate(shapes)]
     formula = compile_formula(exprs, NAMES)
     expected = formula.numpy(*values)
-    found = formula._tape.run(machine, values)
+    found = formula.tape.run(machine, values)
     with np.errstate(all="ignore"):
-        steps = formula._tape.stepwise(values)
+        steps = formula.tape.stepwise(values)
     shape = np.broadcast_shapes(*shapes)
     for one, other, third in zip(expected, found or expected, steps, strict=True):
         assert bits(np.broadcast_to(one, shape)) == bits(np.broadcast_to(other, shape))
@@ -89,13 +89,13 @@ def test_most_of_that_is_run_by_the_machine(machine):
     formula = compile_formula([raw("sin", (raw("add", (a, b)),)), raw("lt", (a, b)), a], ("a", "b"))
     for shapes in (((1000,), (1000,)), ((1000,), ()), ((4, 1), (100,)), ((), ())):
         one, two = (column(int(np.prod(shape)), k).reshape(shape) for k, shape in enumerate(shapes))
-        assert formula._tape.run(machine, (one, two)) is not None
+        assert formula.tape.run(machine, (one, two)) is not None
 
 
 def test_rows_that_lie_apart_are_read_where_they_are(machine):
     points = column(3000, 1).reshape(-1, 3)
     formula = compile_formula([raw("hypot", (var("x"), var("y")))], ("x", "y"))
-    found = formula._tape.run(machine, (points[:, 0], points[:, 1]))
+    found = formula.tape.run(machine, (points[:, 0], points[:, 1]))
     assert found is not None and bits(found[0]) == bits(formula.numpy(points[:, 0], points[:, 1])[0])
 
 
@@ -104,7 +104,7 @@ def test_rows_that_lie_apart_are_read_where_they_are(machine):
 )
 def test_what_numpy_would_do_otherwise_is_left_to_it(machine, values):
     formula = compile_formula([raw("add", (var("a"), var("b")))], ("a", "b"))
-    found = formula._tape.run(machine, values)
+    found = formula.tape.run(machine, values)
     if found is not None:
         assert bits(found[0]) == bits(formula.numpy(*values)[0])
     else:
@@ -113,12 +113,12 @@ def test_what_numpy_would_do_otherwise_is_left_to_it(machine, values):
 
 def test_a_power_with_exponents_that_are_broadcast_is_left_to_numpy(machine):
     formula = compile_formula([raw("pow", (var("a"), var("b")))], ("a", "b"))
-    assert formula._tape.run(machine, (np.ones((3, 1)), np.ones(50))) is None
-    assert formula._tape.run(machine, (np.ones(50), 2.0)) is None
-    assert formula._tape.run(machine, (np.ones(50), np.ones(50))) is not None
+    assert formula.tape.run(machine, (np.ones((3, 1)), np.ones(50))) is None
+    assert formula.tape.run(machine, (np.ones(50), 2.0)) is None
+    assert formula.tape.run(machine, (np.ones(50), np.ones(50))) is not None
     exponents = np.repeat([[2.0], [0.5], [-1.0]], 50, axis=1)
     for base in (column(3, 1).reshape(3, 1), column(50, 2), column(150, 3).reshape(3, 50)):
-        found = formula._tape.run(machine, (base, exponents))
+        found = formula.tape.run(machine, (base, exponents))
         assert found is not None and bits(found[0]) == bits(formula.numpy(base, exponents)[0])
 
 
@@ -129,7 +129,7 @@ def test_a_power_with_one_exponent_a_row_is_that_of_numpy(machine, shape):
     power = raw("pow", (raw("abs", (var("a"),)), raw("neg", (var("b"),))))
     formula = compile_formula([power, once, raw("mul", (once, var("a")))], ("a", "b", "c"))
     for other in (np.abs(column(shape[0], 6)).reshape(-1, 1), 0.7):
-        found = formula._tape.run(machine, (base, exponents, other))
+        found = formula.tape.run(machine, (base, exponents, other))
         expected = formula.numpy(base, exponents, other)
         assert found is not None and [*map(bits, found)] == [*map(bits, expected)]
 
@@ -138,9 +138,9 @@ def test_a_power_of_one_number_has_the_bits_that_it_has_among_many(machine):
     formula = compile_formula([raw("pow", (var("a"), var("b")))], ("a", "b"))
     base, exponents = np.abs(column(400, 4)), np.resize([2.0, 0.5, -1.0], 400)
     many = formula.numpy(base, exponents)[0]
-    alone = [formula._tape.run(machine, (base[k : k + 1], exponents[k : k + 1])) for k in range(400)]
+    alone = [formula.tape.run(machine, (base[k : k + 1], exponents[k : k + 1])) for k in range(400)]
     assert bits(np.concatenate([one[0] for one in alone])) == bits(many)
-    assert formula._tape.run(machine, (base[:1], np.broadcast_to(2.0, (1,)))) is None
+    assert formula.tape.run(machine, (base[:1], np.broadcast_to(2.0, (1,)))) is None
 
 
 def test_a_short_formula_is_left_to_numpy(using, monkeypatch):

@@ -34,7 +34,7 @@ def test_long_runs_are_no_code(plan) -> None:
     lines, tapes = taped(plan.lines, plan.values)
     told = sum(isinstance(line, Step) for line in lines)
     steps = sum(isinstance(line, Step) for line in plan.lines)
-    assert tapes and sum(len(tape._tape.steps) for tape in tapes.values()) == steps - told > 0
+    assert tapes and sum(len(tape.tape.steps) for tape in tapes.values()) == steps - told > 0
     assert all(line.op in NUMPY for line in plan.lines if isinstance(line, Step))
 
 
