@@ -309,9 +309,21 @@ def _known(primitive: Primitive, number: int, index: int) -> tuple[_Hull, ...]:
 @lru_cache(maxsize=512)
 def _hull_steps(primitive: Primitive, variant: tuple[bool, ...]) -> int:
     """The steps per full turn of the mesh whose hull is the piece."""
-    found = topology(primitive, variant)
-    few = (s for s in _STEPS if plan_weld(found, tuple(step_counts(found, s).tolist())).count <= _FEW)
-    return next(few, _STEPS[-1])
+
+    def find() -> int:
+        found = topology(primitive, variant)
+        few = (s for s in _STEPS if plan_weld(found, tuple(step_counts(found, s).tolist())).count <= _FEW)
+        return next(few, _STEPS[-1])
+
+    def read(held: Any) -> int:
+        return _STEPS[_STEPS.index(held)]  # a ValueError for any other number
+
+    return facts.recall_fact(primitive, f"hull steps {_word(variant)}", find, int, read)
+
+
+def _word(variant: tuple[bool, ...]) -> str:
+    """Which patches there are, as facts are named."""
+    return "".join(str(int(there)) for there in variant)
 
 
 @lru_cache(maxsize=512)
@@ -319,8 +331,7 @@ def _mesh_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[_Hull,
     """The mesh itself, where it may be convex, and the hulls of the test values for which it is not."""
     found = topology(primitive, variant)
     corners = plan_weld(found, tuple(step_counts(found, _hull_steps(primitive, variant)).tolist())).count
-    name = f"hulls of meshes {''.join(str(int(there)) for there in variant)}"
-    return _kept(primitive, name, lambda: _found_hulls(primitive, variant), corners)
+    return _kept(primitive, f"hulls of meshes {_word(variant)}", lambda: _found_hulls(primitive, variant), corners)
 
 
 def _found_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[_Hull, ...]:
