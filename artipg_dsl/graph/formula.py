@@ -142,10 +142,10 @@ class Formula:
         self._code: Callable[..., tuple[Any, ...]] | None = None
         self._calls = 0
         self._work = 0  # what NumPy would have had to do for each step
-        self._worth = _STEP + _TOLD // max(1, len(tape.steps))  # of such work, to tell the machine of it
+        self._worth = _STEP + _TOLD // max(1, len(tape.operations))  # of such work, to tell the machine of it
 
     def __call__(self, *values: Any) -> tuple[Any, ...]:
-        machine = backend.machine() if len(self.tape.steps) >= SHORT else None
+        machine = backend.machine() if len(self.tape.operations) >= SHORT else None
         if machine is not None and self._work < self._worth:
             self._work += _CALL + prod(np.broadcast_shapes(*map(np.shape, values)))
         if machine is not None and self._work >= self._worth:
@@ -177,18 +177,20 @@ def tape(exprs: Sequence[Expr], names: Sequence[str], given: Sequence[Expr] = ()
     constants = [node for node in order if node.op == "const"]
     columns = len(given) + len(names)
     number |= {id(node): columns + place for place, node in enumerate(constants)}
-    steps: list[tuple[str, tuple[int, ...]]] = []
+    operations: list[str] = []
+    arguments: list[int] = []
     for node in order:
         if node.op == "var":
             if node.value not in known:
                 raise ValueError(f"a formula reads {node.value}, which is not among its variables {sorted(known)}")
             number[id(node)] = known[node.value]
         elif node.op in NUMPY:
-            number[id(node)] = columns + len(constants) + len(steps)
-            steps.append((node.op, tuple([number[id(a)] for a in node.args])))
+            number[id(node)] = columns + len(constants) + len(operations)
+            operations.append(node.op)
+            arguments += [number[id(a)] for a in node.args]
         elif node.op != "const":
             raise ValueError(f"{show(node)} is not a formula over variables")
-    return Tape(columns, tuple(node.value for node in constants), tuple(steps), tuple(number[id(e)] for e in exprs))
+    return Tape(columns, [node.value for node in constants], operations, arguments, [number[id(e)] for e in exprs])
 
 
 def compile_formula(exprs: Sequence[Expr], names: Sequence[str], given: Sequence[Expr] = ()) -> Formula:

@@ -208,7 +208,7 @@ def trial(made: Machine) -> list[str]:
     b = a[np.argsort(np.concatenate([order, near, powers, wide, [0.1, 0.9, 0.4, 0.6]]))]
     found = []
     for op, function in loops.FUNCTIONS.items():
-        tape = Tape(function.nin, (), ((op, tuple(range(function.nin))),), (function.nin,))
+        tape = Tape(function.nin, (), (op,), range(function.nin), (function.nin,))
         with np.errstate(all="ignore"):
             expected = function(*(a, b)[: function.nin])
         result = tape.run(made, (a, b)[: function.nin])

@@ -70,8 +70,8 @@ class Encoded:
     __slots__ = ("codes", "arguments", "constants", "sizes", "outputs")
 
     def __init__(self, tape: Tape):
-        self.codes = np.array([_CODES[op] for op, _ in tape.steps], dtype=np.int32)
-        self.arguments = np.array([a for _, given in tape.steps for a in given], dtype=np.int32)
+        self.codes = np.array([_CODES[op] for op in tape.operations], dtype=np.int32)
+        self.arguments = np.array(tape.arguments, dtype=np.int32)
         self.constants = np.array(tape.constants, dtype=np.float64)
         self.sizes = np.array([1 if isinstance(c, bool) else 8 for c in tape.constants], dtype=np.uint8)
         self.outputs = np.array(tape.outputs, dtype=np.int32)

@@ -36,23 +36,34 @@ _SIZES = {_FLOAT: 8, _BOOL: 1}
 
 @dataclass(slots=True, eq=False)
 class Tape:
-    """``steps`` are (operation, numbers of its arguments), ``outputs`` numbers of values."""
+    """``operations`` of the steps, ``arguments`` of one after the other and ``outputs``: numbers of values."""
 
     variables: int
-    constants: tuple[float | bool, ...]
-    steps: tuple[tuple[str, tuple[int, ...]], ...]
-    outputs: tuple[int, ...]
+    constants: Sequence[float | bool]
+    operations: Sequence[str]
+    arguments: Sequence[int]
+    outputs: Sequence[int]
     plans: dict[tuple[tuple[int, ...], tuple[int, ...]], Plan | None] = field(init=False, default_factory=dict)
     last: list[list[int]] | None = field(init=False, default=None)  # per step, what no later one reads
     code: Encoded | None = field(init=False, default=None)
+    _steps: list[tuple[str, tuple[int, ...]]] | None = field(init=False, default=None)
+
+    @property
+    def steps(self) -> list[tuple[str, tuple[int, ...]]]:
+        """Operations with the numbers of their arguments."""
+        if self._steps is None:
+            ends = accumulate(map(_TAKEN.__getitem__, self.operations), initial=0)
+            taken = [tuple(self.arguments[start:stop]) for start, stop in pairwise(ends)]
+            self._steps = list(zip(self.operations, taken, strict=True))
+        return self._steps
 
     def to_data(self) -> dict[str, Any]:
         """As JSON has it; ``read_tape`` reads it."""
         return {
             "variables": self.variables,
             "constants": list(self.constants),
-            "steps": " ".join(operation for operation, _ in self.steps),
-            "arguments": [k for _, arguments in self.steps for k in arguments],
+            "operations": " ".join(self.operations),
+            "arguments": list(self.arguments),
             "outputs": list(self.outputs),
         }
 
@@ -67,7 +78,7 @@ class Tape:
         """The outputs for arrays or numbers ``values``, by NumPy, a call for each step; a value is dropped behind its last use if all
         of them could take much memory."""
         found: list[Any] = [*values, *(c if isinstance(c, bool) else float(c) for c in self.constants)]
-        if len(self.steps) * prod({v.size for v in values if isinstance(v, np.ndarray)}) < _LITTLE:
+        if len(self.operations) * prod({v.size for v in values if isinstance(v, np.ndarray)}) < _LITTLE:
             for operation, arguments in self.steps:
                 found.append(_CALLS[operation](*[found[k] for k in arguments]))
             return tuple([found[k] for k in self.outputs])
@@ -133,20 +144,18 @@ class Tape:
 def read_tape(held: Any) -> Tape:
     """A tape that was kept. Raises ValueError, TypeError or KeyError where data is none: each step takes what is there before it."""
     variables, constants = held["variables"], held["constants"]
-    words, arguments, outputs = held["steps"].split(), held["arguments"], held["outputs"]
-    counts = [_TAKEN[word] for word in words]
-    ends = list(accumulate(counts, initial=0))
-    first = variables + len(constants)
-    numbers = {type(k) for k in (variables, *arguments, *outputs)}
-    if numbers != {int} or not {type(c) for c in constants} <= {int, float, bool} or ends[-1] != len(arguments):
+    operations, arguments, outputs = held["operations"].split(), held["arguments"], held["outputs"]
+    numbers = [variables, *arguments, *outputs]
+    if set(map(type, numbers)) != {int} or not set(map(type, constants)) <= {int, float, bool}:
         raise ValueError("no tape")
-    limit = np.repeat(np.arange(first, first + len(words)), np.array(counts, dtype=np.int64))
-    if min((variables, *arguments, *outputs)) < 0 or (np.array(arguments, dtype=np.int64) >= limit).any():
+    taken = np.array([_TAKEN[operation] for operation in operations], dtype=np.int64)
+    first = variables + len(constants)
+    limit = np.repeat(np.arange(first, first + len(operations)), taken)
+    if len(limit) != len(arguments) or min(numbers) < 0 or (np.array(arguments, dtype=np.int64) >= limit).any():
         raise ValueError("a step takes what is not there")
-    if max(outputs, default=-1) >= first + len(words):
+    if max(outputs, default=-1) >= first + len(operations):
         raise ValueError("an output is not there")
-    taken = [tuple(arguments[start:stop]) for start, stop in pairwise(ends)]
-    return Tape(variables, tuple(constants), tuple(zip(words, taken, strict=True)), tuple(outputs))
+    return Tape(variables, constants, operations, arguments, outputs)
 
 
 def _alike(arrays: Sequence[np.ndarray]) -> bool:

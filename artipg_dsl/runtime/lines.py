@@ -98,9 +98,10 @@ def _tape(steps: list[Step], asked: set[str]) -> tuple[list[str], list[str], For
     made = [step.name for step in steps if step.name in asked]
     tape = Tape(
         len(given),
-        tuple(map(_number, constants)),
-        tuple((step.op, tuple([number[a] for a in step.arguments])) for step in steps),
-        tuple(number[name] for name in made),
+        [_number(text) for text in constants],
+        [step.op for step in steps],
+        [number[argument] for step in steps for argument in step.arguments],
+        [number[name] for name in made],
     )
     return given, made, Formula(tape)
 

@@ -81,8 +81,8 @@ def test_kept_formulas_give_the_same_bits(kept, primitives, monkeypatch):
     "change",
     [
         lambda tape: None,
-        lambda tape: tape | {"steps": tape["steps"] + " where"},
-        lambda tape: tape | {"steps": "jump " + tape["steps"], "arguments": [0, *tape["arguments"]]},
+        lambda tape: tape | {"operations": tape["operations"] + " where"},
+        lambda tape: tape | {"operations": "jump " + tape["operations"], "arguments": [0, *tape["arguments"]]},
         lambda tape: (
             tape | {"arguments": [9999 for _ in tape["arguments"]], "outputs": [9999 for _ in tape["outputs"]]}
         ),
@@ -102,14 +102,14 @@ def test_spoilt_formulas_are_made_anew(kept, primitives, change):
         entry = json.loads(cache.read(path.name))
         for name in [name for name in entry if name.startswith(KEPT)]:
             held = entry[name]
-            entry[name] = change(held) if "steps" in held else {**held, "points": change(held["points"])}
+            entry[name] = change(held) if "operations" in held else {**held, "points": change(held["points"])}
         cache.write(path.name, json.dumps(entry).encode())
     forget()
     assert [values(p) for p in every] == first
 
 
 def test_a_tape_that_takes_what_is_not_there_is_none():
-    tape = {"variables": 2, "constants": [1.0], "steps": "add mul", "arguments": [0, 1, 3, 2], "outputs": [4]}
+    tape = {"variables": 2, "constants": [1.0], "operations": "add mul", "arguments": [0, 1, 3, 2], "outputs": [4]}
     assert read_tape(tape).stepwise((2.0, 3.0)) == (5.0,)
     for wrong in (
         {"arguments": [0, 1, 4, 2]},
