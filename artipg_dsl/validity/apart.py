@@ -42,13 +42,14 @@ def _sides(tree: Tree, body: Pieces, statement: Clear) -> Pieces:
     batch = tree.batch
     distance = batch.read([statement.distance], statement.scope)[0]
     count = sum(len(table) for table in batch.sites())
-    side, gap, group = np.zeros(count, dtype=np.int64), np.full(count, -1.0), np.full(count, -1)
+    repeats = sum(scope.kind == "repeat" for scope in statement.scope.ancestors())
+    side, gap, group = np.zeros(count, dtype=np.int64), np.full(count, -1.0), np.full((count, repeats), -1)
     for bit, nodes, ranks in zip((1, 2), (statement.first, statement.second), statement.ranks, strict=True):
-        named, start = find_meant(batch, statement, nodes, ranks), 0
+        named, start = find_meant(batch, statement, nodes, ranks, distance), 0
         for table, (rows, of) in zip(batch.sites(), sites_of(batch, named.row), strict=True):
             at = start + rows
             side[at] |= bit
-            gap[at] = np.maximum(gap[at], distance[named.said[of]])
+            gap[at] = np.maximum(gap[at], named.value[of])
             group[at] = named.group[of]
             start += len(table)
     rows = np.flatnonzero(side[body.solid] > 0)

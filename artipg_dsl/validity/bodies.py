@@ -12,7 +12,7 @@ import numpy as np
 
 from ..geometry.collide import DEPTH, inset
 from ..geometry.pieces import Cloud
-from ..geometry.runs import distinct
+from ..geometry.runs import distinct, runs
 from ..geometry.sites import scatter
 from ..geometry.vectors import cross, dot, extent
 from ..native.backend import machine as compiled
@@ -21,6 +21,7 @@ from ..native.turning import sweep
 from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.motion import apply
+from .meant import same_elements
 
 EXACT = 1 - 1e-6  # of the distance: how well it is known where a gap is asked for
 FULL = 2 * np.pi
@@ -52,10 +53,12 @@ class Pieces:
     solid: np.ndarray
     met: np.ndarray
     source: np.ndarray
-    gap: np.ndarray | None = None  # metres: pieces that are nearer than this meet; their boxes are larger by half of it
+    gap: np.ndarray | None = (
+        None  # metres: two that are nearer than the less of theirs meet; boxes are larger by half of it
+    )
     side: np.ndarray | None = None  # 1, 2 or 3, of two sides: pieces of one meet only those of the other
     group: np.ndarray | None = (
-        None  # pieces of one side meet those of the other of the same group, or where either has none (-1)
+        None  # (N, R) elements of repeats: pieces of one side meet those of the other in the same ones
     )
 
     def __len__(self) -> int:
@@ -88,9 +91,12 @@ class Pieces:
         keep: np.ndarray = ((one & 1) * (two >> 1)) | ((one >> 1) * (two & 1)) > 0
         keep &= (self.link[i] != self.link[j]) | (self.solid[i] < self.solid[j])
         if self.group is not None:
-            own, others = self.group[i], self.group[j]
-            keep &= (own == others) | (own < 0) | (others < 0)
+            keep &= same_elements(self.group[i], self.group[j])
         return keep
+
+    def apart(self, i: np.ndarray, j: np.ndarray) -> np.ndarray | None:
+        """How far (k,) pairs of pieces have to be from one another, metres; None where they may touch."""
+        return None if self.gap is None else np.minimum(self.gap[i], self.gap[j])
 
     def boxes(self, turn: np.ndarray | None = None, chosen: np.ndarray | None = None) -> Pieces:
         """The boxes of the pieces at rest in place of the pieces; with the turns (L, 3, 3) of the links from joint values 0
@@ -371,8 +377,7 @@ def _corners_of(ends: np.ndarray) -> np.ndarray:
 def enumerate_ranges(first: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(index, value): the values ``first .. first + count - 1`` of each index."""
     count = np.maximum(count, 0)
-    index = np.repeat(np.arange(len(first)), count)
-    return index, np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
+    return np.repeat(np.arange(len(first)), count), runs(first, count)
 
 
 def boxes_meet(

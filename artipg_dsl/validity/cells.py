@@ -59,7 +59,7 @@ def examine_cells(
     towards one another (k, C), and all of them together at most (k,)."""
     joint, half = way.joint[part.row], way.joint.shape[1] // 2
     middle, wide = (part.start + part.stop) / 2, (part.stop - part.start) / 2
-    gap = None if body.gap is None else body.gap[part.piece]
+    gap = body.apart(part.piece, part.other)
     near, machine, known = 0.5 if gap is None else EXACT, compiled(), None
     if machine is not None:
         first, second = (Placed(body, piece).side() for piece in (part.piece, part.other))

@@ -7,6 +7,8 @@ as what turns about it, within 2 cm of both, or pieces of what a closed loop tie
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from ..geometry.collide import find_near
@@ -14,7 +16,7 @@ from ..geometry.runs import absent, distinct
 from ..geometry.vectors import dot
 from ..native.narrow import Side
 from ..runtime.batch import Batch
-from .bodies import Pieces, Placed, enumerate_ranges
+from .bodies import Pieces, Placed, enumerate_ranges, link_boxes
 from .fault import Fault, Key, list_faults
 from .meant import find_meant, sites_of
 from .tree import Tree
@@ -138,12 +140,9 @@ class Solids:
 
     def find_unheld(self) -> list[Fault]:
         """Links that nothing of what holds them comes near."""
-        tree, body = self.tree, self.body
+        tree = self.tree
         count = len(tree.links.owner)
-        begin, end = (
-            np.searchsorted(body.link, np.arange(count)),
-            np.searchsorted(body.link, np.arange(count), side="right"),
-        )
+        _, _, begin, end = self._links
         solid = end > begin
         holder = tree.above.copy()
         while True:  # links without solids hold nothing themselves
@@ -153,12 +152,12 @@ class Solids:
             holder[empty] = tree.above[holder[empty]]
         asked = np.flatnonzero(solid & (holder >= 0) & ~np.isin(np.arange(count), self._links_allowed()))
         joint = tree.joint[asked]
-        far = asked[~self._axis_holds(asked, holder[asked], joint, begin, end)]
-        far = far[~self._near(far, holder[far], begin, end)]
+        far = asked[~self._axis_holds(asked, holder[asked], joint)]
+        far = far[~self._near(far, holder[far])]
         looped = np.zeros(count, dtype=bool)
         if len(far) and tree.batch.loops is not None:
             looped[tree.batch.loops.link] = True
-            far = self._unheld_by_loops(far, tree.batch.loops.link, begin, end)
+            far = self._unheld_by_loops(far, tree.batch.loops.link)
         found: list[tuple[Key, int]] = []
         for link in far.tolist():
             name = tree.batch.program.links[tree.links.definition[link]].path
@@ -170,13 +169,13 @@ class Solids:
             found.append(((f"nothing holds `{name}`: {away} within 2 cm", None, name), int(tree.links.owner[link])))
         return list_faults(found)
 
-    def _unheld_by_loops(self, far: np.ndarray, ties: np.ndarray, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+    def _unheld_by_loops(self, far: np.ndarray, ties: np.ndarray) -> np.ndarray:
         """Those of the links ``far`` from what carries them that no chain of closed loops, ``ties`` (2, C), holds near one that is not."""
-        held = np.ones(len(begin), dtype=bool)
+        held = np.ones(len(self.tree.links.owner), dtype=bool)
         held[far] = False
         ties = np.concatenate([ties, ties[::-1]], axis=1)
         ties = ties[:, ~held[ties[0]]]
-        link, other = ties[:, self._near(ties[0], ties[1], begin, end)]
+        link, other = ties[:, self._near(ties[0], ties[1])]
         while (more := held[other] & ~held[link]).any():
             held[link[more]] = True
         return far[~held[far]]
@@ -184,14 +183,17 @@ class Solids:
     def _links_allowed(self) -> np.ndarray:
         return distinct(self.link[_may_float(self.tree.batch)])
 
-    def _axis_holds(
-        self, link: np.ndarray, holder: np.ndarray, joint: np.ndarray, begin: np.ndarray, end: np.ndarray
-    ) -> np.ndarray:
+    @cached_property
+    def _links(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Boxes (L, 3) of the links, and where their pieces begin and end."""
+        return link_boxes(self.body, len(self.tree.links.owner))
+
+    def _axis_holds(self, link: np.ndarray, holder: np.ndarray, joint: np.ndarray) -> np.ndarray:
         """Whether the axis of a hinge, as long as what turns about it, comes near both."""
         tree, body = self.tree, self.body
         axis, origin = tree.axis[joint], tree.origin[joint]
-        low, high = self._boxes(link)
-        middle, half = (low + high) / 2, (high - low) / 2
+        lows, highs, begin, end = self._links
+        middle, half = (lows[link] + highs[link]) / 2, (highs[link] - lows[link]) / 2
         along, reach = dot(middle - origin, axis), dot(half, np.abs(axis))
         ends = origin + axis * (along - reach - _HOLD)[:, None], origin + axis * (along + reach + _HOLD)[:, None]
         held = tree.turns[joint].copy()
@@ -211,15 +213,10 @@ class Solids:
             held &= met
         return held
 
-    def _boxes(self, link: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        low, high = np.full((len(self.tree.links.owner), 3), np.inf), np.full((len(self.tree.links.owner), 3), -np.inf)
-        np.minimum.at(low, self.body.link, self.body.low)
-        np.maximum.at(high, self.body.link, self.body.high)
-        return low[link], high[link]
-
-    def _near(self, link: np.ndarray, holder: np.ndarray, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+    def _near(self, link: np.ndarray, holder: np.ndarray) -> np.ndarray:
         """Whether any pieces of two links come near one another; those of a slide anywhere on its way."""
         tree, body = self.tree, self.body
+        lows, highs, begin, end = self._links
         joint = tree.joint[link]
         shift = [
             tree.axis[joint] * np.where(tree.slides[joint], end_[joint] - tree.joints.rest[joint], 0.0)[:, None]
@@ -227,12 +224,10 @@ class Solids:
         ]
         first, last = np.minimum(*shift), np.maximum(*shift)
         k, i = enumerate_ranges(begin[link], (end - begin)[link])
-        lows, highs = self._boxes(holder)
-        close = _within(body.low[i] + first[k], body.high[i] + last[k], lows[k], highs[k])
+        close = _within(body.low[i] + first[k], body.high[i] + last[k], lows[holder][k], highs[holder][k])
         k, i = k[close], i[close]
         n, j = enumerate_ranges(begin[holder], (end - begin)[holder])
-        lows, highs = self._boxes(link)
-        close = _within(body.low[j], body.high[j], (lows + first)[n], (highs + last)[n])
+        close = _within(body.low[j], body.high[j], (lows[link] + first)[n], (highs[link] + last)[n])
         n, j = n[close], j[close]
         met = np.zeros(len(link), dtype=bool)
         for most in (_SOME, len(body)):  # of some pieces of either, a pair is near as a rule

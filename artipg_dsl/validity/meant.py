@@ -7,48 +7,73 @@ each of its rows; of what lies around those, or in none of them, it speaks where
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import fields
 
 import numpy as np
 
+from ..geometry.runs import runs
 from ..graph.expr import Scope
 from ..graph.program import Allowed, Clear, Program
 from ..records import dataclass
 from ..runtime.batch import Batch
 
+_NONE = np.zeros(0, dtype=np.int64)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Meant:
-    """Parts of one side of a statement: ``row`` (k,) of the table of parts, ``said`` (k,) the row that the statement is said
-    in, ``group`` (k,) the element of the repeat that it stands in; -1 where it is said of all elements."""
+    """Parts of one side of a statement: ``row`` (k,) of the table of parts, ``group`` (k, R) the elements of the R repeats that it
+    stands in, the innermost first; -1 where it is said of the part in all elements. ``value`` (k,): of what is given for the rows of
+    the statement, the greatest of those in which it is said of the part."""
 
     row: np.ndarray
-    said: np.ndarray
     group: np.ndarray
+    value: np.ndarray
 
 
 def find_meant(
-    batch: Batch, statement: Allowed | Clear, nodes: Sequence[int], ranks: Sequence[tuple[str, int]]
+    batch: Batch,
+    statement: Allowed | Clear,
+    nodes: Sequence[int],
+    ranks: Sequence[tuple[str, int]],
+    values: np.ndarray | None = None,
 ) -> Meant:
-    """The parts that one side of a statement names, where it is said."""
-    found = [_of(batch, statement.scope, node, ranks) for node in nodes]
-    none = np.zeros(0, dtype=np.int64)  # a compiled program may name no part at all
-    return Meant(*(np.concatenate([none, *(columns[k] for columns in found)]) for k in range(3)))
+    """The parts that one side of a statement names, where it is said; ``values`` (rows of its scope,), by default noughts."""
+    scope = statement.scope
+    repeats = [s for s in scope.ancestors() if s.kind == "repeat"]
+    values = np.zeros(batch.rowmap.rows(scope).size) if values is None else values
+    found = [_of(batch, scope, repeats, node, ranks, values) for node in nodes]
+    found.append(
+        Meant(_NONE, _NONE.reshape(0, len(repeats)), np.zeros(0))
+    )  # a compiled program may name no part at all
+    return Meant(*(np.concatenate([getattr(one, f.name) for one in found]) for f in fields(Meant)))
+
+
+def same_elements(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Which pairs of parts (k,) a statement speaks of, by the elements (k, R) that they are meant in."""
+    return np.logical_and.reduce((first == second) | (first < 0) | (second < 0), axis=1)
 
 
 def _of(
-    batch: Batch, scope: Scope, node: int, ranks: Sequence[tuple[str, int]]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    batch: Batch,
+    scope: Scope,
+    repeats: Sequence[Scope],
+    node: int,
+    ranks: Sequence[tuple[str, int]],
+    values: np.ndarray,
+) -> Meant:
     rowmap, part = batch.rowmap, batch.program.parts[node]
     common = next(s for s in scope.ancestors() if part.scope.within(s))
-    said = np.full(rowmap.rows(common).size, -1)
-    of = rowmap.up(scope, common)
-    said[of[::-1]] = np.arange(len(of))[::-1]  # of several rows the first
-    row = rowmap.up(part.scope, common)
-    repeat = next((s for s in scope.ancestors() if s.kind == "repeat"), None)
-    grouped = repeat is not None and part.scope.within(repeat)
-    group = rowmap.up(part.scope, repeat) if grouped and repeat is not None else np.full(len(row), -1)
-    keep = np.flatnonzero((said[row] >= 0) & _elements(batch, part.scope, ranks))
-    return batch.part_rows(node)[keep], said[row[keep]], group[keep]
+    of, row = rowmap.up(scope, common), rowmap.up(part.scope, common)
+    said, most = np.zeros(rowmap.rows(common).size, dtype=bool), np.full(rowmap.rows(common).size, -np.inf)
+    said[of] = True
+    np.maximum.at(most, of, values)
+    group = np.full((len(row), len(repeats)), -1)
+    for column, repeat in enumerate(repeats):
+        if part.scope.within(repeat):
+            group[:, column] = rowmap.up(part.scope, repeat)
+    keep = np.flatnonzero(said[row] & _elements(batch, part.scope, ranks))
+    return Meant(batch.part_rows(node)[keep], group[keep], most[row[keep]])
 
 
 def _elements(batch: Batch, scope: Scope, ranks: Sequence[tuple[str, int]]) -> np.ndarray:
@@ -71,9 +96,8 @@ def _pair_parts(owner: np.ndarray, first: Meant, second: Meant) -> tuple[np.ndar
     order = np.argsort(theirs, kind="stable")
     start = np.searchsorted(theirs[order], mine)
     count = np.searchsorted(theirs[order], mine, side="right") - start
-    i = np.repeat(np.arange(len(mine)), count)
-    j = order[np.arange(len(i)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(start, count)]
-    together = (first.group[i] == second.group[j]) | (first.group[i] < 0) | (second.group[j] < 0)
+    i, j = np.repeat(np.arange(len(mine)), count), order[runs(start, count)]
+    together = same_elements(first.group[i], second.group[j])
     return first.row[i[together]], second.row[j[together]]
 
 

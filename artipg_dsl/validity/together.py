@@ -17,7 +17,7 @@ from ..geometry.runs import distinct
 from ..geometry.vectors import dot
 from ..records import dataclass
 from ..runtime.motion import apply, rotation_about
-from .bodies import FULL, Pieces, enumerate_ranges
+from .bodies import FULL, Pieces, enumerate_ranges, link_boxes
 from .cells import add_columns, examine_cells
 from .tree import Tree
 
@@ -163,16 +163,9 @@ class Cells:
 def _cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
     """The pairs of pieces of pairs of links that can come near one another, with all that their joints can do."""
     links = len(tree.links.owner)
-    begin = np.searchsorted(body.link, np.arange(links))
-    count = np.searchsorted(body.link, np.arange(links), side="right") - begin
-    half = way.joint.shape[1] // 2
-    lows, highs = np.full((links, 3), np.inf), np.full((links, 3), -np.inf)
+    lows, highs, begin, end = link_boxes(body, links)
+    count, half = end - begin, way.joint.shape[1] // 2
     full = np.flatnonzero(count)
-    if len(full):
-        lows[full], highs[full] = (
-            np.minimum.reduceat(body.low, begin[full]),
-            np.maximum.reduceat(body.high, begin[full]),
-        )
     seen = np.flatnonzero((count[way.first] > 0) & (count[way.second] > 0))
     whole = _reach(tree, full, lows[full], highs[full])
     number = np.zeros(links, dtype=np.int64)
@@ -195,10 +188,8 @@ def _cells(tree: Tree, body: Pieces, way: Ways) -> Cells:
     many = np.bincount(index_of_others, minlength=len(seen))
     at, other = enumerate_ranges((np.cumsum(many) - many)[index], many[index])
     row, piece, other = seen[index[at]], piece[at], others[other]
-    if body.side is not None:
-        one, two = body.side[piece], body.side[other]
-        keep = (((one & 1) * (two >> 1)) | ((one >> 1) * (two & 1))).astype(bool)
-        row, piece, other = row[keep], piece[keep], other[keep]
+    keep = body.opposed(piece, other)
+    row, piece, other = row[keep], piece[keep], other[keep]
     near = _meet(own.boxes(way.levels[0][row], place[piece]), own.boxes(way.levels[1][row], place[other]))
     row, piece, other = row[near], piece[near], other[near]
     joint = way.joint[row]

@@ -57,7 +57,7 @@ class Turns:
         along = self.axis * (self.advance * middle)[:, None]
         moved = Placed(body, self.piece, turn, self.origin - apply(turn, self.origin) + along)
         still = Placed(body, self.other)
-        gap = None if body.gap is None else body.gap[self.piece]
+        gap = body.apart(self.piece, self.other)
         hit, away = separate(moved, still, 0.5 if gap is None else EXACT)
         # moved lies beyond still along ``away``: does it while it turns by half the interval either way?
         least = -swept_extent(moved, self.axis, self.origin, np.minimum(half, np.pi), -away)
@@ -73,7 +73,7 @@ class Turns:
         self, machine: Machine, body: Pieces, middle: np.ndarray, half: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """The same, by compiled code."""
-        gap = None if body.gap is None else body.gap[self.piece]
+        gap = body.apart(self.piece, self.other)
         pairs = Intervals(
             self.axis, self.origin, middle, half, self.advance, gap, self.piece, self.other, body.low, body.high
         )

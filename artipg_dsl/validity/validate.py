@@ -19,7 +19,7 @@ from ..native import turning as native
 from ..native.backend import machine as compiled
 from ..records import dataclass
 from ..runtime.batch import Batch
-from .bodies import EXACT, FULL, Pieces, Placed, enumerate_ranges, gather, link_boxes
+from .bodies import EXACT, FULL, Pieces, Placed, boxes_meet, enumerate_ranges, gather, link_boxes
 from .following import meet_in_states
 from .gated import find_behind_gates
 from .rings import bound_rings
@@ -175,28 +175,20 @@ def find_near_pieces(
         child = tree.child[joint]
         stays = ~(tree.chain[link] == child[i][:, None]).any(axis=1)
         i, link = i[stays], link[stays]
-    i, link = _touching(i, link, low, high, lows, highs)
+    near = boxes_meet(i, link, low, high, lows, highs)
+    i, link = i[near], link[near]
     k, other = enumerate_ranges(begin[link], (end - begin)[link])
-    i, other = _touching(i[k], other, low, high, body.low, body.high)
+    i = i[k]
+    near = boxes_meet(i, other, low, high, body.low, body.high)
+    i, other = i[near], other[near]
     keep = body.opposed(piece[i], other)
     return i[keep], other[keep]
 
 
 def _meeting(body: Pieces, first: Placed, second: Placed) -> np.ndarray:
-    """Which pairs of placed pieces meet: penetrate one another, or are nearer than their gap."""
-    if body.gap is None:
-        return overlap(first, second)
-    return find_near(first, second, body.gap[first.piece], EXACT)
-
-
-def _touching(
-    i: np.ndarray, j: np.ndarray, low: np.ndarray, high: np.ndarray, lows: np.ndarray, highs: np.ndarray
-) -> LinkPairs:
-    """The pairs (i, j) whose boxes overlap."""
-    for k in range(3):
-        close = (low[i, k] < highs[j, k]) & (lows[j, k] < high[i, k])
-        i, j = i[close], j[close]
-    return i, j
+    """Which pairs of placed pieces meet: penetrate one another, or are nearer than they may be."""
+    gap = body.apart(first.piece, second.piece)
+    return overlap(first, second) if gap is None else find_near(first, second, gap, EXACT)
 
 
 # ---------------------------------------------------------------- at rest, sliding, turning
