@@ -27,7 +27,9 @@ def find_behind_gates(tree: Tree, body: Pieces) -> Iterator[np.ndarray]:
     if tree.gates is None or not len(body):
         return
     way = list_ways(tree)
-    here = np.isin(tree.links.owner[way.first], body.owner) & ~tree.permitted(way.first, way.second)
+    here = np.isin(tree.links.owner[way.first], body.owner)
+    if body.side is None:  # of other pairs it is asked whether they keep a distance
+        here &= ~tree.permitted(way.first, way.second)
     way = way.at(np.flatnonzero(here & np.append(tree.gated & tree.alone, False)[way.joint].any(axis=1)))
     none = np.zeros(len(tree.joints.owner), dtype=bool)
     for chosen in _one_of_each(tree):

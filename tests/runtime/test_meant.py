@@ -92,3 +92,30 @@ def test_a_repeat_in_a_repeat_means_the_elements_of_both(place: str) -> None:
         assert bool(len(faults(ROOMS, PLACE=place, STATEMENT=f'{word} because "so"').collisions)) != own
     near = [fault.words for fault in faults(ROOMS, PLACE=place, STATEMENT="clear one from wall by 5cm").others]
     assert bool(near) == own
+
+
+@pytest.mark.parametrize("waits", ["", "when open > 80deg"])
+@pytest.mark.parametrize("allowed", ["", 'allow overlap rack, body because "it runs in a groove"'])
+def test_parts_of_links_that_may_overlap_keep_their_distance(waits: str, allowed: str) -> None:
+    """Also while a joint moves that waits for another."""
+    text = f"""
+      part post : Cuboid(size = [2cm, 2cm, 30cm])
+      align post.bottom = body.top
+      align post.center.x = 48cm
+      align post.center.y = 0
+      connect post to body
+      part door : Cuboid(size = [2cm, 20cm, 20cm])
+      align door.bottom = body.top + 1mm
+      align door.back = body.front + 1mm
+      align door.center.y = -20cm
+      joint open : revolute body -> door about door.right.back range 0deg .. 100deg
+      part rack : Cuboid(size = [10cm, 10cm, 2cm])
+      align rack.bottom = body.top + 1mm
+      align rack.center.x = 20cm
+      align rack.center.y = 8cm
+      joint slide : prismatic body -> rack along x range 0 .. 30cm {waits}
+      clear rack from post by 5cm
+      {allowed}
+    """
+    (fault,) = faults(text).others
+    assert fault.words.endswith("does not hold while slide moves")
