@@ -13,8 +13,9 @@ from .patches import surfaces
 from .split import Params, Split, rows_of
 from .topology import orientation
 
-_COLLAPSED = 1e-60  # m4: the square of an area element that is zero but for rounding
 _NUDGE = 1e-6  # fraction by which a normal at a collapsed edge is taken further in
+_COLLAPSED = 1e-6  # of the square of the area element there: an edge with less has none but for rounding
+_ASTRAY = 1e-8  # 1 less the cosine to the normal there: a normal that is farther from it is rounding, too
 
 Coordinates = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -36,7 +37,7 @@ def place(
 
 @lru_cache(maxsize=4096)
 def _split(primitive: Primitive, patch: int) -> Split:
-    """Position, outward unit normal, and the squared element where it can vanish on the surface (else 1)."""
+    """Position, outward unit normal, and the square of the area element."""
 
     def formulas() -> tuple[Expr, ...]:
         surface = surfaces(primitive)[patch]
@@ -59,20 +60,23 @@ class PatchEvaluator:
     def at(self, row: np.ndarray, u: np.ndarray, v: np.ndarray) -> tuple[Coordinates, Coordinates]:
         """Position (metres) and outward unit normal, as three arrays (m,) each, at fractions u, v of instances ``row``.
 
-        At a collapsed edge the normal is that of a point slightly further in.
+        At a collapsed edge rounding may leave no normal, or any; then it is that of a point slightly further in.
         """
         gathered = [values[row] for values in self._rows]
         with np.errstate(divide="ignore", invalid="ignore"):
-            *found, element = self._split.points(gathered, u, v)
+            found = self._split.points(gathered, u, v)
         out = [np.broadcast_to(np.asarray(f, dtype=np.float64), u.shape) for f in found]
-        bad = np.flatnonzero(np.broadcast_to(element < _COLLAPSED, u.shape))
-        if len(bad):
-            inner = [np.clip(f[bad], _NUDGE, 1.0 - _NUDGE) for f in (u, v)]
+        edge = np.flatnonzero((np.abs(u - 0.5) > 0.5 - _NUDGE) | (np.abs(v - 0.5) > 0.5 - _NUDGE))
+        if len(edge):
+            inner = [np.clip(f[edge], _NUDGE, 1.0 - _NUDGE) for f in (u, v)]
             with np.errstate(divide="ignore", invalid="ignore"):
-                fixed = self._split.points([g[bad] for g in gathered], *inner)
-            for axis in range(3, 6):
+                fixed = self._split.points([g[edge] for g in gathered], *inner)
+            moved = [np.broadcast_to(np.asarray(f, dtype=np.float64), edge.shape) for f in fixed]
+            agreed = sum(out[axis][edge] * moved[axis] for axis in range(3, 6))
+            bad = np.flatnonzero(~(out[6][edge] > _COLLAPSED * moved[6]) & ~(agreed > 1.0 - _ASTRAY))
+            for axis in range(3, 6) if len(bad) else ():
                 out[axis] = np.array(out[axis])
-                out[axis][bad] = fixed[axis]
+                out[axis][edge[bad]] = moved[axis][bad]
         return (out[0], out[1], out[2]), (out[3], out[4], out[5])
 
 

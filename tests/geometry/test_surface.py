@@ -7,13 +7,14 @@ import pytest
 
 from artipg_dsl import random
 from artipg_dsl.geometry import density, mesh, surface
-from artipg_dsl.geometry.patches import surfaces
+from artipg_dsl.geometry.patches import find_existing, surfaces
 from artipg_dsl.geometry.split import Split
 from artipg_dsl.geometry.trial import draw_trial
 from artipg_dsl.graph.expr import const, raw, var
 from artipg_dsl.graph.formula import compile_formula
 
 from . import shapes
+from .shipped import SHIPPED
 
 
 def inside_of(primitive, params, row, points):
@@ -125,6 +126,23 @@ def test_the_normal_of_a_sphere_octant_is_its_radius():
     ):
         position, normal = surface.evaluate(primitive, patch, params, row, u, u[::-1])
         assert np.allclose(normal, (position - 0.4 * np.array([sx, sy, sz])) / 0.1, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["HoledPlate", "EllipsoidZone", "SlitPlate", "Ellipsoid", "Torus", "Cylinder"])
+def test_normals_at_edges_are_those_slightly_further_in(name):
+    """Where an edge is a point, or the end of a sickle, rounding tells no normal: it was the opposite one, too."""
+    primitive, fractions = SHIPPED[name], np.array([0.0, 1e-12, 0.13, 0.5, 0.77, 1.0 - 1e-12, 1.0])
+    params = draw_trial(primitive)
+    there = find_existing(primitive, params)
+    u, v = (a.ravel() for a in np.meshgrid(fractions, fractions, indexing="ij"))
+    inner = [np.clip(f, 1e-5, 1.0 - 1e-5) for f in (u, v)]
+    for patch in range(there.shape[1]):
+        row = np.repeat(np.flatnonzero(there[:, patch]), len(u))
+        at, within = (
+            surface.evaluate(primitive, patch, params, row, *(np.resize(f, len(row)) for f in fs))[1]
+            for fs in ((u, v), inner)
+        )
+        assert np.abs(at - within).max(initial=0.0) < 1e-3
 
 
 def test_powers_of_a_row_are_the_same_alone_and_among_others():
