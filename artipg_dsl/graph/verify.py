@@ -253,6 +253,11 @@ class Verifier:
         # whether they follow one another in a ring depends on guards and ranks: the runtime asks by row
         self.reference(() if joint.mimic is None else joint.mimic[0], joints, "joint")
         require(joint.curve is None or joint.mimic is not None, "a joint with a curve follows no other")
+        for leader in (joints[k] for k in (() if joint.mimic is None else definitions_of(joint.mimic[0]))):
+            require(leader.curve is None, "a joint follows one with a curve")
+            require(
+                joint.curve is None or leader.mimic is None, "a joint with a curve follows one that follows another"
+            )
         self.formulas([joint.curve], frozenset({P.LEAD}), joint.scope)
         for gate in joint.gates:
             self.reference(gate.joint, joints, "joint")

@@ -61,8 +61,6 @@ def add_curves(table: JointTable, batch: Batch) -> JointTable:
         return table
     multiplier, offset, rest = table.multiplier.copy(), table.offset.copy(), table.rest.copy()
     for curve in curves:
-        if (table.mimic[curve.leader] >= 0).any():
-            raise UserError(f"the joint `{table.name[curve.row[0]]}` follows a follower by a formula of its own")
         lead, values = _sampled(table, curve)
         _refuse_turning(batch, table, curve, values)
         width = lead[-1] - lead[0]

@@ -142,11 +142,6 @@ def _tree(batch: Batch) -> None:
     _refuse(batch, "link", links.owner, links.name, at >= 0, "it is attached to itself: the links form a ring")
     loose = (above < 0) & (links.number > 0)
     _refuse(batch, "link", links.owner, links.name, loose, "no joint attaches it to the others")
-    base = np.searchsorted(joints.owner, joints.owner)
-    leader = np.where(joints.mimic >= 0, base + joints.mimic, np.arange(len(base)))
-    _refuse(
-        batch, "joint", joints.owner, joints.name, leader != leader[leader], "it follows a joint that follows another"
-    )
 
 
 def _refuse(batch: Batch, what: str, owner: np.ndarray, names: list[str], wrong: np.ndarray, words: str) -> None:

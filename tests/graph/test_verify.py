@@ -338,3 +338,36 @@ def test_formulas_with_given_values_have_the_same_bits() -> None:
             assert np.array_equal(one, other) and np.array_equal(one, code)
     with pytest.raises(ValueError, match="reads x"):
         compile_formula((x + row,), ("y",), (row,))
+
+
+CRANK = """apg 1
+use primitives { Cuboid, Cylinder }
+category Crank {
+  root part body : Cuboid(size = [30cm, 30cm, 30cm])
+  part wheel : Cylinder(radius = 4cm, height = 1cm)
+  joint wind : revolute body.top -> wheel.bottom at center gap 1mm range 0deg .. 90deg
+  part second : Cylinder(radius = 4cm, height = 1cm)
+  joint turn : revolute body.front -> second.bottom at center gap 1mm range 0deg .. 90deg
+  part bolt : Cuboid(size = [1cm, 1cm, 6cm])
+  joint draw : prismatic body.left -> bolt.right at center gap 1mm along -z range 0cm .. 2cm mimic 2cm * sin(turn)
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("joint", "leader", "words"),
+    [
+        ("turn", 0, "a joint with a curve follows one that follows another"),
+        ("wind", 2, "a joint follows one with a curve"),
+    ],
+)
+def test_curves_lead_from_joints_that_move_by_themselves_to_none_others(joint: str, leader: int, words: str) -> None:
+    """Chains of followers are put together by factors and offsets: a formula among them would count as one."""
+    lowering = Session.of_text(CRANK).lowering
+    assert lowering is not None
+    text = to_text(lowering.program)
+    (line,) = [line for line in text.splitlines() if line.startswith(f'joints (Joint path "{joint}"')]
+    one, nought = (f"%{re.search(rf'^%([0-9]+) = const {value}$', text, re.MULTILINE)[1]}" for value in ("1.0", "0.0"))
+    edited = text.replace(line, line.replace(" where", f" mimic [[{leader}] {one} {nought}] where"))
+    assert from_text(text).joints
+    assert words in refused(edited)
