@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..geometry.runs import distinct
+from ..geometry.runs import distinct, runs
 from ..graph.program import Draw, Program, Requirement
 from ..records import dataclass
 
@@ -77,12 +77,9 @@ class Repairs:
 
     def of(self, objects: np.ndarray) -> Repairs:
         """Those of some objects, which are numbered as they stand in ``objects``; an object may stand there often."""
-        parts = []
-        for place, index in enumerate(objects.tolist()):
-            rows = np.flatnonzero(self.owner == index)
-            if len(rows):
-                parts.append(replace(self._rows(rows), owner=np.full(len(rows), place)))
-        return Repairs.joined(parts)
+        start, stop = (np.searchsorted(self.owner, objects, side=side) for side in ("left", "right"))
+        rows = self._rows(runs(start, stop - start))
+        return replace(rows, owner=np.repeat(np.arange(len(objects)), stop - start))
 
     def only(self, how: int) -> Repairs:
         """The rows that were moved in one way (an index into ``HOW``)."""
