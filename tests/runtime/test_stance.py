@@ -121,6 +121,22 @@ def test_a_door_tips_at_the_angle_that_is_worst_in_the_middle_of_its_range() -> 
     assert tips(text.format(deep="8cm")) and not tips(text.format(deep="40cm"))
 
 
+def test_an_arm_tips_over_the_edge_that_it_is_square_to() -> None:
+    """At 17 degrees, where the centre of mass is 20.35 or 18.9 cm out; to stand it must be within 19.9 cm."""
+    text = """
+  root part post : Cuboid(size = [4cm, 4cm, 10cm])
+  part plate : Cuboid(size = [40cm, 40cm, 2cm]) turned 17deg about z
+  connect plate to post
+  align plate.center = post.bottom.center - [0mm, 0mm, 1cm]
+  part arm : Cuboid(size = [{long}, 4cm, 4cm])
+  align arm.bottom = post.top + 1mm
+  align arm.back = post.center.x
+  joint turn : continuous post -> arm about line(at = post.center, along = z)
+  require stable open
+"""
+    assert tips(text.format(long="115cm")) and not tips(text.format(long="110cm"))
+
+
 def test_feet_that_move_leave_the_floor() -> None:
     """A leg that folds up is no foot any more."""
     text = """
