@@ -15,6 +15,7 @@ from functools import cache
 
 import numpy as np
 
+from ..records import dataclass
 from . import mesh
 from .cells import Cells
 from .flat import BENT
@@ -40,13 +41,29 @@ def spread_directions(count: int = _DIRECTIONS) -> np.ndarray:
     return np.stack([level * np.cos(around), level * np.sin(around), z], axis=-1)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Triangles:
+    """Of a block, sorted by object: ``face`` (3, T), the numbers of their vertices, ``normal`` (3, T), ``owner`` (T,), ``cell`` (T,)."""
+
+    face: np.ndarray
+    normal: np.ndarray
+    owner: np.ndarray
+    cell: np.ndarray
+
+    def only(self, chosen: np.ndarray) -> _Triangles:
+        return _Triangles(self.face[:, chosen], self.normal[:, chosen], self.owner[chosen], self.cell[chosen])
+
+
 class Outlook:
-    """The solids of a block as triangles, ``corner`` (3 corners, 3 axes, T), sorted by object; ``cell`` (T,) that each is of."""
+    """The solids of a block as triangles over ``vertex`` (3, V), the vertices sorted by object, ``many`` of each; the large triangles
+    apart from the others."""
 
     def __init__(self, cells: Cells, off: np.ndarray, buried: np.ndarray):
         self.cells, self.off = cells, off
         rows = cells.rows
-        corners, owners, sources = [np.empty((3, 3, 0))], [np.empty(0, np.int64)], [np.empty(0, np.int64)]
+        vertices, faces, sources, owners = [np.empty((3, 0))], [np.empty((3, 0), np.int64)], [np.empty(0, np.int64)], []
+        owners.append(np.empty(0, np.int64))
+        count = 0
         for shelf in rows.shelves:
             for made in mesh.build(shelf.primitive, shelf.params, _STEPS):
                 own = shelf.start + made.rows
@@ -59,33 +76,42 @@ class Outlook:
                         for k in range(3)
                     ]
                 )  # (3, rows, vertices)
-                corner = np.stack([placed[:, :, made.faces[:, c]] for c in range(3)])  # (corner, axis, row, face)
+                first = count + x.shape[1] * np.arange(len(own))
+                count += x.size
+                face = first[:, None] + made.faces.T[:, None]  # (3, rows, faces)
                 inside_out = np.flatnonzero(rows.mirror[own] < 0)
-                corner[:, :, inside_out] = corner[::-1, :, inside_out]
+                face[:, inside_out] = face[::-1, inside_out]
                 source = cells.first[own, None] + made.face_patch
                 shown = ~buried[source]
-                corners.append(corner[:, :, shown])
+                vertices.append(placed.reshape(3, -1))
+                owners.append(np.repeat(rows.owner[own], x.shape[1]))
+                faces.append(face[:, shown])
                 sources.append(source[shown])
-                owners.append(np.broadcast_to(rows.owner[own, None], shown.shape)[shown])
-        owner = np.concatenate(owners)
+        owner, face, cell = np.concatenate(owners), np.concatenate(faces, axis=1), np.concatenate(sources)
+        order = np.argsort(owner[face[0]], kind="stable")
+        face, cell = face[:, order], cell[order]
         order = np.argsort(owner, kind="stable")
-        self.owner, self.cell = owner[order], np.concatenate(sources)[order]
-        self.corner = np.concatenate(corners, axis=2)[:, :, order]
-        a, b, c = self.corner
+        place = np.empty_like(order)
+        place[order] = np.arange(len(order))
+        self.vertex, owner, face = np.concatenate(vertices, axis=1)[:, order], owner[order], place[face]
+        self.many = np.bincount(owner, minlength=rows.objects)
+        owner, corner = owner[face[0]], self.vertex[:, face]  # (axis, corner, T)
+        a, b, c = (corner[:, k] for k in range(3))
         e, f = b - a, c - a
-        self.normal = np.stack([e[(k + 1) % 3] * f[(k + 2) % 3] - e[(k + 2) % 3] * f[(k + 1) % 3] for k in range(3)])
-        ends = np.searchsorted(self.owner, np.arange(rows.objects + 1))
+        normal = np.stack([e[(k + 1) % 3] * f[(k + 2) % 3] - e[(k + 2) % 3] * f[(k + 1) % 3] for k in range(3)])
+        ends = np.searchsorted(owner, np.arange(rows.objects + 1))
         filled = np.flatnonzero(np.diff(ends))
         self.low, self.high = np.zeros((3, rows.objects)), np.ones((3, rows.objects))
         if len(filled):
-            self.low[:, filled] = np.minimum.reduceat(self.corner.min(axis=0), ends[filled], axis=1)
-            self.high[:, filled] = np.maximum.reduceat(self.corner.max(axis=0), ends[filled], axis=1)
+            self.low[:, filled] = np.minimum.reduceat(corner.min(axis=1), ends[filled], axis=1)
+            self.high[:, filled] = np.maximum.reduceat(corner.max(axis=1), ends[filled], axis=1)
 
         extent = self.high - self.low
         square = extent[0] * extent[0] + extent[1] * extent[1] + extent[2] * extent[2]
-        across = self.normal[0] ** 2 + self.normal[1] ** 2 + self.normal[2] ** 2
-        large = across > (2.0 * _LARGE * square[self.owner]) ** 2
-        self.asked = np.flatnonzero(large), np.flatnonzero(~large)
+        across = normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2
+        large = across > (2.0 * _LARGE * square[owner]) ** 2
+        every = _Triangles(face, normal, owner, cell)
+        self.asked = every.only(np.flatnonzero(large)), every.only(np.flatnonzero(~large))
 
     def sees(self, cell: np.ndarray, position: Sequence[np.ndarray], normal: Sequence[np.ndarray]) -> np.ndarray:
         """(m,) bool: which of the points on cells ``cell`` can be seen from without."""
@@ -97,83 +123,103 @@ class Outlook:
             slope = way[0] * normal[0][left] + way[1] * normal[1][left] + way[2] * normal[2][left]
             asked, low = left[slope > _GRAZING], left[(slope > _GRAZING) & (slope < _LOW) & bent[left]]
             if len(asked):
+                picture = _Picture(self, way, owner[asked])
                 for triangles in self.asked:  # the large ones stop most rays that are stopped at all
-                    asked = asked[self._free(way, owner[asked], [s[asked] for s in start], triangles)]
+                    asked = asked[picture.free(owner[asked], [s[asked] for s in start], triangles)]
                 seen[asked] = True
                 low = low[seen[low]]
                 for triangles in self.asked:
-                    free = self._free(way, owner[low], [s[low] for s in start], triangles, cell[low])
+                    free = picture.free(owner[low], [s[low] for s in start], triangles, cell[low])
                     seen[low[~free]], low = False, low[free]
                 left = left[~seen[left]]
         return seen
 
-    def _free(
-        self,
-        way: np.ndarray,
-        owner: np.ndarray,
-        start: list[np.ndarray],
-        triangles: np.ndarray,
-        own: np.ndarray | None = None,
+
+class _Picture:
+    """Objects looked at along rays ``way``: of each vertex its place ``flat`` (2, V) across, and the bin of the grid ``bins`` (2, V), of
+    those that belong to the objects ``owner`` alone."""
+
+    def __init__(self, outlook: Outlook, way: np.ndarray, owner: np.ndarray):
+        self.way, self.vertex, self.frame = way, outlook.vertex, _frame(tuple(way.tolist()))
+        # each object's picture has a grid of its own, _BINS by _BINS
+        middle, reach = (outlook.low + outlook.high) / 2, (outlook.high - outlook.low) / 2
+        self.scale, self.origin = [], []
+        for f in self.frame[:2]:
+            half = np.abs(f[0]) * reach[0] + np.abs(f[1]) * reach[1] + np.abs(f[2]) * reach[2]
+            half = np.maximum(half * 1.001, 1e-12)
+            self.origin.append(f[0] * middle[0] + f[1] * middle[1] + f[2] * middle[2] - half)
+            self.scale.append(_BINS / (2.0 * half))
+        self.objects = len(self.scale[0])
+        there = self.among(owner)
+        first = np.cumsum(outlook.many) - outlook.many
+        chosen = slice(None) if there.all() else runs(first[there], outlook.many[there])
+        x, y, z = outlook.vertex[:, chosen]
+        many = outlook.many * there
+        self.flat, self.bins = np.empty(outlook.vertex[:2].shape), np.empty(outlook.vertex[:2].shape, dtype=np.int16)
+        for k, f in enumerate(self.frame[:2]):
+            flat = f[0] * x
+            flat += f[1] * y
+            flat += f[2] * z
+            origin, scale = (np.repeat(each, many) for each in (self.origin[k], self.scale[k]))
+            self.flat[k, chosen], self.bins[k, chosen] = flat, _bin(flat, origin, scale)
+
+    def among(self, owner: np.ndarray) -> np.ndarray:
+        """(objects,) bool: which of the objects are among ``owner``."""
+        found = np.zeros(self.objects, dtype=bool)
+        found[owner] = True
+        return found
+
+    def free(
+        self, owner: np.ndarray, start: list[np.ndarray], triangles: _Triangles, own: np.ndarray | None = None
     ) -> np.ndarray:
-        """(m,) bool: whether rays along ``way`` from points of objects ``owner`` enter none of the triangles; with ``own``, the cells
-        of the points, whether they leave none from behind but those of their own cell."""
+        """(m,) bool: whether the rays from points of objects ``owner`` enter none of the triangles; with ``own``, the cells of the points,
+        whether they leave none from behind but those of their own cell."""
         out = np.ones(len(owner), dtype=bool)
         if not len(owner):
             return out
-        frame = _frame(tuple(way.tolist()))
-        objects = np.zeros(self.low.shape[1], dtype=bool)
-        objects[owner] = True
-        facing = triangles[objects[self.owner[triangles]]]
-        side = 1.0 if own is None else -1.0
-        slope = way[0] * self.normal[0][facing] + way[1] * self.normal[1][facing] + way[2] * self.normal[2][facing]
-        facing = facing[side * slope < 0.0]
-        whose = self.owner[facing]
-        turning = self.corner if own is None else self.corner[::-1]
-        flat = [[f[0] * c[0] + f[1] * c[1] + f[2] * c[2] for f in frame[:2]] for c in turning[:, :, facing]]
-        point = [f[0] * start[0] + f[1] * start[1] + f[2] * start[2] for f in frame]
-        # the grid: each object's picture has its own, _BINS by _BINS
-        middle, reach = (self.low + self.high) / 2, (self.high - self.low) / 2
-        scale, origin = [], []
-        for f in frame[:2]:
-            half = np.abs(f[0]) * reach[0] + np.abs(f[1]) * reach[1] + np.abs(f[2]) * reach[2]
-            half = np.maximum(half * 1.001, 1e-12)
-            origin.append(f[0] * middle[0] + f[1] * middle[1] + f[2] * middle[2] - half)
-            scale.append(_BINS / (2.0 * half))
-        across, up = (
-            np.clip((point[k] - origin[k][owner]) * scale[k][owner], 0, _BINS - 1).astype(np.int64) for k in (0, 1)
-        )
+        way, there = self.way, self.among(owner)
+        some: slice | np.ndarray = slice(None)
+        if not there.all():
+            ends = np.searchsorted(triangles.owner, np.arange(self.objects + 1))
+            some = runs(ends[:-1][there], np.diff(ends)[there])
+        slope = way[0] * triangles.normal[0][some]
+        slope += way[1] * triangles.normal[1][some]
+        slope += way[2] * triangles.normal[2][some]
+        facing = np.flatnonzero(slope < 0.0 if own is None else slope > 0.0)
+        facing = facing if isinstance(some, slice) else some[facing]
+        face, whose = triangles.face[:, facing], triangles.owner[facing]
+        edges = []
+        for bins in self.bins:
+            a, b, c = bins[face]
+            edges += [np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)]
+        point = [f[0] * start[0] + f[1] * start[1] + f[2] * start[2] for f in self.frame]
+        across, up = (_bin(point[k], self.origin[k][owner], self.scale[k][owner]) for k in (0, 1))
         place = (owner * _BINS + up) * _BINS + across
         order = np.argsort(place, kind="stable")
-        count = np.bincount(place, minlength=self.low.shape[1] * _BINS * _BINS)
+        count = np.bincount(place, minlength=self.objects * _BINS * _BINS)
+        near = _filled(count.reshape(-1, _BINS, _BINS), whose, *edges)
+        if not len(near):
+            return out
+        face, whose, triangles = face[:, near], whose[near], triangles.only(facing[near])
+        left, right, bottom, top = (edge[near].astype(np.int64) for edge in edges)
         begin = np.cumsum(count) - count
-        ends = []
-        for k in (0, 1):
-            low = np.minimum(np.minimum(flat[0][k], flat[1][k]), flat[2][k])
-            high = np.maximum(np.maximum(flat[0][k], flat[1][k]), flat[2][k])
-            for value in (low, high):
-                ends.append(np.clip((value - origin[k][whose]) * scale[k][whose], 0, _BINS - 1).astype(np.int64))
-        left, right, bottom, top = ends
         wide = right - left + 1
-        lines = runs(bottom, top - bottom + 1)  # one for each triangle and row of bins that it touches
-        of = np.repeat(np.arange(len(facing)), top - bottom + 1)
-        head = (whose[of] * _BINS + lines) * _BINS + left[of]
+        row = runs(bottom, top - bottom + 1)  # one for each triangle and row of bins that it touches
+        of = np.repeat(np.arange(len(near)), top - bottom + 1)
+        head = (whose[of] * _BINS + row) * _BINS + left[of]
         # the points of neighbouring bins of a row stand together
         first = begin[head]
         many = begin[head + wide[of] - 1] + count[head + wide[of] - 1] - first
-        some = np.flatnonzero(many)
-        of, first, many = of[some], first[some], many[some]
-        # most triangles have no point near them, once few are left
-        near = np.zeros(len(facing), dtype=bool)
-        near[of] = True
-        of = (np.cumsum(near) - 1)[of]
-        facing, whose = facing[near], whose[near]
-        f = frame[2]
-        depth = [f[0] * c[0] + f[1] * c[1] + f[2] * c[2] for c in turning[:, :, facing]]
-        corner = [[x[near], y[near], z] for (x, y), z in zip(flat, depth, strict=True)]
-        edge = [_edges(corner, k) for k in range(3)]
-        normal = side * self.normal[:, facing]
-        turned = [f[0] * normal[0] + f[1] * normal[1] + f[2] * normal[2] for f in frame]
-        size = _EDGE / (scale[0] * scale[1])[whose]
+        met = np.flatnonzero(many)
+        of, first, many = of[met], first[met], many[met]
+        side, face = (1.0, face) if own is None else (-1.0, face[::-1])
+        f = self.frame[2]
+        x, y, z = (axis[face] for axis in self.vertex)
+        corner = list(zip(self.flat[0][face], self.flat[1][face], f[0] * x + f[1] * y + f[2] * z, strict=True))
+        lines = [_edges(corner, k) for k in range(3)]
+        normal = side * triangles.normal
+        turned = [f[0] * normal[0] + f[1] * normal[1] + f[2] * normal[2] for f in self.frame]
+        size = _EDGE / (self.scale[0] * self.scale[1])[whose]
         total = np.cumsum(many)
         cuts = np.searchsorted(total, np.arange(_PAIRS, int(total[-1]) if len(total) else 0, _PAIRS))
         for part in np.split(np.arange(len(of)), cuts):
@@ -181,19 +227,40 @@ class Outlook:
                 continue
             ray = order[runs(first[part], many[part])]
             with_ = np.repeat(of[part], many[part])
-            for a, b, c in edge:
+            for a, b, c in lines:
                 kept = a[with_] * point[0][ray] + b[with_] * point[1][ray] + c[with_] <= size[with_]
                 ray, with_ = ray[kept], with_[kept]
             # what faces the ray lies before it where the start is on the outer side of its plane
             gap = sum(turned[k][with_] * (corner[0][k][with_] - point[k][ray]) for k in range(3))
             ahead = gap < 0.0
             if own is not None:
-                ahead &= self.cell[facing[with_]] != own[ray]
+                ahead &= triangles.cell[with_] != own[ray]
             out[ray[ahead]] = False
         return out
 
 
-def _edges(corner: list[list[np.ndarray]], k: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _bin(flat: np.ndarray, origin: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """The bins, along one axis, of places (m,) in pictures that begin at ``origin`` (m,), with ``scale`` (m,) bins a metre."""
+    found = flat - origin
+    found *= scale
+    return np.minimum(np.maximum(found, 0.0, out=found), _BINS - 1.0, out=found).astype(np.int16)
+
+
+def _filled(
+    count: np.ndarray, owner: np.ndarray, left: np.ndarray, right: np.ndarray, bottom: np.ndarray, top: np.ndarray
+) -> np.ndarray:
+    """Which rectangles of bins, of the grids of objects ``owner``, have points in them, by ``count`` (objects, _BINS, _BINS)."""
+    wide = _BINS + 1
+    table = np.zeros(
+        (len(count), wide, wide), dtype=np.int64
+    )  # how many are below and to the left of each corner of the grid
+    np.cumsum(count.cumsum(axis=1), axis=2, out=table[:, 1:, 1:])
+    flat, low, high = table.ravel(), (owner * wide + bottom) * wide, (owner * wide + top + 1) * wide
+    inside = flat[high + right + 1] - flat[low + right + 1] - flat[high + left] + flat[low + left]
+    return np.flatnonzero(inside)
+
+
+def _edges(corner: Sequence[Sequence[np.ndarray]], k: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Coefficients of x, y, 1 that are not above 0 within edge k of triangles that face the rays."""
     (x, y, _), (p, q, _) = corner[k], corner[(k + 1) % 3]
     return y - q, p - x, x * q - p * y

@@ -102,7 +102,8 @@ def test_the_grid_gives_what_rays_give_one_by_one() -> None:
 
 def plain(outlook: outside.Outlook, owner: int, start: np.ndarray, normal: np.ndarray) -> bool:
     """Whether one of the rays from a point leaves: every ray with every triangle (Moeller and Trumbore's test)."""
-    mine = outlook.corner[:, :, outlook.owner == owner].transpose(2, 0, 1)
+    faces = np.concatenate([triangles.face[:, triangles.owner == owner] for triangles in outlook.asked], axis=1)
+    mine = outlook.vertex[:, faces].transpose(2, 1, 0)  # (T, corner, axis)
     a, e, f = mine[:, 0], mine[:, 1] - mine[:, 0], mine[:, 2] - mine[:, 0]
     for way in outside.spread_directions():
         if way @ normal <= 0.02:
