@@ -33,6 +33,7 @@ _PASSING = frozenset(
         "rank",
     }
 )  # of infinite numbers these make no nan
+_BENT = frozenset({"sin", "cos", "asin", "acos", "atan"})
 
 
 PARTIAL = {
@@ -72,11 +73,13 @@ class Sharp(Intervals):
         return min(ends), max(ends)
 
     def function(self, op: str, node: Expr) -> Interval:
-        ends = self.of(node.args[0]) if node.args else EVERYTHING
-        if op in ("asin", "acos", "atan") and ends != EVERYTHING:
-            return _rising(getattr(math, op), ends) if op != "acos" else _rising(lambda a: -math.acos(a), ends, -1.0)
         if op == "atan2":
             return -math.pi, math.pi
+        if op not in _BENT:
+            return super().function(op, node)
+        ends = self.of(node.args[0])
+        if op in ("asin", "acos", "atan") and ends != EVERYTHING:
+            return _rising(getattr(math, op), ends) if op != "acos" else _rising(lambda a: -math.acos(a), ends, -1.0)
         if op == "cos" and math.isfinite(ends[0]) and math.isfinite(ends[1]):
             return _cosine(*ends)
         if op == "sin" and math.isfinite(ends[0]) and math.isfinite(ends[1]):

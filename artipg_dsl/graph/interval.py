@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from .expr import Column, Expr
+from .functions import FUNCTIONS
 from .order import bottom_up
 
 if TYPE_CHECKING:
@@ -30,12 +31,18 @@ class Intervals:
         self.memo: dict[Expr, Interval] = {}
 
     def of(self, node: Expr) -> Interval:
-        if node not in self.memo:
-            for at in bottom_up(node, self.inner, self.memo):
-                self.memo[at] = EVERYTHING  # in a circle of definitions
+        memo = self.memo
+        found = memo.get(node)
+        if found is None:
+            known = all(
+                [below in memo for below in self.inner(node)]
+            )  # as most of the time: who asks goes from the bottom up
+            for at in (node,) if known else bottom_up(node, self.inner, memo):
+                memo[at] = EVERYTHING  # in a circle of definitions
                 low, high = self._of(at)
-                self.memo[at] = (-math.inf if low != low else low, math.inf if high != high else high)
-        return self.memo[node]
+                found = memo[at] = (-math.inf if low != low else low, math.inf if high != high else high)
+            assert found is not None
+        return found
 
     def inner(self, node: Expr) -> Iterable[Expr]:
         """What the interval of a node follows from."""
@@ -48,6 +55,8 @@ class Intervals:
 
     def _of(self, node: Expr) -> Interval:
         op = node.op
+        if op in FUNCTIONS:
+            return self.function(op, node)
         if op == "const":
             return float(node.value), float(node.value)
         if op == "col":
@@ -71,7 +80,7 @@ class Intervals:
         if op == "scan":
             low, high = self.of(node.args[0])
             return (0.0 if low >= 0 else -math.inf), (0.0 if high <= 0 else math.inf)
-        return self.function(op, node)
+        return EVERYTHING
 
     def column(self, column: Column) -> Interval:
         if column in self.definitions:
