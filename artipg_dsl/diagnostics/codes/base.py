@@ -16,9 +16,13 @@ class Code:
 
     name: str
     summary: str
-    text: str
-    example: str = ""
+    written: str  # the text and the example as they stand in the file of the family
+    program: str = ""
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "text", " ".join(dedent(self.text).split()))
-        object.__setattr__(self, "example", dedent(self.example).lstrip("\n"))
+    @property
+    def text(self) -> str:
+        return " ".join(self.written.split())
+
+    @property
+    def example(self) -> str:
+        return dedent(self.program).lstrip("\n")
