@@ -157,6 +157,7 @@ class _Looked:
     def warn(self) -> None:
         from .geometry.errors import PrimitiveError  # start-up
 
+        self.warn_excluded()
         if not self.follow():
             return
         self.warn_rigid()
@@ -181,6 +182,46 @@ class _Looked:
             self.report.error("bad-mimic", where, words, hint=wrong.hint)
             return False
         return True
+
+    def warn_excluded(self) -> None:
+        """Name the values of counts and choices that requirements leave hardly any object."""
+        from .quality.excluded import find_excluded  # start-up
+
+        told = {found.span for found in self.report.diagnostics if found.code in ("impossible", "undefined-value")}
+        for one in find_excluded(self.batch):
+            draw, column = self.batch.program.draws[one.draw], self.batch.program.draws[one.draw].column
+            places = [self._stated(number) for number in one.requirements[:_NAMED]]
+            spans = list(dict.fromkeys(span for span in places if span is not None))
+            drawn = self.lowering.context.spans.get(column)
+            own = [drawn] if drawn is not None and drawn.source is self.span.source else []
+            if told.intersection(spans) or not (own or spans):
+                continue
+            value = f"`{draw.options[int(one.value)]}`" if draw.kind == "choice" else f"{one.value:.0f}"
+            why = (
+                f"{'all' if not one.kept else f'{one.tried - one.kept} of'} {one.tried} objects tried with it break this requirement"
+                if one.tried
+                else "this requirement leaves it out"
+            )
+            if not spans:
+                text = self.batch.program.requirements[one.requirements[0]]
+                why = why.replace(
+                    "this requirement", f"`{' '.join((text.text or text.message).split())}` ({text.where})"
+                )
+            chain = [(span, "and this one, perhaps") for span in spans[1:]] + [(span, "drawn here") for span in own]
+            self.report.warning(
+                "excluded-value",
+                (spans or own)[0],
+                f"`{column.name}` is {'hardly ever' if one.kept else 'never'} {value}: {why}",
+                hint="widen the ranges of what is required, or write `align` for an equation; "
+                "if the value is not meant, leave it out of the range or the alternatives",
+                notes=tuple(chain) if spans else (),
+            )
+
+    def _stated(self, requirement: int) -> Span | None:
+        """Where a requirement is written, if that is in the file of the category."""
+        stated = self.lowering.context.stated.get(requirement)
+        span = self._line(self.batch.program.requirements[requirement].where) if stated is None else stated[0]
+        return span if span is not None and span.source is self.span.source else None
 
     def warn_floating(self, solids: Solids) -> None:
         """Report the parts that float in each of the objects that have them: none of those is ever valid."""

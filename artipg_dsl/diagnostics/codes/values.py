@@ -290,6 +290,37 @@ VALUES = (
         """,
     ),
     Code(
+        "excluded-value",
+        "requirements leave out a value of a count or a choice",
+        """
+        A count or a choice that should often have the value by its range and weights has it in hardly any object,
+        because a requirement fails wherever it has, or leaves it no room. So every object is valid and the variety is
+        less than the text says, as where `when legs == 3 { require ... }` can hardly hold. `apgc check` sees it in 256
+        attempts, judged by the requirements alone. Widen the ranges of what is required; for an equation write `align`,
+        as drawn numbers are never equal by chance. If the value is not meant, leave it out.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Stool {
+          param width, depth : length in 30cm .. 40cm
+          count legs in 3 .. 4
+          root part seat : Cuboid(size = [depth, width, 3cm])
+          when legs == 3 { require width + depth <= 601mm }
+          repeat leg[k] in 0 ..< legs spread seat along y margin 5cm {
+            part post : Cuboid(size = [3cm, 3cm, 40cm])
+            connect post.top on seat.bottom
+            align post.center.y = leg.center.y
+          }
+          material oak on seat, leg.post
+          label semantic.seat on seat
+          label semantic.leg on leg.post
+        }
+        """,
+    ),
+    Code(
         "impossible",
         "a requirement can never hold",
         """

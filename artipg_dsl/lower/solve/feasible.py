@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ...graph.expr import Scope
+from ...graph.expr import TRUE, Column, Scope, sub
 from ...graph.feasible import Conflict, find_conflicts, find_idle, find_settled, is_certain
 from ...graph.interval import Intervals
+from ...graph.linear import Linear
 from ...graph.program import Program
 from ...source import Span
 from ..expressions.context import Bend, Draft
@@ -30,7 +31,7 @@ def judge(context: Draft, hollow: list[tuple[Scope, tuple[int, ...]]], own: str)
         if frozenset(conflict.reasons) not in told:  # one contradiction empties several ranges: the first tells it
             told.add(frozenset(conflict.reasons))
             _tell(context, conflict)
-    _refuse_exact(context)
+    _refuse_exact(context, intervals)
     if context.report.failed:
         return
     for number in find_idle(program):
@@ -50,21 +51,45 @@ def judge(context: Draft, hollow: list[tuple[Scope, tuple[int, ...]]], own: str)
             context.report.warning("always-true", span, message, hint="drop it, or correct the comparison")
 
 
-def _refuse_exact(context: Draft) -> None:
-    """Report requirements that a number drawn from a range be equal to something: it never is."""
-    for draw in context.program.draws:
-        if draw.kind != "real" or draw.distribution == "values" or draw.low is draw.high:
+def _refuse_exact(context: Draft, intervals: Intervals) -> None:
+    """Report requirements that a number drawn from a range be equal to something: it never is. Where every object has one, that is
+    an error."""
+    program = context.program
+    drawn = {
+        d.column: d for d in program.draws if d.kind == "real" and d.distribution != "values" and d.low is not d.high
+    }
+    reader = Linear(drawn.__contains__, program.definitions, through=True)
+    exact: dict[int, Column] = {
+        union.requirement: draw.column
+        for draw in drawn.values()
+        for union in draw.unions
+        if all(low is high for low, high in union.intervals)
+    }
+    for number in context.stated:
+        condition = program.requirements[number].condition
+        form = reader.form(sub(*condition.args)) if number not in exact and condition.op == "eq" else None
+        own = [] if form is None else [c for c, factor in form[0].items() if factor.constant]
+        if own:
+            exact[number] = max(own, key=list(drawn).index)  # the one drawn last
+    for number, column in exact.items():
+        if number not in context.stated:
             continue
-        for union in draw.unions:
-            if union.requirement in context.stated and all(low is high for low, high in union.intervals):
-                words = context.program.requirements[union.requirement].text
-                context.report.error(
-                    "impossible",
-                    context.stated[union.requirement][0],
-                    f"`{draw.column.name}` is drawn from a range, so `{words}` never holds exactly",
-                    hint="state an equation, `align a = b`, and declare what follows from it without a range or as `derived`",
-                    notes=tuple((span, "drawn here") for span in filter(None, [context.spans.get(draw.column)])),
-                )
+        requirement = program.requirements[number]
+        certain = requirement.guard is TRUE and is_certain(requirement.scope, intervals)
+        so = "" if certain else _never_drawn(context, requirement.scope)
+        (context.report.error if certain else context.report.warning)(
+            "impossible",
+            context.stated[number][0],
+            f"`{column.name}` is drawn from a range, so `{requirement.text}` never holds exactly{so}",
+            hint="state an equation, `align a = b`, and declare what follows from it without a range or as `derived`",
+            notes=tuple((span, "drawn here") for span in filter(None, [context.spans.get(column)])),
+        )
+
+
+def _never_drawn(context: Draft, scope: Scope) -> str:
+    """What follows where only some objects have a row of a table, and none of these is valid."""
+    words = context.in_words(scope)
+    return f"; so {'what stands under this `when`' if words == 'a `when`' else words} is never drawn"
 
 
 def _tell(context: Draft, conflict: Conflict) -> None:
@@ -116,7 +141,7 @@ def _tell(context: Draft, conflict: Conflict) -> None:
     if conflict.certain:
         context.report.error("impossible", span, message, hint=hint, notes=tuple(chain))
     else:
-        message += f"; so {context.in_words(conflict.scope)} is never drawn"
+        message += _never_drawn(context, conflict.scope)
         context.report.warning("impossible", span, message, hint=hint, notes=tuple(chain))
 
 
