@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -81,7 +81,7 @@ def bind_into(
     read = (read_record(out / f"{one.name}.json") for one in work)
     records = [seen_here(out, found) for found in read if found is not None]
     told = summarize(fitted["category"], options, records, fitted["objects"])
-    write_bytes(out / BOUND, to_text(told), force=True)
+    _tell(out, told, {one.name for one in work})
     return told, records
 
 
@@ -106,7 +106,7 @@ def save_bindings(
     sweep_unfinished(ensure_folder(out))
     for record, arrays in bound:
         _write(out, record, arrays)
-    write_bytes(out / BOUND, to_text(told), force=True)
+    _tell(out, told, {record["name"] for record, _ in bound})
 
 
 # ---------------------------------------------------------------- fitted objects
@@ -267,6 +267,19 @@ def _write(out: Path, record: Record, arrays: Arrays | None) -> None:
     else:
         write_bytes(path, npz_bytes(arrays), force=True)
     write_bytes(out / f"{record['name']}.json", to_text(seen_from(out, record)), force=True)
+
+
+def _tell(out: Path, told: Record, names: Collection[str]) -> None:
+    """Write the summary, and remove the files of objects that the one before lists and that are none of ``names``."""
+    before = read_record(out / BOUND) or {}
+    listed = [
+        one["name"] for key in ("objects", "failed") for one in list_objects({"objects": before.get(key)}, "name")
+    ]
+    write_bytes(out / BOUND, to_text(told), force=True)
+    for name in listed:
+        if name not in names and Path(name).name == name and f"{name}.json" != BOUND:  # should it have been edited
+            (out / f"{name}.json").unlink(missing_ok=True)
+            (out / f"{name}.npz").unlink(missing_ok=True)
 
 
 def _done(out: Path, options: Mapping[str, Any], one: Fit) -> bool:

@@ -15,8 +15,8 @@ import artipg_dsl as apg
 from .helpers import CHEST, Apgc, tree
 
 
-def fit_one(folder: Path, number: int) -> Path:
-    """A folder as ``apgc fit`` writes it, of one chest whose file is `object.npz`."""
+def fit_one(folder: Path, number: int, name: str = "object") -> Path:
+    """A folder as ``apgc fit`` writes it, of one chest whose file is `object.npz`, by default called so, too."""
     from artipg_dsl.export.content import Content
     from artipg_dsl.export.registry import choose_formats
     from artipg_dsl.fit.sources import mark
@@ -30,10 +30,10 @@ def fit_one(folder: Path, number: int) -> Path:
     file = folder / "object.npz"
     np.savez(file, points=points.position[0], normals=points.normal[0])
     frame = {"up": "z", "front": "x", "unit": "m"}
-    record = {"name": "object", "frame": frame, "to_object": np.eye(4).tolist(), "file": mark(file)}
+    record = {"name": name, "frame": frame, "to_object": np.eye(4).tolist(), "file": mark(file)}
     (folder / "fits").mkdir()
-    (folder / "fits" / "object.json").write_text(json.dumps(record))
-    objects = [{"object": 0, "name": "object", "source": str(file), "verdict": "fits"}]
+    (folder / "fits" / f"{name}.json").write_text(json.dumps(record))
+    objects = [{"object": 0, "name": name, "source": str(file), "verdict": "fits"}]
     (folder / "fit.json").write_text(json.dumps({"category": "Chest", "objects": objects}))
     return folder
 
@@ -41,6 +41,15 @@ def fit_one(folder: Path, number: int) -> Path:
 def test_an_object_without_a_detail_is_told(apgc: Apgc, tmp_path: Path) -> None:
     code, out, err = apgc("bind", fit_one(tmp_path / "one", 0), "-o", tmp_path / "bound", "--points", 1)
     assert code == 1 and "none of its points has a counterpart on the structure" in out + err
+
+
+def test_details_that_force_leaves_out_leave_no_files(apgc: Apgc, tmp_path: Path) -> None:
+    one, other, out = fit_one(tmp_path / "one", 0), fit_one(tmp_path / "other", 1, "second"), tmp_path / "bound"
+    asked = ("-o", out, "--points", 500)
+    assert apgc("bind", one, *asked)[0] == 0
+    (out / "notes.json").write_text("{}")  # somebody's own
+    assert apgc("bind", other, *asked, "--force")[0] == 0
+    assert sorted(path.name for path in out.iterdir()) == ["bind.json", "notes.json", "second.json", "second.npz"]
 
 
 def test_details_of_other_objects_are_not_lost(apgc: Apgc, tmp_path: Path) -> None:
