@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ..records import dataclass
+from .defined import Defined
 from .expr import TRUE, Column, Expr, Scope, both, negate
 from .interval import Interval, Intervals
 from .linear import Linear
@@ -215,6 +216,7 @@ def _broken(
 def find_idle(program: Program) -> list[int]:
     """The requirements on something drawn that hold whatever is drawn; one between constants states a fact on purpose."""
     intervals = Intervals(program.draws, program.definitions)
+    defined = Defined(intervals)  # what has no value does not hold
     reader = Linear(lambda c: c not in program.definitions, program.definitions, through=True)
     return [
         number
@@ -224,6 +226,7 @@ def find_idle(program: Program) -> list[int]:
             _is_same(requirement.condition)
             or intervals.of(negate(both(requirement.guard, negate(requirement.condition))))[0] >= 1.0
         )
+        and defined.certain(both(requirement.guard, requirement.condition))
     ]
 
 

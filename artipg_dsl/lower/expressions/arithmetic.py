@@ -143,7 +143,7 @@ def binary(ev: Evaluator, node: ast.BinaryExpr) -> Value:
             return OPERATIONS[node.op](first, ev.condition(node.right))
     if node.op in ("==", "!="):
         same = equal(ev, node)
-        return same if node.op == "==" else E.negate(same)
+        return same if node.op == "==" else _other(same)
     left: Value
     right: Value
     left, right = ev.value(node.left), ev.value(node.right)
@@ -235,6 +235,23 @@ def equal(ev: Evaluator, node: ast.BinaryExpr) -> Expr:
         return _same_option(left, right)
     sides = ((left, node.left.span), (right, node.right.span))
     return E.call("eq", *(value.exists if isinstance(value, Box) else number(ev, value, span) for value, span in sides))
+
+
+def _other(same: Expr) -> Expr:
+    """That two values are not equal; it does not hold either where one of them has no value."""
+    if same.op != "eq" or not any(map(_is_partial, E.nodes(same))):
+        return E.negate(same)
+    left, right = same.args
+    return E.either(E.call("lt", left, right), E.call("lt", right, left))
+
+
+def _is_partial(node: Expr) -> bool:
+    """Whether an operation may have no value."""
+    if node.op not in PARTIAL:
+        return False
+    known = node.args[-1].constant
+    whole = known is not None and known >= 0 and float(known).is_integer()
+    return not (known if node.op in ("div", "mod") else node.op == "pow" and whole)
 
 
 def _same_option(left: Choice, right: Choice) -> Expr:
