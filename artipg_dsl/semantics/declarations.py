@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 from ..diagnostics.suggest import did_you_mean, given
 from ..language import DIRECTIONS, DISTRIBUTIONS, FACES, FUNCTIONS, OWN, TYPES, WORDS
+from ..source import Span
 from ..syntax import ast
 from ..syntax.walk import walk
 from .entries import of_reference
@@ -59,6 +60,9 @@ def check_names(ck: Checker, scope: BodyScope) -> None:
                         notes=((around.name_span, "the repeat"),),
                     )
                     ck.set_aside(entry)
+                elif scope.parent is not None and (hidden := scope.parent.find(name)):
+                    if "index" in (entry.kind, hidden[0].kind):
+                        warn_hidden(ck, name, entry.span, hidden[0], "inside this repeat")
                 _renamed(ck, scope, entry)
         for position, entry in enumerate(entries):
             for earlier in entries[:position]:
@@ -73,6 +77,20 @@ def check_names(ck: Checker, scope: BodyScope) -> None:
                         notes=((earlier.span, "first declared here"),),
                     )
                     break
+
+
+def warn_hidden(ck: Checker, name: str, span: Span, hidden: Entry, inside: str) -> None:
+    """Warn that a name means something else inside than around it, where it is the rank of an element or the like."""
+    what = (
+        f"the index of `{hidden.node.name}`" if isinstance(hidden.node, ast.RepeatStmt) else f"`{hidden.kind} {name}`"
+    )
+    ck.warning(
+        "duplicate-name",
+        span,
+        f"{inside}, `{name}` no longer means {what}",
+        hint="rename one of them",
+        notes=((hidden.span, "hidden by it"),),
+    )
 
 
 def _renamed(ck: Checker, scope: BodyScope, entry: Entry) -> None:

@@ -12,7 +12,7 @@ from ..units import UNITS
 from . import paths
 from .alternatives import unknown_material
 from .calls import range_type
-from .declarations import check_range
+from .declarations import check_range, warn_hidden
 from .entries import of_reference
 from .fold import constant
 from .guards import consistent
@@ -309,6 +309,8 @@ def _grasp(ck: Checker, ctx: Context, stmt: ast.GraspStmt) -> None:
         kind = range_type(ck, place, stmt.range)
         check_range(ck, place, stmt.range, kind, f"an end of the range of `{stmt.parameter}`")
         place = place.but(extra={**place.extra, stmt.parameter: kind})
+        if ctx.scope is not None and (hidden := ctx.scope.find(stmt.parameter)):
+            warn_hidden(ck, stmt.parameter, stmt.name_span, hidden[0], "in the grasp")
     wanted: tuple[tuple[ast.Clause[ast.Expr] | None, Type], ...] = (
         (stmt.at, POINT),
         (stmt.approach, DIRECTION),

@@ -24,6 +24,13 @@ def warn_unused(typed: TypedProgram, report: Report) -> None:
     for symbol in _find_materials(typed.main) if typed.category is not None else ():
         hint = f"write `material {symbol.name} on ...`, or leave it out: its properties are not checked"
         report.warning("unused", symbol.decl.name_span, f"nothing is made of `{symbol.name}`", hint=hint)
+    for name, owner, span in _find_parameters(typed.main) if typed.category is not None else ():
+        report.warning(
+            "unused",
+            span,
+            f"{owner} does not read `{name}`" + (": all of its grasps are the same" if owner == "the grasp" else ""),
+            hint="use it, or leave it out",
+        )
     for name, span in _find_values(typed) if typed.category is not None else ():
         report.warning("unused", span, f"nothing reads `{name}`: it changes no object", hint="use it, or leave it out")
 
@@ -47,6 +54,19 @@ def find_imports(module: ModuleScope) -> Iterator[tuple[list[str], Span]]:
 def _find_materials(module: ModuleScope) -> Iterator[Symbol]:
     read = _words(tuple(decl for decl in module.tree.declarations if not isinstance(decl, ast.MaterialDecl)))
     return (symbol for symbol in module.own() if symbol.kind == "material" and symbol.name not in read)
+
+
+def _find_parameters(module: ModuleScope) -> Iterator[tuple[str, str, Span]]:
+    """Parameters of functions and of grasps that their formulas do not read: name, whose, where."""
+    for node in walk(module.tree.declarations):
+        if isinstance(node, ast.LetDecl) and node.parameters:
+            read = _words(node.value)
+            yield from ((name, f"`{node.name}`", node.name_span) for name in node.parameters if name not in read)
+        elif isinstance(node, ast.GraspStmt) and node.parameter is not None:
+            if node.parameter not in _words(
+                (node.at, node.approach, node.close, node.opening, node.quality, *node.hand)
+            ):
+                yield node.parameter, "the grasp", node.name_span
 
 
 def _find_values(typed: TypedProgram) -> Iterator[tuple[str, Span]]:

@@ -86,3 +86,22 @@ def test_the_shipped_files_use_what_they_import() -> None:
     files = [*library_dir().glob("*.apg"), *categories_dir().glob("*.apg")]
     idle = {path.name: names for path in files for names, _ in find_imports(workspace.load_file(path))}
     assert idle == {}
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ("let wide(a, b) = 2 * a\n  require wide(1cm, 2cm) < foot.size.x + 3cm", "`wide` does not read `b`"),
+        (
+            "grasp hold on foot for t in 0 .. 1 { at [0, 0, 0]  approach -x  close y  opening size.y }",
+            "the grasp does not read `t`: all of its grasps are the same",
+        ),
+        ("grasp hold on foot for t in 0 .. 1 { at [0, 0, 0]  approach -x  close y  opening (1 + t) * size.y }", None),
+        (
+            "grasp hold on foot for t in 0 .. 1 { at [0, 0, 0]  approach -x  close y  opening size.y  stroke t * 1cm }",
+            None,
+        ),
+    ],
+)
+def test_a_parameter_that_a_formula_ignores(body: str, message: str | None) -> None:
+    assert told(f"{HEAD}category Box {{\n  {USED}\n  {body}\n}}\n") == ([] if message is None else [message])

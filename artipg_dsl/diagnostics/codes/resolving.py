@@ -351,6 +351,8 @@ RESOLVING = (
         Parameters, parts, ports, surfaces and slots of one template share one namespace. One name may be declared in
         two branches that exclude each other (`when a { } else { }`). Otherwise it would be unclear which one is meant.
         Rename one of the two. Keypoints have names of their own; two of one name may lie on different parts, not on one.
+        As a warning: the index of a repeat, or the parameter of a grasp, is called like something around it, which it
+        hides: in a repeat within a repeat, `i` would mean the inner rank alone.
         """,
         """
         apg 1
@@ -394,13 +396,40 @@ RESOLVING = (
         """,
     ),
     Code(
+        "overridden",
+        "a later statement takes the place of an earlier one",
+        """
+        Two statements of one body give the same part, slot or surface a material, a semantic word, a field or a symmetry.
+        The later one counts wherever both hold, and it holds everywhere, so the earlier one has no effect. Leave one of
+        them out, put the later one under the `when` in which it is meant, or write the one that holds everywhere first.
+        Labels of other vocabularies unite; there only one that says the same again is told.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak, steel }
+        use vocabularies { semantic }
+        category Stool {
+          param width : length in 30cm .. 50cm
+          root part seat : Cuboid(size = [30cm, width, 3cm])
+          part leg : Cuboid(size = [3cm, 3cm, 40cm])
+          connect leg.top on seat.bottom at center
+          material steel on leg
+          material oak on seat, leg
+          label semantic.seat on seat
+          label semantic.leg on leg
+        }
+        """,
+    ),
+    Code(
         "unused",
         "a name is never used",
         """
         A name imported by `use` does not occur in the file; or a parameter, count or `let` of the category, or of a
         template in its file, is declared but never read, so objects would be the same without it. Often a number was
-        written where the name was meant. This is a warning: the program works. Vocabularies count as used, since their
-        words are added to those of the program; so does what a role requires of its templates.
+        written where the name was meant. Or a function ignores one of its parameters, or a grasp the one that it is
+        `for`, so that all grasps of the family are equal. This is a warning: the program works. Vocabularies count as
+        used, since their words are added to those of the program; so does what a role requires of its templates.
         """,
         """
         apg 1

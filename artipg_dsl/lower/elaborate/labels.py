@@ -26,6 +26,7 @@ from .drives import Drive
 from .guards import has_row, shown
 from .links import Links
 from .looks import sole_look
+from .overridden import Said, note
 from .part import Component
 from .paths import walk
 from .statements import Meanings, attempt
@@ -185,12 +186,15 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
                 motion=motion(env, statement),
             )
             links.context.labels.append((aim.depth, made))
+            word = () if statement.vocabulary == "semantic" else (statement.label, made.joints)
+            said = Said(f"`{statement.label}`", statement, node, holds, statement.value is None)
+            note(env, ("label", statement.vocabulary, *word, aim.part, aim.surfaces), said)
             whole = statement.vocabulary == "semantic" and statement.value is None and not aim.surfaces
             if whole and not holds.reads:  # it holds for a part as a whole, or does not
                 for _, number in _nodes_of(links, aim.part):
                     made_of = program.parts[number]
-                    said = (*made_of.semantic, (statement.label, holds))
-                    program.parts[number] = replace(made_of, semantic=said)
+                    words = (*made_of.semantic, (statement.label, holds))
+                    program.parts[number] = replace(made_of, semantic=words)
 
 
 def _acted(links: Links, ev: Evaluator, statement: ast.LabelStmt) -> tuple[int, ...]:
@@ -248,6 +252,8 @@ def _field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
                 vector=vector,
             )
             links.context.labels.append((aim.depth, made))
+            said = Said(f"`{statement.name}`", statement, node, made.guard, True)
+            note(env, ("field", statement.name, aim.part, aim.surfaces), said)
 
 
 def _where(ev: Evaluator, statement: ast.LabelStmt | ast.FieldStmt, aim: Aim) -> Expr:
@@ -274,6 +280,8 @@ def material(links: Links, env: Env, statement: ast.MaterialStmt) -> None:
         for aim in _aims(links, env, node):
             there = _standing(env, aim)
             looks = tuple((name, E.both(there, shown(predicate, aim.scope))) for name, predicate in look.options)
+            said = Said(f"`{statement.material}`", statement, node, there, True)
+            note(env, ("material", aim.part, aim.surfaces), said)
             for site in sites_of(links, aim.part):
                 links.context.materials.setdefault(site, []).append((aim.depth, looks))
 
@@ -367,7 +375,10 @@ def symmetry(links: Links, env: Env, statement: ast.SymmetryStmt) -> None:
     axis = E.const(float(found))
     turns = E.ZERO if statement.turn is None else E.maximum(Evaluator(env).scalar(statement.turn), E.ONE)
     program = env.context.program
+    about = statement.span.words.partition(":")[2].strip()
     for aim in _aims(links, env, statement.target):
+        said = Said(f"`{about}`", statement, statement.target, _standing(env, aim), True)
+        note(env, ("symmetry", aim.part), said)
         for scope, number in _nodes_of(links, aim.part):
             known = program.parts[number].symmetry or (E.ONE, axis)
             here = E.both(has_row(env.scope, scope), aim.there)

@@ -22,6 +22,7 @@ from ...syntax import ast
 
 if TYPE_CHECKING:
     from ...semantics.check import TypedProgram
+    from ..elaborate.overridden import Said
     from ..elaborate.part import Component
     from ..elaborate.ranges import Quantity
     from ..solids.lowered import Lowered
@@ -156,6 +157,7 @@ class Draft:
     preferred: dict[int, Span] = field(
         default_factory=dict
     )  # the preferences that the category itself states, and where
+    said: dict[tuple[object, ...], list[Said]] = field(default_factory=dict)  # of one thing, in the order of the text
     counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
     fetched: list[Fetched] = field(default_factory=list)  # elements of repeats that have to be there
