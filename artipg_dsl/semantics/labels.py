@@ -76,6 +76,13 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
                 )
             if place is not None:
                 ck.expect(formula(ctx), place, POINT, "the place of a keypoint")
+                if not isinstance(kind, PartType | SlotType) and kind != UNKNOWN:
+                    ck.error(
+                        "unknown-clause",
+                        place.span,
+                        f"`at` has no effect here: `{at.span.words}` is no part but a place itself",
+                        hint="name the part, as in `keypoint tip on body at [0, 0, size.z / 2]`, or leave out `at`",
+                    )
             _twice(ck, ctx, stmt, "keypoint")
         case ast.SymmetryStmt(target=at, turn=turn, direction=direction):
             target(ck, ctx, at, "a symmetry belongs to")

@@ -11,7 +11,8 @@ from ..syntax.walk import walk
 from .check import TypedProgram
 from .symbols import NAMED, ModuleScope, Symbol
 
-_VALUES = ("param", "count", "let")
+_VALUES = ("param", "count", "let", "style", "curve")
+_SHARED = ("template", "role", "primitive", "function")  # at the top of a file
 _DECLARING = (*NAMED, ast.ParamDecl, ast.Argument)  # what they are called is no use of it
 
 
@@ -24,6 +25,9 @@ def warn_unused(typed: TypedProgram, report: Report) -> None:
     for symbol in _find_materials(typed.main) if typed.category is not None else ():
         hint = f"write `material {symbol.name} on ...`, or leave it out: its properties are not checked"
         report.warning("unused", symbol.decl.name_span, f"nothing is made of `{symbol.name}`", hint=hint)
+    for symbol in _find_shared(typed.main) if typed.category is not None else ():
+        said = f"nothing uses the {_kind_of(symbol)} `{symbol.name}`"
+        report.warning("unused", symbol.decl.name_span, said, hint="use it, or leave it out")
     for name, owner, span in _find_parameters(typed.main) if typed.category is not None else ():
         report.warning(
             "unused",
@@ -56,10 +60,22 @@ def _find_materials(module: ModuleScope) -> Iterator[Symbol]:
     return (symbol for symbol in module.own() if symbol.kind == "material" and symbol.name not in read)
 
 
+def _find_shared(module: ModuleScope) -> Iterator[Symbol]:
+    """Templates and the like beside a category that nothing else in the file names."""
+    read = [(decl, _words(decl)) for decl in module.tree.declarations]
+    for symbol in module.own():
+        if symbol.kind in _SHARED and not any(symbol.name in words for decl, words in read if decl is not symbol.decl):
+            yield symbol
+
+
+def _kind_of(symbol: Symbol) -> str:
+    return "value" if isinstance(symbol.decl, ast.FunctionDecl) and not symbol.decl.parameters else symbol.kind
+
+
 def _find_parameters(module: ModuleScope) -> Iterator[tuple[str, str, Span]]:
     """Parameters of functions and of grasps that their formulas do not read: name, whose, where."""
     for node in walk(module.tree.declarations):
-        if isinstance(node, ast.LetDecl) and node.parameters:
+        if isinstance(node, ast.LetDecl | ast.FunctionDecl) and node.parameters:
             read = _words(node.value)
             yield from ((name, f"`{node.name}`", node.name_span) for name in node.parameters if name not in read)
         elif isinstance(node, ast.GraspStmt) and node.parameter is not None:

@@ -105,3 +105,27 @@ def test_the_shipped_files_use_what_they_import() -> None:
 )
 def test_a_parameter_that_a_formula_ignores(body: str, message: str | None) -> None:
     assert told(f"{HEAD}category Box {{\n  {USED}\n  {body}\n}}\n") == ([] if message is None else [message])
+
+
+def test_what_stands_beside_a_category_and_is_not_used() -> None:
+    shared = """role Foot { slot pad }
+role Lid { slot plate }
+template Never : Lid { part plate : Cylinder(radius = 1cm, height = 1cm) }
+primitive Bar {
+  param w : length > 0  test 1cm .. 2cm
+  solid = extrude(rectangle(w, w)) along z from 0 to w
+}
+let double(a) = 2cm
+let idle = 2cm
+let used = 3cm
+"""
+    body = f"style pull : Foot = none\n  curve way (t in 0 .. 1) = [t * used, 0mm, 0mm]\n  {USED}"
+    assert told(f"{HEAD}{shared}category Box {{\n  {body}\n}}\n") == [
+        "nothing uses the template `Never`",
+        "nothing uses the primitive `Bar`",
+        "nothing uses the function `double`",
+        "`double` does not read `a`",
+        "nothing uses the value `idle`",
+        "nothing reads `pull`: it changes no object",
+        "nothing reads `way`: it changes no object",
+    ]

@@ -425,8 +425,9 @@ RESOLVING = (
         "unused",
         "a name is never used",
         """
-        A name imported by `use` does not occur in the file; or a parameter, count or `let` of the category, or of a
-        template in its file, is declared but never read, so objects would be the same without it. Often a number was
+        A name imported by `use` does not occur in the file; or a parameter, count, `let`, style or curve of the category,
+        or of a template in its file, or such a template itself, is declared but never used, so objects would be the same
+        without it. Often a number was
         written where the name was meant. Or a function ignores one of its parameters, or a grasp the one that it is
         `for`, so that all grasps of the family are equal. This is a warning: the program works. Vocabularies count as
         used, since their words are added to those of the program; so does what a role requires of its templates.
