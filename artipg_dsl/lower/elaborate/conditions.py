@@ -76,15 +76,14 @@ def prefer(links: Links, env: Env, statement: ast.PreferStmt) -> None:
     )
 
 
-_COMPARED = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
-_OPPOSITE = {**_COMPARED, "and": "or", "or": "and"}
+_OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "and": "or", "or": "and"}
 
 
 def _positive(node: ast.Expr, wanted: bool = True, said: Span | None = None) -> ast.Expr:
-    """A condition, or (``wanted`` False) its opposite, without a `not` around comparisons: `not (a <= b)` is `a > b`. That narrows a
+    """A condition, or (``wanted`` False) its opposite, without a `not` around inequalities: `not (a <= b)` is `a > b`. That narrows a
     draw, and where a side has no value, neither of the two holds. ``said``: the text of the `not` around it, which messages quote."""
     span = said or node.span
-    if not any(isinstance(part, ast.BinaryExpr) and part.op in _COMPARED for part in walk(node)):
+    if not any(isinstance(part, ast.BinaryExpr) and part.op in ("<", "<=", ">", ">=") for part in walk(node)):
         return node if wanted else ast.UnaryExpr(span=span, op="not", operand=node)
     match node:
         case ast.UnaryExpr(op="not", operand=operand):
@@ -94,7 +93,7 @@ def _positive(node: ast.Expr, wanted: bool = True, said: Span | None = None) -> 
             return replace(
                 node, span=span, op=op, left=_positive(left, wanted, said), right=_positive(right, wanted, said)
             )
-        case ast.BinaryExpr(op="<" | "<=" | ">" | ">=" | "==" | "!=") if not wanted:
+        case ast.BinaryExpr(op="<" | "<=" | ">" | ">=") if not wanted:
             return replace(node, span=span, op=_OPPOSITE[node.op])
     return node if wanted else ast.UnaryExpr(span=span, op="not", operand=node)
 

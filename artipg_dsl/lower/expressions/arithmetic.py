@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
-from ...graph.defined import PARTIAL
+from ...graph.defined import PARTIAL, Defined, Sharp
 from ...graph.expr import Expr
 from ...semantics.meanings import Global, Word
 from ...semantics.symbols import Symbol
@@ -108,7 +108,7 @@ def _tilted(ev: Evaluator, span: Span) -> Exception:
 def unary(ev: Evaluator, node: ast.UnaryExpr) -> Value:
     value = ev.value(node.operand)
     if node.op == "not":
-        return E.negate(truth(ev, value, node.operand.span))
+        return _other(ev, truth(ev, value, node.operand.span))
     if node.op == "+":
         return value
     if isinstance(value, Vec):
@@ -143,7 +143,7 @@ def binary(ev: Evaluator, node: ast.BinaryExpr) -> Value:
             return OPERATIONS[node.op](first, ev.condition(node.right))
     if node.op in ("==", "!="):
         same = equal(ev, node)
-        return same if node.op == "==" else _other(same)
+        return same if node.op == "==" else _other(ev, same)
     left: Value
     right: Value
     left, right = ev.value(node.left), ev.value(node.right)
@@ -237,21 +237,15 @@ def equal(ev: Evaluator, node: ast.BinaryExpr) -> Expr:
     return E.call("eq", *(value.exists if isinstance(value, Box) else number(ev, value, span) for value, span in sides))
 
 
-def _other(same: Expr) -> Expr:
-    """That two values are not equal; it does not hold either where one of them has no value."""
-    if same.op != "eq" or not any(map(_is_partial, E.nodes(same))):
+def _other(ev: Evaluator, same: Expr) -> Expr:
+    """The opposite of a condition; that two values are not equal does not hold either where one of them has no value."""
+    if same.op != "eq" or all(node.op not in PARTIAL for node in E.nodes(same)):
+        return E.negate(same)
+    context = ev.env.context
+    if Defined(Sharp(context.draws, context.program.definitions)).certain(same):
         return E.negate(same)
     left, right = same.args
     return E.either(E.call("lt", left, right), E.call("lt", right, left))
-
-
-def _is_partial(node: Expr) -> bool:
-    """Whether an operation may have no value."""
-    if node.op not in PARTIAL:
-        return False
-    known = node.args[-1].constant
-    whole = known is not None and known >= 0 and float(known).is_integer()
-    return not (known if node.op in ("div", "mod") else node.op == "pow" and whole)
 
 
 def _same_option(left: Choice, right: Choice) -> Expr:
