@@ -111,6 +111,7 @@ def tree(lowering: Lowering) -> None:
 def followers(lowering: Lowering) -> None:
     """Say of each joint with ``mimic`` which joint it follows, and of each with ``when`` which joints it waits for."""
     mimic.resolve(lowering.links)
+    mimic.refuse_chains(lowering.links)
     gates.resolve(lowering.links)
 
 
@@ -124,7 +125,7 @@ def motion(lowering: Lowering) -> None:
     carry_out(lowering.links, lowering.root, motions.MEANINGS)
     clearances(lowering.links)
     gates.refuse_loops(lowering.links)
-    mimic.refuse_curves(lowering.links)
+    mimic.refuse_loops(lowering.links)
 
 
 def carried(lowering: Lowering) -> None:

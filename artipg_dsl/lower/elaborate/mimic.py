@@ -62,31 +62,34 @@ def _straight(formula: E.Expr, lead: E.Expr) -> bool:
     return not derive(formula, LEAD).reads & lead.reads
 
 
-def refuse_curves(links: Links) -> None:
-    """Refuse formulas that are more than a factor and an offset in chains of followers, and where loops are closed."""
+def refuse_chains(links: Links) -> None:
+    """Refuse formulas that are more than a factor and an offset in chains of followers."""
     program = links.context.program
     for number, joint in enumerate(program.joints):
-        if joint.mimic is None:
-            continue
-        leaders = [program.joints[k] for k in definitions_of(joint.mimic[0])]
+        leaders = [] if joint.mimic is None else [program.joints[k] for k in definitions_of(joint.mimic[0])]
         curved = next((leader for leader in leaders if leader.curve is not None), None)
         led = next((leader for leader in leaders if leader.mimic is not None), None)
-        hint = "let it follow the joint that moves by itself"
         if curved is not None:
             message = f"nothing can follow `{curved.path}`, which follows another joint by a formula"
-        elif joint.curve is None:
-            continue
-        elif led is not None:
+        elif led is not None and joint.curve is not None:
             message = f"`{led.path}` follows another joint: what follows it has a factor and an offset alone"
-        elif program.closures:
-            message = (
-                f"`{joint.path}` follows another joint by a formula: beside a closed loop, as `close` makes one, "
-                "it can only by a factor and an offset"
-            )
-            hint = "write `mimic joint * factor + offset`; or drop `mimic` and `close` its link on one of the loop"
         else:
             continue
+        hint = "let it follow the joint that moves by itself"
         links.context.error("bad-mimic", links.mimics[number][1].span, message, hint=hint)
+
+
+def refuse_loops(links: Links) -> None:
+    """Refuse such formulas where loops are closed."""
+    for number, joint in enumerate(links.context.program.joints):
+        if joint.curve is not None and links.context.program.closures:
+            links.context.error(
+                "bad-mimic",
+                links.mimics[number][1].span,
+                f"`{joint.path}` follows another joint by a formula: beside a closed loop, as `close` makes one, "
+                "it can only by a factor and an offset",
+                hint="write `mimic joint * factor + offset`; or drop `mimic` and `close` its link on one of the loop",
+            )
 
 
 def leader_of(links: Links, env: Env, node: ast.Expr) -> Reference:
