@@ -191,7 +191,7 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
         step = ck.infer(ctx, node.vary)
         base = ScalarType(kind.dimension) if isinstance(kind, VecType) and kind.dimension is not None else kind
         if not fits(step, RATIO) and not fits(step, base):
-            ck.mismatch(node.vary, step, base, f"the step of {what} is a ratio or")
+            ck.mismatch(node.vary, step, base, f"the step of {what}, unless it is a ratio,")
         share = constant(node.vary) if fits(step, RATIO) and not fits(RATIO, base) else None
         if share is not None and share > 1:
             ck.error(

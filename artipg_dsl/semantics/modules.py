@@ -151,8 +151,12 @@ class Workspace:
                     notes=((other.decl.name_span, "the other declaration"),),
                     hint=f"leave `{name}` out of `use`: vocabularies of one name are merged, so all its words are there"
                     if merged
-                    else None,
+                    else f"rename that one, or leave `{name}` out of `use`"
+                    if other.module is scope
+                    else f"leave `{name}` out of one `use`: a name means one thing in a file",
                 )
+            elif name in scope.names:
+                self.report.warning("duplicate-name", span, f"`{name}` is imported twice", hint="leave one of them out")
             else:
                 scope.names[name] = symbol
 

@@ -427,6 +427,8 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
         return found(f"`{{` is missing before {shown}", "what belongs to the statement stands in braces: `{ ... }`")
     if token.type in ("RPAR", "RSQB") and token.type not in accepted:
         return found(f"{shown} has no matching opening bracket", "remove it, or add the missing bracket before it")
+    if statement is not None and statement.type == "USE" and token.value == "as":
+        return found("an import keeps its name", "leave `as` and the other name out")
     if 0 < len(accepted) <= 4:
         names = sorted(_SIGNS.get(a, f"`{words.get(a, a.lower())}`") for a in accepted)
         return found(

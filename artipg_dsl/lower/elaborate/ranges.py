@@ -123,17 +123,46 @@ ELEMENTS = Legal(
     remedy="`0 ..< n` makes n elements; `fill` as many as the length divided by `every`",
 )
 ELEMENT = Legal(0.0, _MOST_ELEMENTS, "the repeat has no such element")
-ROWS = Legal(0.0, _MOST_ROWS, f"an object must have 0 to {_MOST_ROWS:,} elements of one kind")
+ROWS = Legal(
+    0.0,
+    _MOST_ROWS,
+    f"an object must have 0 to {_MOST_ROWS:,} elements of one kind",
+    remedy="narrow the range of a count, or widen `every`",
+)
 WEIGHTS = Legal(
     1e-12,
     math.inf,
     "at least one element needs a weight above 0",
     remedy="give one a weight above 0, or leave `weight` out for equal shares",
 )
-WEIGHT = Legal(0.0, 1e12, "a weight must be finite and not negative", beyond="a weight is at most 1e12")
-SPREAD = Legal(1e-12, 1e12, "a deviation must be finite and above 0", beyond="a deviation is at most 1e12")
-MEDIAN = Legal(1e-12, 1e12, "a median must be finite and above 0", beyond="a median is at most 1e12")
-STEP = Legal(0.0, 1e12, "a step must be finite and not negative", beyond="a step is at most 1e12")
+WEIGHT = Legal(
+    0.0,
+    1e12,
+    "a weight must be finite and not negative",
+    beyond="a weight is at most 1e12",
+    remedy="write 0 or more; `when` leaves an alternative out",
+)
+SPREAD = Legal(
+    1e-12,
+    1e12,
+    "a deviation must be finite and above 0",
+    beyond="a deviation is at most 1e12",
+    remedy="write a value above 0, or leave the range out for a fixed value",
+)
+MEDIAN = Legal(
+    1e-12,
+    1e12,
+    "a median must be finite and above 0",
+    beyond="a median is at most 1e12",
+    remedy="write a value above 0, or `normal`, whose values may be negative",
+)
+STEP = Legal(
+    0.0,
+    1e12,
+    "a step must be finite and not negative",
+    beyond="a step is at most 1e12",
+    remedy="write 0 or more, as in `vary 5%`: it goes both ways",
+)
 
 MATERIAL = {
     "density": Legal(1e-3, 1e6, "a density must lie between 1 g/m3 and 1000 t/m3"),
