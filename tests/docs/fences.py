@@ -69,9 +69,12 @@ def fences(page: Path) -> list[Fence]:
 
 
 def imports(text: str) -> str:
-    """A line of ``use`` per library module of which ``text`` uses something that it does not declare itself."""
+    """A line of ``use`` per library module of which ``text`` uses something that it neither declares nor imports itself."""
     words = set(re.findall(r"\w+", text))
-    own = set(declared(text))
+    own = {
+        *declared(text),
+        *re.findall(r"\w+", " ".join(re.findall(r"^use \w+ \{(.*?)\}", text, re.DOTALL | re.MULTILINE))),
+    }
     lines = []
     for path in sorted(library_dir().glob("*.apg")):
         used = sorted((words - own).intersection(declared(path.read_text(encoding="utf-8"))))
