@@ -32,20 +32,20 @@ class Surface:
     declared: int  # index into Primitive.patches
     index: int | None
 
-    def _at(self, expr: Expr) -> Expr:
-        return expr if self.index is None else substitute(expr, {var("i"): const(self.index)})
+    @property
+    def _known(self) -> dict[Expr, Expr]:
+        return {} if self.index is None else {var("i"): const(self.index)}
 
     @cached_property
     def guard(self) -> Expr | None:
         """Whether it exists, of the parameters; None where it always does."""
-        return None if self.patch.guard is None else self._at(self.patch.guard)
+        return None if self.patch.guard is None else substitute(self.patch.guard, self._known)
 
     @cached_property
     def position(self) -> Triple:
         """Over fractions of u and v."""
-        u0, u1, v0, v1 = map(self._at, (*self.patch.u_range, *self.patch.v_range))
-        mapping = {} if self.index is None else {var("i"): const(self.index)}
-        mapping |= {U: u0 + U * (u1 - u0), V: v0 + V * (v1 - v0)}
+        u0, u1, v0, v1 = (substitute(e, self._known) for e in (*self.patch.u_range, *self.patch.v_range))
+        mapping = self._known | {U: u0 + U * (u1 - u0), V: v0 + V * (v1 - v0)}
         return triple(substitute(e, mapping) for e in self.patch.position)
 
     @cached_property
