@@ -197,16 +197,14 @@ class _Looked:
             if told.intersection(spans) or not (own or spans):
                 continue
             value = f"`{draw.options[int(one.value)]}`" if draw.kind == "choice" else f"{one.value:.0f}"
+            first = self.batch.program.requirements[one.requirements[0]]
+            elsewhere = f"`{' '.join((first.text or first.message).split())}` ({first.where})"
+            it = "this requirement" if spans else elsewhere
             why = (
-                f"{'all' if not one.kept else f'{one.tried - one.kept} of'} {one.tried} objects tried with it break this requirement"
+                f"{'all' if not one.kept else f'{one.tried - one.kept} of'} {one.tried} objects tried with it break {it}"
                 if one.tried
-                else "this requirement leaves it out"
+                else f"{it} leaves it out"
             )
-            if not spans:
-                text = self.batch.program.requirements[one.requirements[0]]
-                why = why.replace(
-                    "this requirement", f"`{' '.join((text.text or text.message).split())}` ({text.where})"
-                )
             chain = [(span, "and this one, perhaps") for span in spans[1:]] + [(span, "drawn here") for span in own]
             self.report.warning(
                 "excluded-value",

@@ -71,7 +71,9 @@ def _find_shares(draw: Draw, intervals: Intervals) -> dict[float, float]:
         weights = [intervals.of(weight) for weight in draw.weights]
         total = sum(max(high, 0.0) for _, high in weights)
         return {float(k): low / total for k, (low, _) in enumerate(weights)} if 0.0 < total < math.inf else {}
-    numbers = [*draw.ends, *draw.arguments] if draw.kind == "count" else [None]
+    if draw.kind != "count":
+        return {}
+    numbers = [*draw.ends, *draw.arguments]
     known = [float(number.constant) for number in numbers if number is not None and number.constant is not None]
     if len(known) < len(numbers) or known[1] - known[0] > _MOST:
         return {}
