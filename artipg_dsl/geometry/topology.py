@@ -350,10 +350,10 @@ def _outwards(primitive: Primitive) -> np.ndarray:
         scale = np.abs(point).max(axis=(1, 2))[:, None, None]
         # one call: a long formula takes its time for few places, too
         sides = [point + side * _PROBE * scale * normal for side in (1.0, -1.0)]
-        asked = np.concatenate([*sides, _AWAY * scale], axis=1)
+        asked = np.moveaxis(np.concatenate([*sides, _AWAY * scale], axis=1), -1, 0)
         arguments = [chosen[n][:, None] for n in primitive.parameters]
-        (value,) = inside(*arguments, *np.moveaxis(asked, -1, 0))
-        held = np.broadcast_to(value < 0, asked.shape[:2])
+        (value,) = inside(*arguments, *np.ascontiguousarray(asked))  # what does not lie in one piece is left to NumPy
+        held = np.broadcast_to(value < 0, asked.shape[1:])
         votes = held[:, : len(u)], held[:, len(u) : 2 * len(u)]
         outward, inward = (votes[1] & ~votes[0]).mean(), (votes[0] & ~votes[1]).mean()
         if max(outward, inward) < 0.75:
