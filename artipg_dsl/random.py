@@ -7,6 +7,8 @@ attempt.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import lru_cache
 from hashlib import blake2b
 
 import numpy as np
@@ -29,6 +31,17 @@ _STREAM_LANE = 0xFFFFFFFD
 _CHUNK = 8192  # counters at a time: the working set of one chunk stays in the first two cache levels
 
 
+_compiled: tuple[Callable[..., Words], Callable[..., np.ndarray]] | None = None
+
+
+def use(compiled: tuple[Callable[..., Words], Callable[..., np.ndarray]] | None) -> None:
+    """Have words (of a key, addresses, lanes and attempts) and child addresses from two functions of compiled code from here on, which
+    are the same; for None from NumPy again."""
+    global _compiled
+    _compiled = compiled
+
+
+@lru_cache(maxsize=4096)
 def key(seed: int, *names: str) -> Key:
     """The 64 bit key of a seed (any integer) and a path of names, as two words."""
     digest = blake2b(digest_size=8, person=b"artipg")
@@ -79,6 +92,8 @@ def _unit(high: np.ndarray, low: np.ndarray) -> np.ndarray:
 
 
 def _split(key: Key, address: ArrayLike, lane: ArrayLike, attempt: ArrayLike) -> Words:
+    if _compiled is not None:
+        return _compiled[0](key, address, lane, attempt)
     where = np.asarray(address, dtype=np.uint64)
     return philox(key, where & _MASK, where >> _HALF, lane, attempt)
 
@@ -156,6 +171,8 @@ def _scramble(value: np.ndarray) -> np.ndarray:
 
 def mix(address: ArrayLike, rank: ArrayLike) -> np.ndarray:
     """The address of a child: row ``rank`` (0, 1, ...) of what stands at ``address``; arrays broadcast, uint64."""
+    if _compiled is not None:
+        return _compiled[1](address, rank)
     where = np.atleast_1d(np.asarray(address, dtype=np.uint64))
     step = np.atleast_1d(np.asarray(rank)).astype(np.uint64) + np.uint64(1)
     child = _scramble(_scramble(where + _GOLDEN) + step * _GOLDEN)

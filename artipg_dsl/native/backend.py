@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import os
 import threading
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ import numpy as np
 
 from .. import random
 from ..errors import UserError
-from . import compiler, loops
+from . import compiler, loops, lots
 from .compiler import NoMachine
 from .moments import row_sums
 from .plan import Plan, make_table
@@ -52,6 +53,8 @@ class Machine:
                 "place_shares",
                 "local_points",
                 "held_moments",
+                "philox",
+                "mix",
             ):
                 getattr(library, name).restype = None
             for name in (
@@ -124,15 +127,16 @@ class _State:
         """Find the machine, or begin to make it. Raises UserError where one is asked for and cannot be had."""
         asked = _choose()
         self.begun = True
+        random.use(None)
         if asked == "numpy":
             self.why = "as asked"
             return
         try:
             path = compiler.kept()
             if path is not None:
-                self.machine = fit(path)
+                self._have(fit(path))
             elif asked:
-                self.machine = fit(compiler.compile_machine())
+                self._have(fit(compiler.compile_machine()))
             elif compiler.folder() is None:
                 self.why = "nothing is kept, so nothing is compiled"
             else:
@@ -147,9 +151,13 @@ class _State:
 
     def compile(self) -> None:
         try:
-            self.machine = fit(compiler.compile_machine())
+            self._have(fit(compiler.compile_machine()))
         except (NoMachine, OSError) as wrong:
             self.why = str(wrong)
+
+    def _have(self, machine: Machine) -> None:
+        self.machine = machine
+        random.use((partial(lots.philox, machine), partial(lots.mix, machine)))
 
 
 _state = _State()

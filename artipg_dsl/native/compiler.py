@@ -34,6 +34,7 @@ _SOURCES = [
         "wrap.c",
         "points.c",
         "depths.c",
+        "lots.c",
     )
 ]
 _HEADERS = [Path(__file__).with_name(name) for name in ("bodies.h", "tape.h")]
