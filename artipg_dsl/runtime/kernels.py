@@ -111,7 +111,7 @@ def child_rows(state: State, parent: Rows, count: np.ndarray | float | bool, *, 
     An object whose counts are no numbers, or more than ``MOST_ROWS`` in all, has no rows here: a requirement says that it is not valid,
     and ``crowded`` sees to it that one does.
     """
-    asked = np.broadcast_to(np.asarray(count), (parent.size,))
+    asked = full(parent, count)
     if not guard:
         held = np.bincount(parent.owner, weights=np.maximum(asked, 0.0), minlength=len(state.objects))
         over = ~(held <= MOST_ROWS)
@@ -120,10 +120,14 @@ def child_rows(state: State, parent: Rows, count: np.ndarray | float | bool, *, 
             asked = np.where(over[parent.owner], 0.0, asked)
         asked = np.maximum(asked, 0.0)
     counts = asked.astype(np.int64)
-    start = np.cumsum(counts) - counts
-    index = np.repeat(np.arange(parent.size), counts)
-    rank = np.arange(len(index)) - start[index]
-    address = parent.address[index] if guard else mix(parent.address[index], rank)
+    start = counts.cumsum() - counts
+    if guard:
+        index = counts.nonzero()[0]
+        rank, address = np.zeros(len(index), dtype=np.int64), parent.address[index]
+    else:
+        index = np.arange(parent.size).repeat(counts)
+        rank = np.arange(len(index)) - start[index]
+        address = mix(parent.address[index], rank)
     return Rows(len(index), index, rank, parent.owner[index], address, start, counts)
 
 
@@ -165,9 +169,10 @@ def reduce_rows(kind: str, rows: Rows, value: np.ndarray | float) -> np.ndarray:
     """Reduction over the rows of each parent row, element by element from the first to the last."""
     function, empty = _REDUCTIONS[kind]
     values = full(rows, value)
-    out = np.full(len(rows.count), empty, dtype=values.dtype if kind in ("any", "all") else np.float64)
-    has = rows.count > 0
-    if has.any():
+    out = np.empty(len(rows.count), dtype=values.dtype if kind in ("any", "all") else np.float64)
+    out[...] = empty
+    has = rows.count.nonzero()[0]
+    if len(has):
         out[has] = function.reduceat(values, rows.start[has])
     return out
 
@@ -207,7 +212,7 @@ def running_sum(rows: Rows, value: np.ndarray | float) -> np.ndarray:
 
 def demand(state: State, rows: Rows, number: int, holds: np.ndarray | bool) -> None:
     """Note the objects that break a requirement."""
-    bad = np.flatnonzero(~full(rows, holds).astype(bool))
+    bad = _unmet(rows, holds)
     if len(bad):
         owners = np.flatnonzero(np.bincount(rows.owner[bad]))
         state.failed[owners] = True
@@ -215,9 +220,17 @@ def demand(state: State, rows: Rows, number: int, holds: np.ndarray | bool) -> N
         state.faults.setdefault(("requirement", number), []).append(bad)
 
 
+def _unmet(rows: Rows, holds: np.ndarray | bool) -> np.ndarray:
+    """The rows for which something does not hold."""
+    found = np.asarray(holds, dtype=bool)
+    if found.ndim == 0:
+        return np.arange(0 if found else rows.size)
+    return np.logical_not(found).nonzero()[0]
+
+
 def lean(state: State, rows: Rows, number: int, holds: np.ndarray | bool, weight: np.ndarray | float) -> None:
     """Note the objects that do not keep a preference, and what it weighs, once for each of their rows."""
-    bad = np.flatnonzero(~full(rows, holds).astype(bool))
+    bad = _unmet(rows, holds)
     if len(bad):
         owners = rows.owner[bad]
         heavy = np.maximum(full(rows, weight).astype(np.float64)[bad], 0.0)
