@@ -99,23 +99,10 @@ class Posed:
     others: list[tuple[str, str]] = field(default_factory=list)
 
 
-def pose(cloud: Cloud, frame: Frame, suffix: str, usual: float) -> Posed:
-    """The outer surface of a cloud; ``usual`` is the diagonal of common objects of the category, in metres. Raises UserError for one that
-    is far larger or smaller."""
-    across = float(np.sqrt((np.ptp(cloud.points, axis=0) ** 2).sum()))
-    unit = frame.unit
-    if unit == "auto":
-        odd = abs(np.log(across / usual)) > np.log(_ODD)
-        unit = (
-            min(UNITS, key=lambda name: abs(np.log(across * UNITS[name] / usual)))
-            if odd and not frame.normalised
-            else "m"
-        )
-    if not frame.normalised and abs(np.log(across * UNITS[unit] / usual)) > np.log(_FAR):
-        raise UserError(
-            f"its diagonal is {across * UNITS[unit]:.2g} m with {unit} as unit, that of usual objects {usual:.2g} m",
-            "scale it, or say that it is normalised (--normalised) if its scale means nothing",
-        )
+def pose(cloud: Cloud, frame: Frame, suffix: str, usual: float | None) -> Posed:
+    """The outer surface of a cloud; ``usual`` is the diagonal of common objects of the category, in metres, None if any size is right.
+    Raises UserError for one that is far larger or smaller."""
+    unit = _unit(float(np.sqrt((np.ptp(cloud.points, axis=0) ** 2).sum())), frame, usual)
     points = np.asarray(cloud.points, dtype=np.float64) * UNITS[unit]
     apart = _apart(points)
     seen = outer(points[None], np.array([apart]))[0]
@@ -127,6 +114,21 @@ def pose(cloud: Cloud, frame: Frame, suffix: str, usual: float) -> Posed:
     normals = np.where((facing < 0.0)[:, None], -normals, normals)
     turns = frame.turns(suffix), not frame.normalised, frame.others(suffix)
     return Posed(points, normals, label, cloud.names, unit, *turns)
+
+
+def _unit(across: float, frame: Frame, usual: float | None) -> str:
+    """The unit of a cloud with a diagonal ``across``. Raises UserError."""
+    unit = "m" if frame.unit == "auto" else frame.unit
+    if usual is None or frame.normalised:
+        return unit
+    if frame.unit == "auto" and abs(np.log(across / usual)) > np.log(_ODD):
+        unit = min(UNITS, key=lambda name: abs(np.log(across * UNITS[name] / usual)))
+    if abs(np.log(across * UNITS[unit] / usual)) > np.log(_FAR):
+        raise UserError(
+            f"its diagonal is {across * UNITS[unit]:.2g} m with {unit} as unit, that of usual objects {usual:.2g} m",
+            "scale it, or say that it is normalised (--normalised) if its scale means nothing",
+        )
+    return unit
 
 
 def _apart(points: np.ndarray) -> float:

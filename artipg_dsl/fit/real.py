@@ -74,7 +74,7 @@ def read_real(source: File | Held, record: Mapping[str, Any]) -> Real:
     frame = record["frame"]
     unit = frame["unit"]
     asked = Frame(frame["up"], frame["front"], unit or "auto", unit is None)
-    posed = pose(source.read(), asked, source.suffix, 1.0)
+    posed = pose(source.read(), asked, source.suffix, None)
     matrix = np.asarray(record["to_object"], dtype=np.float64)
     places = posed.points / UNITS[posed.unit]
     points = np.stack([(places * matrix[k, :3]).sum(axis=1) + matrix[k, 3] for k in range(3)], axis=-1)

@@ -11,6 +11,8 @@ from artipg_dsl.errors import UsageError, UserError
 from artipg_dsl.fit.outer import Screens, outer, spacing
 from artipg_dsl.fit.pose import Frame, pose, targets, turn
 from artipg_dsl.fit.reading import Cloud
+from artipg_dsl.fit.real import read_real
+from artipg_dsl.fit.sources import Held
 
 
 def box(size: list[float], count: int = 6000) -> tuple[np.ndarray, np.ndarray]:
@@ -44,6 +46,15 @@ def test_clouds_of_single_precision_are_read_as_they_are() -> None:
     double = pose(Cloud(told[0].astype(np.float64), told[1].astype(np.float64), *told[2:]), Frame(), ".npz", 0.7)
     assert single.points.dtype == single.normals.dtype == np.float64
     assert np.array_equal(single.points, double.points) and np.array_equal(single.normals, double.normals)
+
+
+@pytest.mark.parametrize("size", [0.01, 50.0])
+def test_what_was_fitted_is_bound_whatever_its_size(size: float) -> None:
+    points, normals = box([size, size, size])
+    matrix = np.eye(4).tolist()
+    record = {"name": "one", "file": "", "frame": {"up": "z", "front": "x", "unit": "m"}, "to_object": matrix}
+    real = read_real(Held("one", Cloud(points, normals, np.full(len(points), -1), ())), record)
+    assert np.allclose(np.ptp(real.points, axis=0), size, rtol=0.01)
 
 
 @pytest.mark.parametrize("known", [True, False])
