@@ -333,6 +333,11 @@ def _shapes(visual: ElementTree.Element, path: Path, trimesh: Any) -> list[Any]:
             found.append(trimesh.creation.cylinder(radius, length))
         elif one.tag == "sphere":
             found.append(trimesh.creation.icosphere(radius=_numbers(one, "radius", 1)[0]))
+        else:
+            raise UserError(
+                f"{path.name} has a visible <{one.tag}>, which is no shape of a URDF",
+                "a mesh, box, cylinder or sphere is one",
+            )
     return found
 
 

@@ -149,6 +149,11 @@ def test_what_is_wrong_with_a_file(tmp_path: Path, name: str, content: bytes, to
             '<cylinder radius="1"/>',
             "`length` of a <cylinder> is missing: a number is needed",
         ),
+        (
+            '<box size="0.2 0.4 0.3"/>',
+            '<capsule radius="1" length="1"/>',
+            "robot.urdf has a visible <capsule>, which is no shape of a URDF",
+        ),
     ],
 )
 def test_what_is_wrong_with_a_robot(tmp_path: Path, old: str, new: str, told: str) -> None:
