@@ -12,7 +12,7 @@ from ..records import dataclass
 from ..resources import library_dir
 from ..source import Span
 from ..syntax import ast
-from . import attachments, declarations, primitives, roles, statements
+from . import attachments, declarations, names, primitives, roles, statements
 from .checker import Checker, Context
 from .fold import constant
 from .meanings import Meaning
@@ -152,7 +152,7 @@ def _declaration(ck: Checker, symbol: Symbol, later: tuple[type[ast.Stmt], ...])
 def _body(ck: Checker, symbol: Symbol, later: tuple[type[ast.Stmt], ...]) -> None:
     roles.check_parent(ck, symbol)
     scope = ck.scope_of(symbol)
-    declarations.check_names(ck, scope)
+    names.check_names(ck, scope)
     statements.check_body(ck, scope, tuple(stmt for stmt in symbol.body if not isinstance(stmt, later)), ())
     if symbol.kind == "template":
         roles.check_template(ck, symbol)

@@ -12,11 +12,12 @@ from ..units import UNITS
 from . import paths
 from .alternatives import unknown_material
 from .calls import range_type
-from .declarations import check_range, warn_hidden
+from .declarations import check_range
 from .entries import of_reference
 from .fold import constant
 from .guards import consistent
 from .meanings import Declared, Global, Inner, Previous
+from .names import warn_hidden
 from .offers import missing
 from .remedies import instead
 from .symbols import Symbol

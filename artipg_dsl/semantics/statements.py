@@ -8,7 +8,7 @@ from ..diagnostics.suggest import any_of, did_you_mean
 from ..language import JOINTS, REPEATS
 from ..syntax import ast
 from ..syntax.walk import walk
-from . import alternatives, conditions, declarations, labels, placing, primitives, roles
+from . import alternatives, conditions, declarations, labels, names, placing, primitives, roles
 from .entries import of_reference, port_context
 from .guards import Not, consistent
 from .mimic import sole_kind
@@ -80,7 +80,7 @@ def check_body(ck: Checker, scope: BodyScope, body: tuple[ast.Stmt, ...], guards
         elif isinstance(stmt, ast.RepeatStmt):
             _repeat(ck, ctx, stmt)
             inner = scope.inner[id(stmt)]
-            declarations.check_names(ck, inner)
+            names.check_names(ck, inner)
             check_body(ck, inner, stmt.body, inner.guards)
         else:
             _statement(ck, ctx, stmt)
