@@ -5,6 +5,7 @@ Everything is computed per row in a fixed order, so a row's value does not depen
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import field
 
 import numpy as np
@@ -105,7 +106,7 @@ def root_rows(state: State) -> Rows:
     return Rows(n, index, np.zeros(n, dtype=np.int64), index, state.objects.astype(np.uint64), index, ones)
 
 
-def child_rows(state: State, parent: Rows, count: np.ndarray | float | bool, *, guard: bool) -> Rows:
+def child_rows(state: State, parent: Rows, count: np.ndarray | float | bool, guard: bool) -> Rows:
     """The table with ``count`` rows per row of ``parent`` (a guard: none or one, at the parent's address).
 
     An object whose counts are no numbers, or more than ``MOST_ROWS`` in all, has no rows here: a requirement says that it is not valid,
@@ -146,7 +147,7 @@ def full(rows: Rows, value: np.ndarray | float | bool) -> np.ndarray:
     return array if array.shape == (rows.size,) else np.full(rows.size, array)
 
 
-def merge(parent: Rows, default: np.ndarray | float, branches: list[tuple[Rows, np.ndarray | float]]) -> np.ndarray:
+def merge(parent: Rows, default: np.ndarray | float, branches: Sequence[tuple[Rows, np.ndarray | float]]) -> np.ndarray:
     """Per parent row the value of whichever child row exists, else the default."""
     kind = np.result_type(np.asarray(default), *(np.asarray(v) for _, v in branches))
     out = np.empty(parent.size, dtype=kind)

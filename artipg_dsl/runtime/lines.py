@@ -1,7 +1,6 @@
 """The lines of a plan, and the Python that they are.
 
-To compile a line takes as long as to run it a hundred times, and most plans are run a few times. So what is run has long runs of plain
-operations on one table as tapes, which need no code; the bits are the same.
+Long runs of plain operations on one table become tapes, which take less time than code; the bits are the same.
 """
 
 from __future__ import annotations
@@ -36,7 +35,48 @@ class Step(NamedTuple):
         return f"    {self.name} = {text[1:-1] if text[0] == '(' else text}"
 
 
-Line = str | Step  # indented
+Argument = str | tuple["Argument", ...]  # a name or a literal as Python has it, or some of them together
+
+# what looks otherwise than a call of a function
+_WRITTEN = {"take": "{}[{}]", "ranks": "{}.rank.astype(np.float64)", "widened": "full({}, {}).astype(np.float64)"}
+
+
+class Call(NamedTuple):
+    """What a function makes of names and literals. It has one of the ``names``, or none; a tape, where ``several``, makes one for each."""
+
+    names: tuple[str, ...]
+    function: str
+    arguments: tuple[Argument, ...]
+    several: bool = False
+    remark: str = ""  # a comment, on that line whatever it holds: it may come from a file that anyone wrote
+
+    def __str__(self) -> str:
+        told = [_shown(argument) for argument in self.arguments]
+        text = (
+            _WRITTEN[self.function].format(*told)
+            if self.function in _WRITTEN
+            else f"{self.function}({', '.join(told)})"
+        )
+        made = f"{', '.join(self.names)}{',' * self.several} = " if self.names else ""
+        return f"    {made}{text}{'  # ' + ascii(self.remark)[1:-1] if self.remark else ''}"
+
+
+def _shown(argument: Argument) -> str:
+    if isinstance(argument, str):
+        return argument
+    return f"({', '.join(map(_shown, argument))}{',' * (len(argument) == 1)})"
+
+
+def flat(arguments: Argument) -> Iterator[str]:
+    """The names and literals of some arguments, in their order."""
+    if isinstance(arguments, str):
+        yield arguments
+        return
+    for one in arguments:
+        yield from flat(one)
+
+
+Line = str | Step | Call  # indented
 
 
 def whole(lines: Iterable[Line], tables: Iterable[str], values: Iterable[str]) -> str:
@@ -59,7 +99,7 @@ def taped(lines: Sequence[Line], values: Sequence[str]) -> tuple[list[Line], dic
     asked = set(values)  # names that other lines than those of their tape read
     for place, (_, part) in enumerate(parts):
         for line in part:
-            read = line.arguments if isinstance(line, Step) else _NAME.findall(line)
+            read = _NAME.findall(line) if isinstance(line, str) else flat(line.arguments)
             asked.update([name for name in read if home.get(name, place) != place])
     told: list[Line] = []
     tapes: dict[str, Formula] = {}
@@ -70,7 +110,7 @@ def taped(lines: Sequence[Line], values: Sequence[str]) -> tuple[list[Line], dic
         name = f"tape{place}"
         given, made, tapes[name] = _tape([step for step in part if isinstance(step, Step)], asked)
         if made:
-            told.append(f"    {', '.join(made)}, = {name}({', '.join(given)})")
+            told.append(Call(tuple(made), name, tuple(given), several=True))
     return told, tapes
 
 
@@ -98,7 +138,7 @@ def _tape(steps: list[Step], asked: set[str]) -> tuple[list[str], list[str], For
     made = [step.name for step in steps if step.name in asked]
     tape = Tape(
         len(given),
-        [_number(text) for text in constants],
+        [constant(text) for text in constants],
         [step.op for step in steps],
         [number[argument] for step in steps for argument in step.arguments],
         [number[name] for name in made],
@@ -106,7 +146,7 @@ def _tape(steps: list[Step], asked: set[str]) -> tuple[list[str], list[str], For
     return given, made, Formula(tape)
 
 
-def _number(text: str) -> float | bool:
+def constant(text: str) -> float | bool:
     """What a literal stands for."""
     if text in ("True", "False"):
         return text == "True"

@@ -16,7 +16,8 @@ from ..graph.formula import literal, source
 from ..graph.order import bottom_up
 from ..graph.program import Bound, Draw, Program, Union
 from ..records import dataclass
-from .lines import Line, Step, taped, whole
+from .evaluation import Evaluation
+from .lines import Argument, Call, Line, Step, taped, whole
 
 
 class PlanError(Exception):
@@ -63,14 +64,10 @@ class Plan:
         if self._function is None:
             from . import draws, kernels, newton  # start-up: a plan is made and shown without them
 
-            namespace: dict[str, Any] = {**vars(kernels), **vars(draws), "solve_roots": newton.solve_roots}
             with uncollected():
                 lines, tapes = taped(self.lines, self.values)
-                bare = (line.bare() if isinstance(line, Step) else line for line in lines)
-                code = compile(whole(bare, self.tables, self.values), "<plan>", "exec")
-            namespace |= tapes
-            exec(code, namespace)  # noqa: S102 - no text of a program but literals
-            self._function = namespace["evaluate"]
+                known = {**vars(kernels), **vars(draws), "solve_roots": newton.solve_roots, **tapes}
+                self._function = Evaluation(lines, self.tables, self.values, known)
         return self._function
 
 
@@ -92,16 +89,25 @@ class _Emitter:
     def scalar(self, name: str) -> bool:
         return name in self.scalars or not name[0].isalpha() or name in ("True", "False") or name.startswith("np.")
 
-    def line(self, text: str) -> None:
-        self.lines.append("    " + text)
-
     def remark(self, text: str) -> None:
-        """A comment behind the last line, on that line whatever the text holds: names may come from a file that anyone wrote."""
-        self.lines[-1] = f"{self.lines[-1]}  # {ascii(text)[1:-1]}"
+        """A comment behind the last line, which is a call."""
+        last = self.lines[-1]
+        assert isinstance(last, Call)
+        self.lines[-1] = last._replace(remark=text)
 
-    def fresh(self, text: str, letter: str = "x") -> str:
+    def does(self, function: str, *arguments: Argument) -> None:
+        self.lines.append(Call((), function, arguments))
+
+    def fresh(self, function: str, *arguments: Argument, letter: str = "x") -> str:
         name = self.name(letter)
-        self.line(f"{name} = {text}")
+        self.lines.append(Call((name,), function, arguments))
+        return name
+
+    def step(self, op: str, arguments: list[str], scope: Scope | None) -> str:
+        name = self.name()
+        if all(map(self.scalar, arguments)):
+            self.scalars.add(name)
+        self.lines.append(Step(name, op, tuple(arguments), None if name in self.scalars else scope))
         return name
 
     def name(self, letter: str = "x") -> str:
@@ -114,12 +120,12 @@ class _Emitter:
         name = self.tables.get(scope)
         if name is None:
             if scope.parent is None:
-                name = self.fresh("root_rows(state)", "T")
+                name = self.fresh("root_rows", "state", letter="T")
             else:
                 assert scope.count is not None
                 parent = self.table(scope.parent)
                 count = self.value(scope.count, scope.parent)
-                name = self.fresh(f"child_rows(state, {parent}, {count}, guard={scope.kind == 'guard'})", "T")
+                name = self.fresh("child_rows", "state", parent, count, str(scope.kind == "guard"), letter="T")
             self.remark(scope.name)
             self.tables[scope] = name
         return name
@@ -133,7 +139,7 @@ class _Emitter:
                 name = f"{table}.parent"
             else:
                 assert below.parent is not None
-                name = self.fresh(f"{self.route(above, below.parent)}[{table}.parent]", "g")
+                name = self.fresh("take", self.route(above, below.parent), f"{table}.parent", letter="g")
             self.routes[above, below] = name
         return name
 
@@ -145,7 +151,7 @@ class _Emitter:
         key = (name, scope)
         found = self.gathered.get(key)
         if found is None:
-            found = self.gathered[key] = self.fresh(f"{name}[{self.route(node.scope, scope)}]")
+            found = self.gathered[key] = self.fresh("take", name, self.route(node.scope, scope))
         return found
 
     # ------------------------------------------------------------ nodes
@@ -163,7 +169,7 @@ class _Emitter:
             return self.column(node.value)
         if node.op == "rank":
             assert node.scope is not None
-            return self.fresh(f"{self.table(node.scope)}.rank.astype(np.float64)")
+            return self.fresh("ranks", self.table(node.scope))
         if node.op == "phi":
             return self.phi(node)
         if node.op in ("reduce", "element", "previous", "scan"):
@@ -171,8 +177,9 @@ class _Emitter:
         if node.op == "solve":
             return self.solve(node)
         if node.op == "root":
-            name = self.fresh(f"{self.node(node.args[0])}[{int(node.value[0])}]")
-            if self.scalar(self.node(node.args[0])):
+            found = self.node(node.args[0])
+            name = self.fresh("take", found, str(int(node.value[0])))
+            if self.scalar(found):
                 self.scalars.add(name)
             return name
         if node.op == "var":
@@ -180,21 +187,17 @@ class _Emitter:
         arguments = [self.value(a, node.scope) for a in node.args]
         if node.scope is not None:
             self.table(node.scope)
-        name = self.name()
-        if all(map(self.scalar, arguments)):
-            self.scalars.add(name)
-        self.lines.append(Step(name, node.op, tuple(arguments), None if name in self.scalars else node.scope))
-        return name
+        return self.step(node.op, arguments, node.scope)
 
     def phi(self, node: Expr) -> str:
         scopes: tuple[Scope, ...] = node.value
         assert node.scope is not None
         parent = self.table(node.scope)
         default = self.value(node.args[-1], node.scope)
-        branches = []
-        for scope, value in zip(scopes, node.args[:-1], strict=True):
-            branches.append(f"({self.table(scope)}, {self.value(value, scope)})")
-        return self.fresh(f"merge({parent}, {default}, [{', '.join(branches)}])")
+        branches = [
+            (self.table(scope), self.value(value, scope)) for scope, value in zip(scopes, node.args[:-1], strict=True)
+        ]
+        return self.fresh("merge", parent, default, tuple(branches))
 
     def solve(self, node: Expr) -> str:
         """Equations solved together: a function of the block, and the call that searches from its starts."""
@@ -203,10 +206,8 @@ class _Emitter:
         arguments = [self.value(a, node.scope) for a in values]
         names = [f"solve.x{k}" for k in range(size)] + [f"solve.p{k}" for k in range(known)]
         function = f"f{self.counter}"
-        for line in source(formulas, names, function).split("\n"):
-            self.line(line)
-        call = f"solve_roots({function}, ({', '.join(arguments[known:])},), ({''.join(a + ', ' for a in arguments[:known])}))"
-        name = self.fresh(call)
+        self.lines += [f"    {line}" for line in source(formulas, names, function).split("\n")]
+        name = self.fresh("solve_roots", function, tuple(arguments[known:]), tuple(arguments[:known]))
         if all(map(self.scalar, arguments)):
             self.scalars.add(name)
         return name
@@ -214,14 +215,14 @@ class _Emitter:
     def crossing(self, node: Expr) -> str:
         if node.op == "reduce":
             kind, child = node.value
-            return self.fresh(f"reduce_rows({kind!r}, {self.table(child)}, {self.value(node.args[0], child)})")
+            return self.fresh("reduce_rows", repr(kind), self.table(child), self.value(node.args[0], child))
         scope: Scope = node.value
         table, value = self.table(scope), self.value(node.args[0], scope)
         if node.op == "element":
-            return self.fresh(f"pick_row({table}, {value}, {self.value(node.args[1], node.scope)})")
+            return self.fresh("pick_row", table, value, self.value(node.args[1], node.scope))
         if node.op == "previous":
-            return self.fresh(f"row_before({table}, {value}, {self.value(node.args[1], scope)})")
-        return self.fresh(f"running_sum({table}, {value})")
+            return self.fresh("row_before", table, value, self.value(node.args[1], scope))
+        return self.fresh("running_sum", table, value)
 
     # ------------------------------------------------------------ columns
 
@@ -252,27 +253,22 @@ class _Emitter:
         if draw.kind == "choice":
             plain = [self.value(w, scope) for w in draw.weights]
             left = [self.limited(draw, k, w) for k, w in enumerate(plain)]
-            declared = f", ({', '.join(plain)},)" if left != plain else ""
-            usual = "" if draw.default is None else f", default={self.value(draw.default, scope)}"
-            name = self.fresh(
-                f"draw_choice(state, {table}, {number}, {draw.address!r}, ({', '.join(left)},){declared}{usual})"
-            )
+            declared = tuple(plain) if left != plain else "None"
+            usual = "None" if draw.default is None else self.value(draw.default, scope)
+            function = "draw_choice"
+            law: tuple[Argument, ...] = (tuple(left), declared, usual)
         else:
             assert draw.low is not None and draw.high is not None
             least, most = self.value(draw.low, scope), self.value(draw.high, scope)
-            low = self.fresh(f"full({table}, {least}).astype(np.float64)")
-            high = self.fresh(f"full({table}, {most}).astype(np.float64)")
+            low, high = self.fresh("widened", table, least), self.fresh("widened", table, most)
             for bound in draw.bounds:
                 self.bound(number, bound, scope, low, high)
-            more = f", ({least}, {most})"
-            unions = "".join(self.union(union, scope) for union in draw.unions)
-            more += f", ({unions})" if unions else ""
+            unions = tuple(found for union in draw.unions if (found := self.union(union, scope)))
             default = "None" if draw.default is None else self.value(draw.default, scope)
-            arguments = "".join(self.value(a, scope) + ", " for a in draw.arguments)
+            arguments = tuple(self.value(a, scope) for a in draw.arguments)
             function = "draw_count" if draw.kind == "count" else "draw_real"
-            name = self.fresh(
-                f"{function}(state, {table}, {number}, {draw.address!r}, {low}, {high}, {draw.distribution!r}, ({arguments}), {default}{more})"
-            )
+            law = (low, high, repr(draw.distribution), arguments, default, (least, most), unions)
+        name = self.fresh(function, "state", table, str(number), repr(draw.address), *law)
         self.remark(draw.column.path)
         self.drawn[draw.column] = name
 
@@ -282,7 +278,7 @@ class _Emitter:
             if limit.option == option:
                 found = self.early(limit.allowed, draw.column.scope)
                 if found is not None:
-                    weight = f"np.where({found}, {weight}, 0.0)"
+                    weight = self.step("where", [found, weight, "0.0"], draw.column.scope)
         return weight
 
     def early(self, node: Expr, scope: Scope) -> str | None:
@@ -303,13 +299,13 @@ class _Emitter:
             self.names, self.gathered, self.tables, self.routes, self.drawn, self.running = kept
             return None
 
-    def union(self, union: Union, scope: Scope) -> str:
+    def union(self, union: Union, scope: Scope) -> tuple[Argument, ...]:
         """A union of intervals as the kernels take it; nothing where it needs what is drawn later."""
         found = [self.early(node, scope) for node in (union.guard, *(end for pair in union.intervals for end in pair))]
-        if None in found:
-            return ""
-        pairs = "".join(f"({one}, {two}), " for one, two in zip(found[1::2], found[2::2], strict=True))
-        return f"({found[0]}, ({pairs})), "
+        known = [name for name in found if name is not None]
+        if len(known) < len(found):
+            return ()
+        return known[0], tuple(zip(known[1::2], known[2::2], strict=True))
 
     def bound(self, number: int, bound: Bound, scope: Scope, low: str, high: str) -> None:
         """Narrow a draw; a bound that needs what is drawn later is left to the check."""
@@ -318,7 +314,7 @@ class _Emitter:
         if value is None or guard is None:
             self.loose.append((number, bound))
             return
-        self.line(f"narrow({low}, {high}, {bound.side!r}, {value}, {guard})")
+        self.does("narrow", low, high, repr(bound.side), value, guard)
 
 
 _OTHERWISE = CROSSING | {"col", "solve", "root"}
@@ -345,13 +341,13 @@ def make_plan(program: Program, wanted: Iterable[tuple[Expr, Scope]]) -> Plan:
             holds = call("le", requirement.slack[0], requirement.slack[1] + 1e-9)
         holds = negate(both(requirement.guard, negate(holds)))
         value = emitter.value(holds, requirement.scope)
-        emitter.line(f"demand(state, {emitter.table(requirement.scope)}, {number}, {value})")
+        emitter.does("demand", "state", emitter.table(requirement.scope), str(number), value)
         emitter.remark(str(requirement.where))
     for number, preference in enumerate(program.preferences):
         scope = preference.scope
         holds = negate(both(preference.guard, negate(preference.condition)))
-        call_ = f"lean(state, {emitter.table(scope)}, {number}, {emitter.value(holds, scope)}, {emitter.value(preference.weight, scope)})"
-        emitter.line(call_)
+        told = emitter.value(holds, scope), emitter.value(preference.weight, scope)
+        emitter.does("lean", "state", emitter.table(scope), str(number), *told)
         emitter.remark(str(preference.where))
     outputs: dict[tuple[Expr, Scope], int] = {}
     values: list[str] = []

@@ -112,7 +112,7 @@ def test_the_only_code_that_runs_is_generated_in_three_places():
         for node in ast.walk(ast.parse(text))
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in words
     }
-    assert found == {"graph/formula.py", "runtime/plan.py", "records.py"}
+    assert found == {"graph/formula.py", "runtime/evaluation.py", "records.py"}
 
 
 # ---------------------------------------------------------------- what is wrong is told with its line
