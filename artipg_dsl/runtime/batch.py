@@ -314,11 +314,13 @@ class Batch:
         referred = Referred(self.rowmap, made, [part.scope for part in program.parts], self.read)
         for number, part in enumerate(program.parts):
             size = self.rowmap.rows(part.scope).size
-            rotation, translation, _ = self._poses(part.pose, part.scope)
+            rotation, translation, mirror = self._poses(part.pose, part.scope)
+            low, high = (self._vectors(end, part.scope) for end in (part.low, part.high))
+            low[:, 1], high[:, 1] = np.where(mirror < 0, (-high[:, 1], -low[:, 1]), (low[:, 1], high[:, 1]))
             rotations.append(rotation)
             translations.append(translation)
-            lows.append(self._vectors(part.low, part.scope))
-            highs.append(self._vectors(part.high, part.scope))
+            lows.append(low)
+            highs.append(high)
             if part.parent >= 0:
                 row = self.rowmap.across(part.scope, program.parts[part.parent].scope)
                 parents.append(made.numbers(part.parent, row))

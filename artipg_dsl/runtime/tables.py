@@ -81,7 +81,7 @@ class JointTable(Columns):
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class PartTable(Columns):
-    """P parts sorted by owner, then number; ``low``, ``high`` (P, 3) is the box in the part's own frame.
+    """P parts sorted by owner, then number; ``low``, ``high`` (P, 3) is the box in the part's own frame, of mirrored ones as they stand.
 
     ``parent`` is the number of the part around it, ``holder`` of the part that it is rigidly connected to, -1 for none.
     """
