@@ -10,6 +10,7 @@ import pytest
 from export.fake_batch import SEMANTIC, FakeBatch
 
 from artipg_dsl.annotate.annotation import annotate, annotation_lines, to_plain_data
+from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.frames import axis_angle, compose, euler, quaternion, rotate, unrotate
 from artipg_dsl.annotate.grasps import grasp_frame, sample_grasps
 from artipg_dsl.annotate.gripper import STANDARD
@@ -239,11 +240,44 @@ def test_screws_tell_their_pitch_as_they_move() -> None:
     for i, annotation in enumerate(annotate(batch)):
         numbers = {link["name"]: link["number"] for link in annotation["links"]}
         pitches = {joint["name"]: joint["pitch"] for joint in annotation["joints"]}
-        assert {name: pitch and abs(pitch) for name, pitch in pitches.items()} == {
-            "side_0.drive": 0.003,
-            "side_1.drive": 0.003,
-            "press": None,
-        }
+        assert pitches == {"side_0.drive": 0.003, "side_1.drive": -0.003, "press": None}
         for joint in annotation["joints"]:
             row = i * len(numbers) + numbers[joint["child"]]
             assert moved[row] == pytest.approx(np.array(joint["axis"]) * (joint["pitch"] or 0.0), abs=1e-9)
+        one, other = (moved[i * len(numbers) + numbers[f"side_{k}.nut"]] for k in range(2))
+        assert one == pytest.approx([0, 0.003, 0]) and other == pytest.approx([0, -0.003, 0])  # each outwards
+
+
+MIRRORED = """apg 1
+use primitives { Cuboid, Cylinder }
+template Hook {
+  part rod : Cuboid(size = [1cm, 1cm, 6cm])
+  part barb : Cuboid(size = [2cm, 3cm, 1cm])
+  align barb.right = rod.left
+  align barb.back = rod.back
+}
+category Rack {
+  root part body : Cuboid(size = [10cm, 20cm, 10cm])
+  repeat side[k] mirror across y {
+    part hook : Hook
+    connect hook to body
+    align hook.rod.right = 10.5cm
+    part stub : Cylinder(radius = 1cm, height = 2cm) turned 30deg about x
+    connect stub to body
+    align stub.center = [0, 11cm, 2cm]
+  }
+}
+"""
+
+
+def test_boxes_of_mirrored_parts_are_mirrored() -> None:
+    """One that lies to one side of its part's origin lies to the other side of a mirrored one's."""
+    batch = Session.of_text(MIRRORED).sampler.batch(np.arange(2), 1)
+    points = sample_points(batch, 4000)
+    assert 0.4 < np.abs(points.npcs).max() <= 0.5
+    for annotation in annotate(batch):
+        parts = {part["name"]: part for part in annotation["parts"]}
+        for name in ("hook", "hook.rod", "hook.barb", "stub"):
+            own, other = (parts[f"side[{k}].{name}"] for k in range(2))
+            assert own["size"] == other["size"]
+            assert other["center"] == pytest.approx(np.array(own["center"]) * [1, -1, 1], abs=1e-9), name

@@ -25,7 +25,7 @@ from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..solve.solve import lifted
 from ..values.vectors import cross, dot, inverse, minus, norm, place, plus, times
-from .joints import carried_axis
+from .joints import carried_axis, carried_pitch
 from .links import Links
 from .part import Component
 from .paths import elements_named, joints
@@ -140,7 +140,7 @@ class Drive:
             motion = cross(axis, minus(p, at))
             enough = E.call("le", E.mul(_LEVER, self.reach(at, axis)), norm(motion))
             if joint.pitch is not None:
-                motion = plus(motion, times(axis, E.div(joint.pitch, E.const(2 * math.pi))))
+                motion = plus(motion, times(axis, E.div(carried_pitch(into, joint.pitch), E.const(2 * math.pi))))
         turned = dot(n, motion)
         share = E.mul(NEAR, norm(motion))
         grows, falls = E.call("le", share, turned), E.call("le", share, E.neg(turned))

@@ -54,6 +54,8 @@ def build_joint(links: Links, part: Component, attachment: Attachment) -> None:
         statement.positions,
     )
     physics: dict[str, Any] = {c.word: ev.scalar(c.value) for c in given if c is not None}
+    if "pitch" in physics:
+        physics["pitch"] = carried_pitch(outer, physics["pitch"])
     path = env.path + statement.name
     joint = Joint(
         path,
@@ -146,3 +148,8 @@ def carried_axis(outer: Pose, axis: Triple, kind: str) -> Triple:
     """An axis in the object's frame; an axis of rotation is a pseudo-vector, which a mirror turns round once more."""
     carried = normalized(direct(outer, axis))
     return triple(E.mul(outer.mirror, c) for c in carried) if JOINTS[kind].turns else carried
+
+
+def carried_pitch(outer: Pose, pitch: Expr) -> Expr:
+    """The pitch of a screw in the object's frame: a mirror turns a right-handed thread into a left-handed one."""
+    return E.mul(outer.mirror, pitch)
