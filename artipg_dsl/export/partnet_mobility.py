@@ -146,7 +146,7 @@ class _Folder:
             "metres_per_unit": repr(self.frame.unit),
         }
         return {
-            "mobility_v2.json": _json([_mobility(member, members) for member in members]),
+            "mobility_v2.json": _json([_mobility(member, members, self.frame) for member in members]),
             "semantics.txt": "".join(f"link_{m.id} {m.word} {m.label}\n" for m in members).encode(),
             "result.json": _json([_tree(name, members, self.words)]),
             "bounding_box.json": _json({"min": _short(raw.min(axis=0)), "max": _short(raw.max(axis=0))}),
@@ -231,7 +231,8 @@ def _limit(joint: RobotJoint, frame: DatasetFrame) -> tuple[float, float] | None
     if joint.low is None or joint.high is None:
         return None
     share = folder_value(joint, frame)
-    return joint.low * share, joint.high * share
+    low, high = sorted((joint.low * share, joint.high * share))  # a left-handed screw goes against its axis
+    return low, high
 
 
 def _leaf_name(robots: Robots, i: int, instance: int) -> tuple[str, str]:
@@ -316,23 +317,15 @@ def _urdf_link(member: FolderLink, members: list[FolderLink], drawn: dict[int, A
     return found
 
 
-def _gate(name: str, low: float, high: float, members: list[FolderLink]) -> dict[str, Any]:
+def _gate(name: str, low: float, high: float, members: list[FolderLink], frame: DatasetFrame) -> dict[str, Any]:
     """What a joint waits for: the entry of another, and the ends between which it is open, in the unit of its limits."""
-    member = next(m for m in members if m.joint is not None and m.joint.name == name)
-    joint, unit = member.joint, np.degrees(1.0)
-    if (
-        member.word != "hinge"
-        and joint is not None
-        and joint.low is not None
-        and joint.high is not None
-        and member.limit
-    ):
-        unit = (member.limit[1] - member.limit[0]) / (joint.high - joint.low)
-    ends = {"from": low, "to": high}
-    return {"id": member.id} | {word: _short(np.array(end * unit)) for word, end in ends.items() if np.isfinite(end)}
+    member, joint = next((m, m.joint) for m in members if m.joint is not None and m.joint.name == name)
+    unit = np.degrees(1.0) if member.word == "hinge" else folder_value(joint, frame)
+    ends = zip(("from", "to"), sorted((low * unit, high * unit)), strict=True)
+    return {"id": member.id} | {word: _short(np.array(end)) for word, end in ends if np.isfinite(end)}
 
 
-def _mobility(member: FolderLink, members: list[FolderLink]) -> dict[str, Any]:
+def _mobility(member: FolderLink, members: list[FolderLink], frame: DatasetFrame) -> dict[str, Any]:
     """An entry of ``mobility_v2.json``: hinges in degrees, the rest in the data set's frame."""
     joint = member.joint
     data: dict[str, Any] = {}
@@ -351,7 +344,7 @@ def _mobility(member: FolderLink, members: list[FolderLink]) -> dict[str, Any]:
     if data and joint is not None and joint.positions:
         data["positions"] = joint.positions
     if data and joint is not None and joint.gates:
-        data["enabled_when"] = [_gate(*gate, members) for gate in joint.gates]
+        data["enabled_when"] = [_gate(*gate, members, frame) for gate in joint.gates]
     parts = [{"id": leaf.id, "name": leaf.name, "children": []} for leaf in member.leaves.values()]
     parent = -1 if member.parent is None else member.parent
     return {

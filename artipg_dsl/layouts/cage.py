@@ -98,14 +98,15 @@ class _Tree:
             return _STILL
         shut, turn = Shut.of(joint), self.turn[joint.parent]
         kind, advance = joint.hinge, joint.advance
-        reach = np.degrees(shut.reach) if advance is None else shut.reach * advance / self.frame.unit
+        reach = np.degrees(shut.reach) if advance is None else shut.reach * abs(advance) / self.frame.unit
+        sign = shut.sign * np.copysign(1.0, advance or 1.0)  # a left-handed screw goes against its axis
         whole = joint.origin + self.pieces.robot.links[joint.parent].origin
         return {
             "type": kind,
             "range": [0.0, 0.0 if kind == "continuous" else _short(np.array(reach))],
             "axis": {
                 "origin": _short(self.frame.points(self.place(whole, joint.parent))),
-                "direction": _short(partnet_axes(turn @ joint.axis * shut.sign)),
+                "direction": _short(partnet_axes(turn @ joint.axis * sign)),
             },
         }
 

@@ -19,6 +19,7 @@ from artipg_dsl.export.partnet_words import CATEGORIES, link_label, spell_catego
 from artipg_dsl.export.registry import FORMATS
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.session import Session
 
 EVERY = os.environ.get("ARTIPG_EVERY") == "1"
 WORDS = {"hinge", "slider", "slider+", "free", "heavy", "static"}
@@ -363,6 +364,43 @@ def test_screws_advance_and_balls_keep_still(monkeypatch: pytest.MonkeyPatch) ->
     assert json.loads(files["mobility_v2.json"])[0]["jointData"] == {}
     joint = ElementTree.fromstring(files["mobility.urdf"]).find("joint[@name='joint_0']")
     assert joint is not None and joint.attrib["type"] == "fixed" and joint.find("axis") is None
+
+
+LEFT_HANDED = """apg 1
+use primitives { Cuboid, Cylinder }
+category Vice {
+  root part body : Cuboid(size = [20cm, 20cm, 5cm])
+  repeat side[k] mirror across y {
+    part nut : Cylinder(radius = 1cm, height = 2cm) along y
+    align nut.center = [0, 12cm, 0]
+    joint drive : screw body -> nut about line(at = nut.center, along = y) range 0turn .. 2turn pitch 3mm
+  }
+  part key : Cuboid(size = [2cm, 2cm, 2cm])
+  joint press : prismatic body.top -> key.bottom gap 1mm range 0mm .. 5mm when side[0].drive > 1turn and side[1].drive > 1turn
+}
+"""
+
+
+def test_left_handed_screws_have_their_lower_limit_first() -> None:
+    """Of two mirrored screws one goes along its axis, the other against it, and as far."""
+    batch = Session.of_text(LEFT_HANDED).sampler.batch(np.arange(1), 1)
+    assert batch.joints().pitch[1:].tolist() == pytest.approx([0.003, -0.003])
+    files = partnet_files(Robots(batch), 0)
+    unit = float(json.loads(files["meta.json"])["metres_per_unit"])
+    entries = json.loads(files["mobility_v2.json"])
+    screws = [entry for entry in entries if entry["joint"] == "slider+"]
+    ends = [[entry["jointData"]["limit"][end] * unit for end in "ab"] for entry in screws]
+    assert ends == [pytest.approx([0, 0.006], abs=1e-8), pytest.approx([-0.006, 0], abs=1e-8)]
+    urdf = ElementTree.fromstring(files["mobility.urdf"])
+    for entry, (low, high) in zip(screws, ends, strict=True):
+        limit = urdf.find(f"joint[@name='joint_{entry['id']}']/limit")
+        assert limit is not None and limit.attrib.keys() == {"lower", "upper"}
+        read = [float(limit.attrib[end]) * unit for end in ("lower", "upper")]
+        assert read == pytest.approx([low, high], abs=1e-8)
+    (key,) = (entry for entry in entries if entry["joint"] == "slider")
+    one, other = key["jointData"]["enabled_when"]
+    assert one.keys() == {"id", "from"} and one["from"] * unit == pytest.approx(0.003, abs=1e-8)
+    assert other.keys() == {"id", "to"} and other["to"] * unit == pytest.approx(-0.003, abs=1e-8)
 
 
 def test_what_it_cannot_state_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

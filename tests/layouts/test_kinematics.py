@@ -10,8 +10,9 @@ import pytest
 
 from artipg_dsl import sample
 from artipg_dsl.errors import UserError
-from artipg_dsl.layouts.cage import tree_hash
+from artipg_dsl.layouts.cage import nodes, tree_hash
 from artipg_dsl.layouts.registry import LAYOUTS
+from artipg_dsl.session import Session
 
 from .conftest import Lay, faults
 
@@ -71,6 +72,29 @@ def test_joints_are_those_of_the_model(cage: Path) -> None:
                     )
         handles = [node for node in tree if node["name"] == "handle"]
         assert all(tree[node["parent"]]["name"] in ("door", "drawer") for node in handles)
+
+
+def test_left_handed_screws_open_from_0_on() -> None:
+    text = """apg 1
+use primitives { Cuboid, Cylinder }
+vocabulary semantic { knob }
+category Vice {
+  root part body : Cuboid(size = [20cm, 20cm, 5cm])
+  repeat side[k] mirror across y {
+    part nut : Cylinder(radius = 1cm, height = 2cm) along y
+    align nut.center = [0, 12cm, 0]
+    joint drive : screw body -> nut about line(at = nut.center, along = y) range 0turn .. 2turn pitch 3mm
+    label semantic.knob on nut
+  }
+}
+"""
+    batch = Session.of_text(text).sampler.batch(np.arange(1), 1)
+    term = LAYOUTS["cage"].term("Vice", {"Vice": {"class": "Table", "parts": {"knob/screw": "knob"}}})
+    assert term is not None
+    (made,) = nodes(batch, term)
+    screws = [node.joint for node in made if node.joint["type"] == "screw"]
+    assert [joint["axis"]["direction"] for joint in screws] == [[1, 0, 0], [-1, 0, 0]]  # each outwards
+    assert all(joint["range"][0] == 0 and joint["range"][1] > 0 for joint in screws)
 
 
 def depth(objects, i: int, j: int) -> float:
