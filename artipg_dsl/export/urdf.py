@@ -169,7 +169,7 @@ def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
         limit = {"lower": numbers([joint.low]), "upper": numbers([joint.high])} | limit
     mimic = None
     if joint.mimic is not None:
-        leader, multiplier, offset = joint.mimic
+        leader, multiplier, offset = _led(joint, robot)
         mimic = {"joint": leader, "multiplier": f"{multiplier:.9g}", "offset": f"{offset:.9g}"}
     return {
         "name": joint.name,
@@ -183,3 +183,14 @@ def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
         "friction": f"{joint.friction:.9g}",
         "mimic": mimic,
     }
+
+
+def _led(joint: RobotJoint, robot: Robot) -> tuple[str, float, float]:
+    """What a joint follows in the end: some readers do not move what follows a follower, as the slide of a screw that follows does."""
+    assert joint.mimic is not None
+    name, multiplier, offset = joint.mimic
+    above = robot.leader(joint)
+    if above is None or above.mimic is None:
+        return name, multiplier, offset
+    name, own, start = _led(above, robot)
+    return name, multiplier * own, multiplier * start + offset

@@ -178,6 +178,21 @@ def test_mujoco_moves_the_substitute_of_urdf_alike(robot: Robot, kind: str) -> N
         assert body.xmat.reshape(3, 3) == pytest.approx(turn, abs=1e-6), link.name
 
 
+def test_all_followers_name_the_joint_that_leads_them_all(robot: Robot) -> None:
+    """yourdfpy leaves what follows a follower at 0, as the slide of a screw that follows another joint does."""
+    door = robot.joints[0]
+    screw = replace(robot.joints[1], kind="screw", pitch=0.02, low=-3.0, high=3.0, mimic=(door.name, -2.0, 0.5))
+    root = ElementTree.fromstring(urdf_files(replace(robot, joints=(door, screw)))["object.urdf"])
+    told = {}
+    for name in (screw.name, f"{screw.name}_advance"):
+        mimic = root.find(f"joint[@name='{name}']/mimic")
+        assert mimic is not None and mimic.get("joint") == door.name
+        told[name] = [float(mimic.get(word, "nan")) for word in ("multiplier", "offset")]
+    advance = 0.02 / (2 * np.pi)
+    assert told[screw.name] == [-2.0, 0.5]
+    assert told[f"{screw.name}_advance"] == pytest.approx([-2.0 * advance, 0.5 * advance])
+
+
 def test_a_joint_without_limits_is_continuous(robot: Robot) -> None:
     wheel = replace(robot, joints=(replace(robot.joints[0], kind="continuous", low=None, high=None),))
     joint = ElementTree.fromstring(urdf_files(wheel)["object.urdf"]).find("joint")
