@@ -84,7 +84,7 @@ def object_parts(batch: Batch, points: Points, levels: Levels) -> Iterator[Parts
         words = words_of(levels.name, said) or CategoryWords(to_snake_case(program.name), {})
         told = points.link, points.instance, points.element, points.semantic, points.primitive
         rows, place = _distinct([array[i] for array in told])
-        found: dict[tuple[int, int, int, str], int] = {}
+        found: dict[tuple[int, int, tuple[int, ...], str], int] = {}
         held: list[tuple[int, str]] = []
         leaf = np.zeros(len(rows), dtype=np.int64)
         for k, (link, instance, element, word, site) in enumerate(rows.tolist()):
@@ -92,10 +92,10 @@ def object_parts(batch: Batch, points: Points, levels: Levels) -> Iterator[Parts
             text = parts.name[part_start[i] + instance]
             coarse = words.path(to_snake_case(semantic[word] if word else text.split(".")[-1]), on, text)
             path = levels.refine(coarse, last[site])
-            own = element if last[site] in levels.finer.get(coarse, {}) else -1
+            own = (site, element) if last[site] in levels.finer.get(coarse, {}) else ()
             key = (link, instance, own, path)
             if path in levels.whole:
-                key = (link if "|" in path else -1, -1, -1, path)
+                key = (link if "|" in path else -1, -1, (), path)
             if key not in found:
                 held.append((link, text))
             leaf[k] = found.setdefault(key, len(found))

@@ -11,6 +11,8 @@ import pytest
 from artipg_dsl import sample
 from artipg_dsl.errors import UserError
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.layouts.clouds import draw
+from artipg_dsl.layouts.partnet_parts import Levels, object_parts
 from artipg_dsl.layouts.registry import LAYOUTS
 from artipg_dsl.layouts.words import vocabulary
 
@@ -215,6 +217,19 @@ def test_instances_are_leaves_of_a_tree(partnet: Path) -> None:
         top = next(part for part in parts if part["part_name"].endswith("cabinet_frame/top_panel"))
         low, high = (points[i][np.isin(label[i], part["leaf_id_list"]), 1].mean() for part in (bottom, top))
         assert low < high
+
+
+def test_bars_of_a_back_are_leaves_of_their_own() -> None:
+    """The crest and the lower rail, too, which are different primitives of one part."""
+    batch = sample("Chair", n=40, seed=1, checked=False).batch
+    points, bar = draw(batch, 10000), "chair_back/back_surface/back_surface_horizontal_bar"
+    several = 0
+    for i, own in enumerate(object_parts(batch, points, Levels.of(batch.program))):
+        on = np.isin(own.leaf, [k for k, path in enumerate(own.paths) if path == bar])
+        bars = np.stack([points.primitive[i][on], points.element[i][on], own.leaf[on]])
+        assert len(np.unique(bars[:2], axis=1).T) == len(np.unique(bars[2])) == len(np.unique(bars, axis=1).T)
+        several += len(np.unique(bars[0])) > 1
+    assert several
 
 
 def test_a_category_that_partnet_lacks_has_a_level_of_its_own_words(partnet: Path) -> None:
