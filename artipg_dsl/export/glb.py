@@ -240,11 +240,11 @@ def _describe(joint: RobotJoint) -> dict[str, Any]:
     return described
 
 
-def _course(joint: RobotJoint, start: float, end: float) -> np.ndarray:
-    """The values of a joint at the keys of the animation, evenly apart in time."""
+def _course(joint: RobotJoint, start: float, end: float, endless: bool) -> np.ndarray:
+    """The values of a joint at the keys of the animation, evenly apart in time: there and, unless it goes on, back."""
     steps = 4 if joint.traits.slides else max(4, int(np.ceil(abs(end - start) / _STEP)))
     there = np.arange(steps + 1) / steps
-    if joint.traits.endless:
+    if endless:
         share = np.arange(2 * steps + 1) / (2 * steps)
     else:
         share = np.concatenate([there, there[-2::-1]])
@@ -260,10 +260,11 @@ def _animation(robot: Robot, rest: dict[str, float], buffer: _Buffer) -> dict[st
     for joint in robot.joints:
         if joint.kind not in _PATHS:
             continue
-        values = _course(joint, rest[joint.name], ends[joint.name])
-        if joint.mimic is not None and joint.curve is not None:
-            lead = joint.mimic[0]
-            values = joint.following(_course(by_name[lead], rest[lead], ends[lead]))
+        lead = joint if joint.mimic is None else by_name[joint.mimic[0]]  # what follows goes on and back as that does
+        moved = joint if joint.curve is None else lead
+        values = _course(moved, rest[moved.name], ends[moved.name], lead.traits.endless)
+        if joint.curve is not None:
+            values = joint.following(values)
         if len(values) not in clocks:
             times = np.arange(len(values)) * (_OPENING / (len(values) - 1))
             clock = times.astype("<f4")

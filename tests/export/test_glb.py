@@ -125,6 +125,19 @@ def test_followers_go_with_their_leader(robot: Robot) -> None:
     assert open_values(replace(robot, joints=(robot.joints[0], follower)))["press"] == pytest.approx(0.5 * 1.9 + 0.1)
 
 
+def test_what_follows_a_wheel_goes_on_as_it_does(robot: Robot) -> None:
+    """The wheel turns once and does not come back: neither does the slide."""
+    wheel = replace(robot.joints[0], kind="continuous", low=None, high=None)
+    slide = replace(robot.joints[1], mimic=("open", 0.002, 0.001))
+    document, binary = parse(glb_bytes(replace(robot, joints=(wheel, slide))))
+    animation = document["animations"][0]
+    channel = next(c for c in animation["channels"] if c["target"]["path"] == "translation")
+    sampler = animation["samplers"][channel["sampler"]]
+    times, places = (accessor(document, binary, sampler[word]) for word in ("input", "output"))
+    gone = 0.001 + 0.002 * 2 * np.pi * times / 3.0
+    assert places == pytest.approx(slide.origin + gone * slide.axis, abs=1e-6)
+
+
 def test_normals_are_smooth_over_a_cylinder_and_sharp_at_its_rim() -> None:
     group = next(g for g in Robots(FakeBatch(2)).meshes if g.table.path == "handle")
     shading = group.shading
