@@ -25,6 +25,8 @@ from .shading import Shading, shade
 if TYPE_CHECKING:
     from ..geometry.sites import SiteTable
 
+_SIDE = 2 * np.pi / 12 + 1e-6  # radians: what has longer sides than a bar of 12 steps is a prism
+
 
 @dataclass(frozen=True)
 class SolidGroup:
@@ -187,7 +189,8 @@ def match_round(vertices: np.ndarray) -> np.ndarray:
     """Radius, length and whether it ends in half spheres, (k, 3), of the points (k, P, 3) of cylinders, balls and capsules.
 
     The corners of a cylinder lie on two equal circles about z, or in the middle of these, those of a ball or a capsule
-    at one distance from a stretch of z; else there are noughts. The length of a capsule is that between its ends' middles.
+    at one distance from a stretch of z, and all around it; else there are noughts, as for a prism of few sides. The length of a
+    capsule is that between its ends' middles.
     """
     found = np.zeros((len(vertices), 3))
     if vertices.shape[1] < 12:
@@ -205,12 +208,27 @@ def match_round(vertices: np.ndarray) -> np.ndarray:
     beyond = np.maximum(np.abs(local[..., 2]) - straight[:, None], 0.0)
     apart = np.abs(np.sqrt(across**2 + beyond**2) - radius[:, None])
     capsule = even & (straight >= -near) & (apart <= near[:, None]).all(axis=1) & ~cylinder
+    at = np.flatnonzero(cylinder | capsule)
+    x, y, _ = np.moveaxis(local[at], -1, 0)
+    angle = np.where(across[at] > near[at, None], np.arctan2(y, x), np.nan)
+    angular = at[_widest_gap(angle) > _SIDE]
+    cylinder[angular] = capsule[angular] = False
     found[:, 0] = np.where(cylinder | capsule, radius, 0.0)
     found[:, 1] = np.where(
         cylinder, 2 * half[:, 2], np.where(capsule, np.where(straight > near, 2 * straight, 0.0), 0.0)
     )
     found[:, 2] = capsule
     return found
+
+
+def _widest_gap(angles: np.ndarray) -> np.ndarray:
+    """The widest gap (k,) between neighbours among angles (k, P) of a full turn, radians; nan counts for none."""
+    ordered = np.sort(angles, axis=1)
+    gaps = np.diff(ordered, axis=1, append=ordered[:, :1] + 2 * np.pi)
+    last = 2 * np.pi - (
+        np.nanmax(ordered, axis=1, initial=-np.pi) - ordered[:, 0]
+    )  # behind it are those that count for none
+    return np.maximum(np.nanmax(gaps[:, :-1], axis=1, initial=0.0), last)
 
 
 def group_by_object(groups: list[Group], n_objects: int) -> list[list[Item[Group]]]:

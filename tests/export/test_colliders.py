@@ -130,6 +130,23 @@ def test_cylinders_balls_and_capsules_are_known() -> None:
     assert not match_round(np.stack([ball * [1, 1, 1.1], ball * [1, 0.9, 1]])).any()
 
 
+def test_prisms_of_few_sides_are_no_cylinders() -> None:
+    """One of eight sides has its corners on two circles, as a cylinder does, which would reach 8 % of the radius beyond its sides."""
+    eight, twelve, cut = (
+        np.array(angles) * np.pi / 180 for angles in (range(0, 360, 45), range(0, 360, 30), range(60, 361, 10))
+    )
+    for angles, radius in (
+        (eight, 0.0),
+        (twelve, 0.02),
+        (cut[cut != np.pi / 2], 0.0),
+        (np.arange(24) * np.pi / 12, 0.02),
+    ):
+        circle = 0.02 * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=-1)
+        assert match_round(np.concatenate([circle - [0, 0, 0.05], circle + [0, 0, 0.05]])[None])[0, 0] == pytest.approx(
+            radius
+        )
+
+
 TEXT = """apg 1
 use primitives { Cuboid, Cylinder }
 use rounds { Capsule }
