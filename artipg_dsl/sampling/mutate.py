@@ -80,11 +80,9 @@ def mutate(
     history: list[Stage] = []
     rejected = np.zeros(len(batch), dtype=np.int64)
     repairs: list[Repairs] = []
-    now = batch
+    now, able = batch, variants >= 0
     for operation in [o for o in OPERATIONS if o in operations]:
-        step = _Step(
-            sampler, now, operation, f"{salt} by {operation}", lane, variants >= 0, strength, share, Names(only)
-        )
+        step = _Step(sampler, now, operation, f"{salt} by {operation}", lane, able, strength, share, Names(only))
         after, tries = step.one(statistics, checked) if one else step.run(statistics, checked)
         rejected += tries
         logs = [_find_moved(now, after, step.purpose()), *step.logs()]
@@ -92,8 +90,8 @@ def mutate(
         repairs += logs
         history.append(Stage(operation, now, after, step.purpose()))
         now = after
-        if one and any(w.any() for w in step.swaps):
-            break
+        if one:  # each object by itself: what else is in the batch must not matter
+            able = able & ~step.having(step.meant)
     found = evaluate_again(now, np.arange(len(batch)), attempt=rejected, lane=lane, salt=salt)
     found.history = tuple(history)
     found.repairs = Repairs.joined(repairs)
@@ -273,6 +271,8 @@ class _Step:
             self.swaps = single
         attempt = np.zeros(len(self.batch), dtype=np.int64)
         left, first = self.concerned(), True
+        if not len(left):
+            return self.batch, attempt
         lost = np.zeros(len(self.batch), dtype=bool)
         while len(left):
             trial = self.trial(left, attempt, self.shortening)
@@ -289,10 +289,14 @@ class _Step:
 
     def concerned(self) -> np.ndarray:
         """The objects in which something is to change."""
+        return np.flatnonzero(self.having(self.purpose()))
+
+    def having(self, rows: list[np.ndarray]) -> np.ndarray:
+        """Which objects (B,) have any of some rows of the draws."""
         found = np.zeros(len(self.batch), dtype=bool)
-        for draw, wanted in zip(self.batch.program.draws, self.purpose(), strict=True):
+        for draw, wanted in zip(self.batch.program.draws, rows, strict=True):
             found[self.owner(draw)[wanted]] = True
-        return np.flatnonzero(found)
+        return found
 
     def trial(self, objects: np.ndarray, attempt: np.ndarray, how: Callable[[int, np.ndarray], np.ndarray]) -> Batch:
         """An attempt at the objects at some places of the batch, what is kept reaching as far as ``how`` says."""

@@ -165,6 +165,29 @@ def test_a_pair_is_the_same_alone_and_in_a_batch(microwave, batch):
     assert alone.drawn(0) == pair.drawn(37)
 
 
+def test_a_pair_does_not_depend_on_what_can_be_swapped_in_others():
+    """Where the handle cannot be swapped, the pair is one of equals, whether or not another object of the batch swaps its own."""
+    text = """
+    use primitives { Cuboid }
+    use handles    { Handle, BarHandle, BowHandle }
+    category Front {
+      param width : length in 30cm .. 60cm
+      part handle : Handle = BarHandle | BowHandle
+      require handle is BarHandle or width >= 45cm
+      root part slab : Cuboid(size = [3cm, width, 50cm])
+      connect handle.back on slab.front at z = slab.center.z, y = slab.center.y
+    }"""
+    sampler = Session.of_text(text).sampler
+    batch = sampler.batch(np.arange(12), seed=0)
+    pairs = mutate(sampler, batch, only="handle", one=True)
+    swapped = [bool(made) and made[0].path == "handle" for made in trace_objects(pairs)]
+    assert 0 < sum(swapped) < 12
+    for place, other in enumerate(swapped):
+        alone = mutate(sampler, evaluate_again(batch, np.array([place])), only="handle", one=True)
+        assert alone.drawn(0) == pairs.drawn(place)
+        assert (alone.drawn(0) != batch.drawn(place)) == other
+
+
 def test_names_mean_parts_values_and_rows(microwave, batch):
     draws = {d.column.name: d for d in microwave.program.draws}
     assert Names("handle").of(batch, draws["handle.size.z"]).all()
