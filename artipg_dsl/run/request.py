@@ -37,7 +37,7 @@ class Replayed(TypedDict):
 
 class Mutated(TypedDict):
     operations: list[Annotated[str, one_of(OPERATIONS)]]
-    variant: Annotated[int, Rule("a whole number", lambda value: abs(value) < 2**31)]
+    variant: Annotated[int, within(0, 2**31 - 1)]
     strength: Annotated[float, within(0.0, 1e6)]
     share: Annotated[float, within(0.0, 1.0)]
     only: str

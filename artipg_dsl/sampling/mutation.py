@@ -54,8 +54,8 @@ class Mutation:
         read_amount("strength", self.strength, 0, _STRONGEST)
         read_amount("share", self.share, 0, 1)
         read_whole("variant", self.variant)
-        if not abs(self.variant) < _MOST_VARIANTS:
-            raise UsageError(f"the variant is {self.variant}, but must be a number below {_MOST_VARIANTS}")
+        if not 0 <= self.variant < _MOST_VARIANTS:  # -1 is the object itself, in `mutate`
+            raise UsageError(f"the variant is {self.variant}, but must be a number from 0 and below {_MOST_VARIANTS}")
 
     def focused(self, one: str | None, called: Mapping[str, str] = MappingProxyType({})) -> Mutation:
         """The same, of the value ``one`` alone if it is named. Raises UsageError for a field that is not as usual and would change

@@ -176,6 +176,7 @@ def test_objects_given_by_their_values(apgc, chest, tmp_path):
         (("--ops", "xpa"), "there is no operation `xpa`"),
         (("--strength", "-1"), "not a number above 0"),
         (("--share", "2"), "between 0 and 1"),
+        (("--variant", "-1"), "the variant is -1"),
         (("--only", "99"), "has no object 99"),
         (("--one", "width", "--parts", "lid"), "--parts cannot be given"),
         (("--one", "width", "--share", "1"), "cannot be given as well"),
