@@ -142,7 +142,6 @@ def _open_originals(options: argparse.Namespace) -> tuple[Job, Output]:
     elif place_of(options.folder).is_dir():
         manifest = read_folder_manifest(options.folder)
         job, output = remake(options.folder, manifest), Output.from_manifest(manifest["identity"], options.folder)
-        job = job.but(checked=False) if options.unchecked else job
     else:
         raise UserError(
             f"{options.folder} is not a folder of samples",
@@ -177,7 +176,7 @@ def _open_mutants(options: argparse.Namespace, job: Job) -> Job:
             f"{options.folder} has no object {strange[0]}, which the trace starts from",
             "give the folder of the originals, as it was when they were mutated",
         )
-    return job.mutated(Replay(records), sorted(records))
+    return job.mutated(Replay(records, options.unchecked), sorted(records))
 
 
 def _read_mutation(options: argparse.Namespace, job: Job) -> Mutation:
@@ -187,7 +186,7 @@ def _read_mutation(options: argparse.Namespace, job: Job) -> Mutation:
     told = {field: getattr(options, name) for field, name in _CALLED.items() if getattr(options, name) is not None}
     if options.ops is not None:
         told["operations"] = read_operations(options.ops)
-    asked = Mutation(**told, each=options.number or 1, sources=job.request.numbers)
+    asked = Mutation(**told, each=options.number or 1, sources=job.request.numbers, unchecked=options.unchecked)
     return asked.focused(options.one, {field: f"--{name}" for field, name in _CALLED.items()} | {"one": "--one"})
 
 

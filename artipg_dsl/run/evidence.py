@@ -96,7 +96,7 @@ def examine(
         "category": job.program.name,
         "seed": job.request.seed,
         "objects": len(numbers),
-        "checked": job.request.checked,
+        "checked": job.request.checks(),
         "first_valid": first_valid / max(objects, 1),
         "attempts": attempts,
         "drawn": asdict(join_evidence([f.drawn for f in found])),

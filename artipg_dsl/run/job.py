@@ -123,7 +123,7 @@ class Job:
         made = self.fresh()._made(stock, tuple(before))  # not counted: once or often, as the work is divided
         if len(stock) != len(numbers) or (np.diff(place) != 1).any():
             made = evaluate_again(made, place)
-        return step.apply(self.sampler, made, numbers, variants, statistics, request.checked)
+        return step.apply(self.sampler, made, numbers, variants, statistics, request.checks(mutations))
 
     def count_originals(self) -> Counts | None:
         """The statistics of the objects that mutants were made from, which are made again for it. Raises NoObject."""
@@ -174,7 +174,7 @@ class Job:
         """The statistics as the manifest keeps them; None where the objects are some of those that others counted together."""
         if self.tables is not None:
             return self.tables.counts if self.tables.numbers == self.request.numbers else None
-        return summarize(self.program, self.statistics, self.request.checked)
+        return summarize(self.program, self.statistics, self.request.checks())
 
 
 def open_job(request: Request, *, values: str = "values") -> Job:

@@ -33,6 +33,7 @@ class Replayed(TypedDict):
     """A mutation that repeats a trace, which lies in the same folder."""
 
     replay: str
+    unchecked: NotRequired[bool]
 
 
 class Mutated(TypedDict):
@@ -44,6 +45,7 @@ class Mutated(TypedDict):
     one: bool
     each: Annotated[int, within(1, MOST)]
     sources: Annotated[list[FirstAndLast], Rule(RUNS.words, lambda value: bool(value) and RUNS.holds(value))] | None
+    unchecked: NotRequired[bool]
 
 
 class Made(TypedDict):
@@ -94,8 +96,9 @@ class Request:
     """``source`` is what the program is opened by: the name of a shipped category, or a file.
 
     ``numbers`` are runs of the numbers of objects. ``settings`` fix parameters by name: text with a unit, or numbers in
-    SI units. ``checked``: only objects without collisions. ``candidates`` above 0: each object is chosen among so many
-    attempts, to follow the declared distributions. ``repair``: what fails at first is repaired rather than drawn again.
+    SI units. ``checked``: only objects without collisions, but for mutants that say otherwise. ``candidates`` above 0: each
+    object is chosen among so many attempts, to follow the declared distributions. ``repair``: what fails at first is repaired
+    rather than drawn again.
     ``values``: objects given by their values, numbered from 0, instead of drawn ones. ``program`` is the hash of the
     compiled program as it is declared, once it is known. ``prior``: other weights and narrower ranges of its draws. ``turned``:
     by how many degrees the objects lie turned from x towards y, by their frame until the program is known. Raises UsageError.
@@ -125,6 +128,10 @@ class Request:
     def objects(self) -> np.ndarray:
         """The numbers of all objects, ascending."""
         return expand(self.numbers)
+
+    def checks(self, mutations: Sequence[Mutation | Replay] | None = None) -> bool:
+        """Whether the objects may not collide, or those that they have been after the first of their ``mutations``."""
+        return self.checked and not any(step.unchecked for step in (self.mutations if mutations is None else mutations))
 
     def to_manifest(self) -> Drawn:
         """As the manifest keeps it; the source stands beside it, as seen from the folder."""
@@ -162,7 +169,8 @@ class Request:
             repair=made["repair"],
             values=None if made["values"] is None else tuple(made["values"]),
             mutations=tuple(
-                Replay(gather_traces(folder)) if "replay" in step else Mutation.of(step) for step in made["mutations"]
+                Replay(gather_traces(folder), step.get("unchecked", False)) if "replay" in step else Mutation.of(step)
+                for step in made["mutations"]
             ),
             program=drawn["program"],
             prior=Prior(made["prior"]) if "prior" in made else None,

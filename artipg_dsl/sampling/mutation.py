@@ -32,7 +32,7 @@ class Mutation:
     steps of CPA. With ``one`` a single value of the names is changed and all other draws stay what they were.
     ``variant`` gives others; ``each`` so many of every object. ``sources`` are the numbers, as runs, of the objects that
     are changed if the new ones are numbered anew: the variants of the first, of the second, ...; with ``one`` each
-    group begins with the object itself.
+    group begins with the object itself. ``unchecked``: mutants may collide, whatever was asked of the objects that they are made from.
     """
 
     operations: tuple[str, ...] = OPERATIONS
@@ -43,6 +43,7 @@ class Mutation:
     one: bool = False
     each: int = 1
     sources: tuple[tuple[int, int], ...] | None = None
+    unchecked: bool = False
 
     def __post_init__(self) -> None:
         unknown = [name for name in self.operations if name not in OPERATIONS]
@@ -85,7 +86,8 @@ class Mutation:
 
     def plain(self) -> dict[str, Any]:
         sources = None if self.sources is None else [list(run) for run in self.sources]
-        return {**asdict(self), "operations": list(self.operations), "sources": sources}
+        told = {**asdict(self), "operations": list(self.operations), "sources": sources}
+        return told if told.pop("unchecked") is False else told | {"unchecked": True}
 
     @staticmethod
     def of(plain: Mapping[str, Any]) -> Mutation:

@@ -226,13 +226,16 @@ def read_traces(text: str, name: str) -> dict[int, dict[str, Any]]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Replay:
-    """A step of a job as ``Mutation`` is one: the records of traces, by the number of the object they made."""
+    """A step of a job as ``Mutation`` is one: the records of traces, by the number of the object they made, and whether these may
+    collide."""
 
     records: Mapping[int, Mapping[str, Any]]
+    unchecked: bool = False
 
     def plain(self) -> dict[str, Any]:
         text = json.dumps([self.records[n] for n in sorted(self.records)], sort_keys=True)
-        return {"replay": blake2b(text.encode(), digest_size=16).hexdigest()}
+        found: dict[str, Any] = {"replay": blake2b(text.encode(), digest_size=16).hexdigest()}
+        return found | {"unchecked": True} if self.unchecked else found
 
     def origins(self, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         missing = [n for n in numbers.tolist() if n not in self.records]

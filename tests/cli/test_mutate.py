@@ -227,6 +227,42 @@ def test_replay_in_python():
     assert (table.how == 0).all() and len(table.site) == sum(len(s.owner) for s in mutants.batch.sites())
 
 
+SLIDER = """apg 1
+use primitives { Cuboid }
+category Slider {
+  param gap   : length in 1cm .. 5cm
+  param width : length in 20cm .. 40cm
+  root part base : Cuboid(size = [40cm, width, 2cm])
+  part carriage  : Cuboid(size = [6cm, width, 3cm])
+  part stop      : Cuboid(size = [1cm, width, 5cm])
+  joint slide : prismatic base -> carriage along x range 0cm .. 3cm
+  align carriage.bottom = base.top + 1mm
+  align carriage.back = base.back
+  connect stop.bottom on base.top
+  align stop.back = carriage.front + gap
+}
+"""
+
+
+def test_unchecked_mutants_are_those_of_the_objects_in_the_folder(apgc, tmp_path):
+    """Originals that were drawn again, since they collided, stay what they are in the folder."""
+    (tmp_path / "slider.apg").write_text(SLIDER, encoding="utf-8")
+    folder, out, again = tmp_path / "o", tmp_path / "m", tmp_path / "again"
+    assert apgc("sample", tmp_path / "slider.apg", "-n", 12, "--points", 8, "-o", folder)[0] == 0
+    originals = apg.open_samples(folder)
+    drawn = apg.sample(tmp_path / "slider.apg", 12, checked=False)
+    assert (originals["gap"] >= 0.03).all() and (originals["width"] != drawn["width"]).any()
+    asked = ("mutate", folder, "--unchecked", "--ops", "cpa", "--parts", "gap", "-n", 3, "--strength", 5, "-o", out)
+    assert apgc(*asked)[0] == 0
+    mutants = apg.open_samples(out)
+    np.testing.assert_array_equal(mutants["width"], np.repeat(originals["width"], 3))
+    assert (mutants["gap"] < 0.03).any()
+    assert not json.loads((out / "manifest.json").read_text())["counts"]["checked"]
+    assert apgc("mutate", folder, "--replay", out, "--unchecked", "-o", again)[0] == 0
+    np.testing.assert_array_equal(apg.open_samples(again)["gap"], mutants["gap"])
+    assert (again / "points-00000.npz").read_bytes() == (out / "points-00000.npz").read_bytes()
+
+
 def test_near_duplicates_are_left_out(apgc, chest, tmp_path):
     from artipg_dsl.quality.duplicates import find_near_duplicates, find_ranges
 

@@ -38,7 +38,7 @@ category Box {
   root part body : Cuboid(size = [width, width, width])
 }
 """
-MUTATION = Mutation(("cpa",), 3, 0.25, 0.75, "width", True, 2, ((1, 2), (4, 4)))
+MUTATION = Mutation(("cpa",), 3, 0.25, 0.75, "width", True, 2, ((1, 2), (4, 4)), True)
 FORMATS = ("points", "annotation", "views")
 
 # of every field, what it is not by default
