@@ -170,6 +170,8 @@ def _open_mutants(options: argparse.Namespace, job: Job) -> Job:
     records = gather_traces(options.replay)
     if options.only is not None:
         records = {n: r for n, r in records.items() if r["source"] in there}
+        if not records:
+            raise UserError(f"{options.replay} has no mutant of object {min(there)}", "choose others with --only")
     strange = sorted({r["source"] for r in records.values()} - there)
     if strange:
         raise UserError(

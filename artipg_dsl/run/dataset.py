@@ -26,6 +26,7 @@ from .output import Output
 from .resume import drop_counts, make_ready, sweep_all, withdraw
 from .schema import expand
 from .sharing import AUTO, processors, share
+from .traces import keep_replays
 
 
 def write_dataset(
@@ -62,6 +63,7 @@ def write_dataset(
 
         require_cluster(cluster, workers)
     manifest = make_ready(out, wanted, force)  # once nothing stands in the way: it may replace what is there
+    keep_replays(out, job.request.mutations)
     if begin:
         begin()
     counting = "counts" not in manifest and job.tables is None  # what is made from tables was counted when these were

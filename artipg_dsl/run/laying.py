@@ -30,6 +30,7 @@ from .manifest import make_relative
 from .request import Drawn, Request
 from .schema import expand, one_of, within
 from .sharing import share
+from .traces import keep_replays
 from .workers import map_each
 
 Progress = Callable[[int, int], None]
@@ -84,6 +85,9 @@ def write_layout(
         "map": dict(own or {}),
         "words": dict(entry.words),
     }
+    if kept := keep_replays(out / _RECORDS, job.request.mutations):
+        listed = out / _RECORDS / f"{entry.category}.files"
+        _keep(listed, [*_names(listed), *(f"{_RECORDS}/{name}" for name in kept)])
     _write_lists(out, lists)
     write_bytes(place, (json.dumps(record, indent=1) + "\n").encode(), force=True)
     return entry
@@ -189,7 +193,7 @@ def check_layout(folder: Path | str, progress: Progress | None = None) -> Findin
     for record, entry in zip(records, known, strict=True):
         layout = LAYOUTS[record["layout"]]
         require(layout)
-        job = open_job(Request.from_manifest(record["request"], record["source"], folder))
+        job = open_job(Request.from_manifest(record["request"], record["source"], folder, folder / _RECORDS))
         for shard, numbers in enumerate(entry.chunks()):
             try:
                 layout.check(folder, entry, job.batch(numbers), shard, found)

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field
 from pathlib import Path
-from typing import Annotated, Any, NotRequired, TypedDict
+from typing import Annotated, Any, NotRequired, TypedDict, cast
 
 import numpy as np
 
@@ -24,13 +24,13 @@ from .params import read_params
 from .prior import Prior, PriorFile, read_prior
 from .schema import LARGEST, MOST, RUNS, FirstAndLast, Runs, Title, expand, one_of, to_runs, within
 from .settings import Value
-from .traces import gather_traces
+from .traces import read_replay
 
 SEQUENTIAL, PRIOR = "sequential", "prior"
 
 
 class Replayed(TypedDict):
-    """A mutation that repeats a trace, which lies in the same folder."""
+    """A mutation that repeats a trace, by the digest of its records, which lie in the same folder."""
 
     replay: str
     unchecked: NotRequired[bool]
@@ -155,8 +155,9 @@ class Request:
         }
 
     @classmethod
-    def from_manifest(cls, drawn: Drawn, source: str, folder: Place) -> Request:
-        """The request that made a folder, with what its manifest calls the program. Raises UserError."""
+    def from_manifest(cls, drawn: Drawn, source: str, folder: Place, replays: Place | None = None) -> Request:
+        """The request that made a folder, with what its manifest calls the program; ``replays`` is where the traces lie that it repeats,
+        if not in the folder itself. Raises UserError."""
         made, beside = drawn["made"], None if isinstance(folder, Remote) else folder / source
         own = beside is not None and (beside.is_file() or Path(source).suffix != "")  # a program of the user's
         return cls(
@@ -169,13 +170,21 @@ class Request:
             repair=made["repair"],
             values=None if made["values"] is None else tuple(made["values"]),
             mutations=tuple(
-                Replay(gather_traces(folder), step.get("unchecked", False)) if "replay" in step else Mutation.of(step)
-                for step in made["mutations"]
+                _read_step(step, replays or folder, last=k == len(made["mutations"]) - 1)
+                for k, step in enumerate(made["mutations"])
             ),
             program=drawn["program"],
             prior=Prior(made["prior"]) if "prior" in made else None,
             turned=made.get("turned", 0),
         )
+
+
+def _read_step(step: Replayed | Mutated, folder: Place, *, last: bool) -> Mutation | Replay:
+    """A mutation, with what it repeats from the folder. Raises UserError."""
+    if "replay" not in step:
+        return Mutation.of(step)
+    told = cast(Replayed, step)
+    return read_replay(folder, told["replay"], told.get("unchecked", False), last=last)
 
 
 def read_request(

@@ -17,6 +17,7 @@ from .job import Job, open_job
 from .manifest import Manifest
 from .request import Request, is_file
 from .tables import Tables
+from .traces import REPLAYS
 
 
 def reopen(folder: Place | str) -> Job:
@@ -84,9 +85,11 @@ def make_ready(out: Place, manifest: Manifest, force: bool) -> Manifest:
 
 def withdraw(out: Place) -> None:
     """Remove what a run has begun that failed before it wrote an object: with what was wrong put right, it is another run."""
-    names = {path.name for path in out.iterdir()}
+    replays: list[Place] = list(out.glob(REPLAYS))
+    names = {path.name for path in out.iterdir()} - {path.name for path in replays}
     if names - {BESIDE} == {manifests.NAME}:
-        (out / manifests.NAME).unlink()
+        for path in (out / manifests.NAME, *replays):
+            path.unlink()
         if not isinstance(out, Remote) and BESIDE not in names:
             out.rmdir()
 
@@ -108,6 +111,8 @@ def clear(out: Place, old: Manifest) -> None:
                 if path.name.endswith(suffixes):
                     path.unlink()
         drop_counts(out)
+        for path in out.glob(REPLAYS):
+            path.unlink(missing_ok=True)
         objects = out / OBJECTS
         if isinstance(objects, Remote):
             objects.remove()

@@ -232,9 +232,19 @@ class Replay:
     records: Mapping[int, Mapping[str, Any]]
     unchecked: bool = False
 
-    def plain(self) -> dict[str, Any]:
+    @property
+    def mark(self) -> str:
+        """The digest of the records."""
         text = json.dumps([self.records[n] for n in sorted(self.records)], sort_keys=True)
-        found: dict[str, Any] = {"replay": blake2b(text.encode(), digest_size=16).hexdigest()}
+        return blake2b(text.encode(), digest_size=16).hexdigest()
+
+    def lines(self) -> bytes:
+        """The records as a file holds them, one a line (JSON)."""
+        found = (json.dumps(self.records[n], ensure_ascii=False, separators=(",", ":")) for n in sorted(self.records))
+        return "".join(line + "\n" for line in found).encode()
+
+    def plain(self) -> dict[str, Any]:
+        found: dict[str, Any] = {"replay": self.mark}
         return found | {"unchecked": True} if self.unchecked else found
 
     def origins(self, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

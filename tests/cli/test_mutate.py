@@ -132,7 +132,8 @@ def test_a_trace_is_done_again_to_the_same_bytes(apgc, chest, tmp_path):
     assert apgc("mutate", chest, "-n", 2, "-o", first)[0] == 0
     assert apgc("mutate", chest, "--replay", first, "-o", second)[0] == 0
     a, b = tree(first), tree(second)
-    assert a.keys() == b.keys() and all(a[name] == b[name] for name in a if name != "manifest.json")
+    assert a.keys() == {name for name in b if not name.startswith("replay-")}
+    assert all(a[name] == b[name] for name in a if name != "manifest.json")
     code, out, _ = apgc("mutate", "--diff", first, second)
     assert code == 0 and out == "no difference\n"
     assert len(apg.open_samples(second)) == 10
@@ -141,6 +142,50 @@ def test_a_trace_is_done_again_to_the_same_bytes(apgc, chest, tmp_path):
         assert code == 2 and f"makes nothing, so {idle[0]} does not apply" in err
     code, out, _ = apgc("mutate", "--diff", first / "trace-00000.jsonl", second / "trace-00000.jsonl")
     assert code == 0 and out == "no difference\n"
+
+
+def test_what_repeats_a_trace_is_made_again_wherever_it_goes(apgc, chest, tmp_path):
+    """Its records go along: mutants of it have traces of their own, files of another folder have none."""
+    first, again, further = tmp_path / "first", tmp_path / "again", tmp_path / "further"
+    assert apgc("mutate", chest, "-n", 2, "--points", 16, "-o", first)[0] == 0
+    assert apgc("mutate", chest, "--replay", first, "-o", again)[0] == 0
+    assert apgc("mutate", again, "--ops", "cpa", "-n", 2, "-o", further)[0] == 0
+    wanted = apg.open_samples(first).mutate("cpa", n=2)
+    assert apg.open_samples(further).annotations() == wanted.annotations()
+    lines = (further / "annotation-00000.jsonl").read_text(encoding="utf-8").splitlines()
+    assert [json.loads(line)["drawn"] for line in lines] == [
+        a["drawn"] for a in json.loads(json.dumps(wanted.annotations()))
+    ]
+    for command in (("sample", "--points", 8), ("export", "--format", "obj")):
+        out = tmp_path / command[0]
+        assert apgc(command[0], again, *command[1:], "-o", out)[0] == 0
+        assert apg.open_samples(out).annotations() == apg.open_samples(first).annotations()
+    code, _, err = apgc("sample", chest, "--points", 8, "-o", tmp_path / "sample", "--force")
+    assert code == 0, err
+    assert not list((tmp_path / "sample").glob("replay-*"))
+    code, _, err = apgc("export", again, "--format", "partnet-seg", "--split", "1,0,0", "-o", tmp_path / "seg")
+    assert code == 0, err
+    assert apgc("layout", tmp_path / "seg")[0] == 0
+
+
+def test_records_that_are_repeated_are_those_of_the_manifest(apgc, chest, tmp_path):
+    again, further = tmp_path / "again", tmp_path / "further"
+    assert apgc("mutate", chest, "-n", 2, "--points", 16, "-o", tmp_path / "first")[0] == 0
+    assert apgc("mutate", chest, "--replay", tmp_path / "first", "-o", again)[0] == 0
+    assert apgc("mutate", again, "-o", further)[0] == 0
+    (kept,) = further.glob("replay-*.jsonl")
+    whole = kept.read_text(encoding="utf-8")
+    kept.write_text("".join(whole.splitlines(keepends=True)[:-1]), encoding="utf-8")
+    code, _, err = apgc("export", further, "--format", "obj", "-o", tmp_path / "o")
+    assert code == 1 and "has been changed since these objects were made" in err
+    kept.unlink()
+    code, _, err = apgc("export", further, "--format", "obj", "-o", tmp_path / "o")
+    assert code == 1 and f"{kept} is missing" in err
+    assert apgc("mutate", again, "-o", further)[0] == 0 and kept.read_text(encoding="utf-8") == whole
+    first = json.loads((tmp_path / "first" / "trace-00000.jsonl").read_text(encoding="utf-8").splitlines()[0])
+    (tmp_path / "one.jsonl").write_text(json.dumps(first), encoding="utf-8")
+    code, _, err = apgc("mutate", chest, "--replay", tmp_path / "one.jsonl", "--only", 3, "-o", tmp_path / "x")
+    assert code == 1 and "has no mutant of object 3" in err and not (tmp_path / "x").exists()
 
 
 def test_pairs_that_differ_in_one_value(apgc, chest, tmp_path):
