@@ -14,6 +14,8 @@ from ..errors import UserError
 from .ends import has_end
 from .remote import MARK, Place, Remote
 
+_OLD = "-old"  # of a folder that is being replaced
+
 
 class ExportError(UserError):
     """Something about the output that the user can put right."""
@@ -113,7 +115,7 @@ def replacing_folder(path: Path | str, *, force: bool = False) -> Iterator[Path]
     refuse_existing(path, force)
     ensure_folder(path.parent)
     partial = _beside(path)
-    old = partial.with_name(partial.name + "-old")
+    old = partial.with_name(partial.name + _OLD)
     try:
         shutil.rmtree(partial, ignore_errors=True)
         partial.mkdir()
@@ -151,12 +153,18 @@ def write_remote(path: Remote, data: bytes, *, force: bool = False) -> None:
 
 
 def sweep_unfinished(folder: Place) -> None:
-    """Remove what a killed process left unfinished in ``folder`` (what a running one still writes stays)."""
+    """Remove what a killed process left unfinished in ``folder`` (what a running one still writes stays). A folder that it had put aside, and
+    not replaced yet, gets its name back."""
     if isinstance(folder, Remote):  # who writes there is not known here
         return
     for left in folder.glob(f".*{MARK}*"):
-        owner = left.name.split(MARK)[1].removesuffix("-old")
-        if owner.isdigit() and not _alive(int(owner)):
+        name, said = left.name.split(MARK)
+        owner, whole = said.removesuffix(_OLD), left.with_name(name.removeprefix("."))
+        if not owner.isdigit() or _alive(int(owner)):
+            continue
+        if said.endswith(_OLD) and not whole.exists():
+            os.rename(left, whole)
+        else:
             shutil.rmtree(left) if left.is_dir() else left.unlink(missing_ok=True)
 
 

@@ -90,6 +90,24 @@ def test_what_a_killed_process_left_is_swept(tmp_path: Path) -> None:
     assert names(tmp_path) == [f".b.bin.partial-{os.getpid()}", ".hidden"]
 
 
+def test_a_folder_that_a_killed_process_had_put_aside_comes_back(tmp_path: Path) -> None:
+    """It was killed after the old folder had gone out of the way, and before the new one had its name."""
+    code = """if True:
+        import os, sys
+        from artipg_dsl.export import write
+        name = os.rename
+        write.os.rename = lambda old, new: name(old, new) if str(new).endswith("-old") else os._exit(9)
+        with write.replacing_folder(sys.argv[1], force=True) as made:
+            (made / "new").write_text("2")
+    """
+    (tmp_path / "000000").mkdir()
+    (tmp_path / "000000" / "mine").write_text("1")
+    assert subprocess.run([sys.executable, "-c", code, str(tmp_path / "000000")], check=False).returncode == 9
+    assert "000000" not in names(tmp_path) and len(names(tmp_path)) == 2
+    sweep_unfinished(tmp_path)
+    assert names(tmp_path) == ["000000"] and names(tmp_path / "000000") == ["mine"]
+
+
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="only Linux says whether a process has ended")
 def test_what_a_process_left_that_nobody_has_waited_for_is_swept(tmp_path: Path) -> None:
     """In containers without an init, those that were killed are listed for ever."""
