@@ -6,7 +6,8 @@ missing and touches nothing else; with other options it refuses, or starts anew 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
 
 from .. import cache
 from ..details.dressing import Dressing
@@ -22,7 +23,7 @@ from .chunk import Chunk, ReportProgress, counts_name, offset_progress, read_cou
 from .job import Job
 from .manifest import Manifest
 from .memory import Room, most_processes, share_of
-from .output import Output
+from .output import Output, Shown, show
 from .resume import drop_counts, make_ready, sweep_all, withdraw
 from .schema import expand
 from .sharing import AUTO, processors, share
@@ -192,14 +193,17 @@ def add_formats(
     assert manifest is not None
     identity = manifest["identity"]
     listed = identity["formats"]
-    resolution = resolution or Output.from_manifest(identity, out).content.resolution
+    own = Output.from_manifest(identity, out)
+    resolution = resolution or own.content.resolution
     doubled = [entry.name for entry in formats if entry.name in listed]
     there = {n for n in numbers.tolist() if not find_lacking(object_folder(out, n), formats)}
     if doubled and len(there) == len(numbers) and not force:
         raise ExportError(f"{out} already has its objects as {', '.join(doubled)}", "use --force to write them again")
     sweep_all(out)
     content = Content(resolution=resolution, details=details)
-    if _name_surfaces(manifest, out, formats, details is not None, force and len(numbers) == manifest["objects"]):
+    anew = force and len(numbers) == manifest["objects"]
+    named = _name_surfaces(manifest, out, formats, details is not None, anew)
+    if _tell_shown(manifest, out, formats, show(resolution, details), own.shown, anew) or named:
         write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
     chunks = [
         Chunk(out, numbers[first : first + SHARD], tuple(formats), content, force=force)
@@ -210,6 +214,31 @@ def add_formats(
     if new and not any(find_lacking(object_folder(out, n), formats) for n in expand(identity["numbers"]).tolist()):
         identity["formats"] = [name for name in FORMATS if name in {*listed, *new}]
         write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
+
+
+def _tell_shown(manifest: Manifest, out: Place, formats: Sequence[Format], now: Shown, own: Shown, anew: bool) -> bool:
+    """Note what the meshes of formats show, before any is written, where it is not what the folder's ``own`` do; whether the manifest has
+    changed. ``anew``: all objects are written again. Raises ExportError where some of them show something else."""
+    known = manifest.get("shown", {})
+    numbers = expand(manifest["identity"]["numbers"]).tolist()
+    for entry in formats:
+        was = known.get(entry.name, own)
+        if was == now or anew or all(find_lacking(object_folder(out, n), [entry]) for n in numbers):
+            continue
+        other = [f"{_words(was[key])}, now {_words(now[key])}" for key in ("meshes", "details") if was[key] != now[key]]
+        raise ExportError(
+            f"{out} has objects as {entry.name} with other meshes ({' and '.join(other)})",
+            "repeat the old options to complete them, write all of them again with --force, or into a folder of their own with -o",
+        )
+    told = known | {entry.name: now for entry in formats}
+    manifest["shown"] = {name: shown for name, shown in told.items() if shown != own}
+    if not manifest["shown"]:
+        del manifest["shown"]
+    return manifest.get("shown", {}) != known
+
+
+def _words(shown: Mapping[str, Any] | None) -> str:
+    return "as usual" if not shown else ", ".join(f"{name} {value}" for name, value in shown.items())
 
 
 def _name_surfaces(manifest: Manifest, out: Place, formats: Sequence[Format], worn: bool, anew: bool) -> bool:

@@ -20,7 +20,7 @@ from ..export.write import ExportError
 from ..shapes import Misfit, Rule, fit, hints, show_value
 from ..version import __version__
 from .counts import Counts
-from .output import Output, Written
+from .output import Output, Shown, Written
 from .request import Fixed, Made, Objects, Request, is_file
 from .schema import Count, Title, count_numbers, read_titles
 
@@ -73,6 +73,7 @@ class Manifest(TypedDict):
     tables: NotRequired[dict[str, Any]]
     correspondence: NotRequired[dict[str, str]]
     surfaces: NotRequired[dict[str, str]]
+    shown: NotRequired[dict[str, Shown]]
     counts: NotRequired[Counts]
 
 

@@ -54,6 +54,18 @@ class Dressed(TypedDict):
     borrowed: NotRequired[bool]
 
 
+class Worn(TypedDict):
+    mark: str
+    strength: Annotated[float, within(0.0, 1.0)]
+
+
+class Shown(TypedDict):
+    """What meshes show that were written later than their folder, where that is not what the folder says."""
+
+    meshes: Meshes
+    details: Worn | None
+
+
 class Written(TypedDict):
     """What the manifest keeps of an output."""
 
@@ -141,6 +153,11 @@ class Output:
             found["meshes"] = cast(Meshes, meshes)
         return found
 
+    @property
+    def shown(self) -> Shown:
+        """How fine its meshes are, and by digest and strength the details that they wear."""
+        return show(self.content.resolution, self.content.details)
+
     @classmethod
     def from_manifest(cls, found: Written, beside: Place | str | None = None) -> Output:
         """The output that a manifest tells of; ``beside``: the folder that it lies in. Raises Misfit."""
@@ -168,6 +185,12 @@ class Output:
             _dressing(found["details"], beside) if "details" in found else None,
         )
         return cls(tuple(found["formats"]), content, found["shard"])
+
+
+def show(resolution: Resolution, details: Dressing | None) -> Shown:
+    """What meshes of this resolution and in these details show."""
+    worn: Worn | None = None if details is None else {"mark": details.mark, "strength": details.strength}
+    return {"meshes": cast(Meshes, resolution.plain()), "details": worn}
 
 
 def refuse_idle(output: Output, mark: str = "") -> None:

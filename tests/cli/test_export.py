@@ -102,6 +102,27 @@ def test_what_is_there_is_kept_unless_forced(apgc: Apgc, made: Path) -> None:
     assert [p.name for p in batch.export(made, "urdf,obj", force=True)] == ["000000", "000001"]
 
 
+def test_objects_in_a_format_have_meshes_of_one_kind(apgc: Apgc, tmp_path: Path) -> None:
+    """Those of a run that ended early are completed as it began, or written again: all, or none."""
+    folder = tmp_path / "o"
+    assert apgc("sample", "Bottle", "-n", 3, "--points", 16, "-o", folder)[0] == 0
+    assert apgc("export", folder, "--format", "obj", "--tolerance", "5mm", "--only", "0,1")[0] == 0
+    before = tree(folder)
+    for other in ((), ("--tolerance", "1mm"), ("--only", 2), ("--only", 1, "--force")):
+        code, _, err = apgc("export", folder, "--format", "obj", *other)
+        assert code == 1 and "has objects as obj with other meshes (tolerance 0.005, now" in err
+    assert tree(folder) == before
+    assert apgc("export", folder, "--format", "glb")[0] == 0
+    assert apgc("export", folder, "--format", "obj", "--tolerance", "5mm")[0] == 0
+    manifest = json.loads((folder / "manifest.json").read_text())
+    assert manifest["shown"] == {"obj": {"meshes": {"tolerance": 0.005}, "details": None}}
+    assert apgc("export", folder, "--format", "obj", "--force")[0] == 0
+    assert "shown" not in json.loads((folder / "manifest.json").read_text())
+    assert apgc("export", folder, "--format", "obj", "-o", tmp_path / "usual")[0] == 0
+    usual, here = tree(tmp_path / "usual"), tree(folder)
+    assert all(here[name] == data for name, data in usual.items() if name != "manifest.json")
+
+
 def test_objects_that_nobody_vouches_for_are_left_alone(apgc: Apgc, tmp_path: Path) -> None:
     (tmp_path / "o" / "objects" / "000000").mkdir(parents=True)
     (tmp_path / "o" / "objects" / "000000" / "object.urdf").write_text("mine")
