@@ -236,5 +236,5 @@ def _finish(out: Path, summary: Record, records: Sequence[Record], job: Job | No
     write_bytes(out / SUMMARY, to_text(seen_from(out, summary)), force=True)
     if job is not None:
         write_dataset(job, out, Output.of(choose_formats("annotation"), Content()), force=True)
-    elif (old := manifests.read_manifest(out)) is not None:
-        clear(out, old)
+    elif manifests.read_manifest(out) is not None:
+        clear(out)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import shutil
+from contextlib import suppress
 from dataclasses import replace
 
 from ..details.dressing import BESIDE, SUMMARY
@@ -18,6 +20,9 @@ from .manifest import Manifest
 from .request import Request, is_file
 from .tables import Tables
 from .traces import REPLAYS
+
+_COUNTS = "counts-*.json"
+_OURS = re.compile(r"[a-z]+-([0-9]{5,}|[0-9]{5,}-[0-9]{5,}|[0-9a-f]{32})(\.[a-z0-9]+)+")
 
 
 def reopen(folder: Place | str) -> Job:
@@ -71,16 +76,28 @@ def make_ready(out: Place, manifest: Manifest, force: bool) -> Manifest:
         if not changed and not force:
             sweep_all(out)
             return old
-        clear(out, old)
-    elif not force and (out / OBJECTS).exists() and any((out / OBJECTS).iterdir()):
-        raise ExportError(
-            f"{out / OBJECTS} holds objects, but there is no {manifests.NAME} that describes them",
-            "choose another folder, or use --force to write among them",
-        )
+        clear(out)
+    elif out.is_dir() and (left := _find_shards(out) + _find_objects(out)):
+        _replace_unknown(out, left, force)
     ensure_folder(out)
     sweep_unfinished(out)
     write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
     return manifest
+
+
+def _replace_unknown(out: Place, left: list[Place], force: bool) -> None:
+    """Refuse, or with ``force`` remove, what is ``left`` of a run without its manifest, such as one that was killed as it replaced a folder:
+    files are not made again where they are, so they would pass for those of this run."""
+    if not force and manifests.read_manifest(out) is None:  # else the same command elsewhere has begun meanwhile
+        raise ExportError(
+            f"{out} holds {str(left[0]).removeprefix(f'{out}/')}, but there is no {manifests.NAME} that describes it",
+            "choose another folder, or use --force to replace what is there",
+        )
+    try:
+        for place in left if force else ():
+            _remove(place)
+    except OSError as error:
+        raise explain(error, out) from error
 
 
 def withdraw(out: Place) -> None:
@@ -101,28 +118,41 @@ def sweep_all(out: Place) -> None:
             sweep_unfinished(place)
 
 
-def clear(out: Place, old: Manifest) -> None:
-    """Remove what an earlier run with the manifest ``old`` wrote, and nothing else."""
+def clear(out: Place) -> None:
+    """Remove what an earlier run wrote, and nothing else."""
     try:
         (out / manifests.NAME).unlink()  # first, so that a half-cleared folder does not pass for a whole one
-        suffixes = tuple({entry.suffix for entry in FORMATS.values() if entry.shard})
-        for shard in old["shards"]:
-            for path in out.glob(f"*-{shard}.*"):
-                if path.name.endswith(suffixes):
-                    path.unlink()
-        drop_counts(out)
-        for path in out.glob(REPLAYS):
-            path.unlink(missing_ok=True)
-        objects = out / OBJECTS
-        if isinstance(objects, Remote):
-            objects.remove()
-        else:
-            shutil.rmtree(objects, ignore_errors=True)
+        for place in (*_find_shards(out), out / OBJECTS):
+            _remove(place)
     except OSError as error:
         raise explain(error, out) from error
 
 
+def _remove(place: Place) -> None:
+    """Remove a file or folder, if it is there."""
+    if isinstance(place, Remote):
+        place.remove()
+    elif place.is_dir() and not place.is_symlink():
+        with suppress(FileNotFoundError):  # the same command elsewhere was sooner
+            shutil.rmtree(place)
+    else:
+        place.unlink(missing_ok=True)
+
+
+def _find_shards(out: Place) -> list[Place]:
+    """The files in a folder that are named as those of shards, or as what lies beside them, by name."""
+    kinds = {f"{entry.kind}-*{entry.suffix}" for entry in FORMATS.values() if entry.shard}
+    found = {path.name for pattern in (*kinds, _COUNTS, REPLAYS) for path in out.glob(pattern)}
+    return [out / name for name in sorted(found) if _OURS.fullmatch(name)]
+
+
+def _find_objects(out: Place) -> list[Place]:
+    """The folders of objects in a folder, by number."""
+    there = (out / OBJECTS).iterdir() if (out / OBJECTS).is_dir() else ()
+    return [out / OBJECTS / name for name in sorted(path.name for path in there) if re.fullmatch("[0-9]{6,}", name)]
+
+
 def drop_counts(out: Place) -> None:
     """Remove what was counted shard by shard, once the manifest has it."""
-    for path in out.glob("counts-*.json"):
+    for path in out.glob(_COUNTS):
         path.unlink(missing_ok=True)

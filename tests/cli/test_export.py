@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import shutil
 import subprocess
 import sys
 from io import FileIO
@@ -129,6 +130,28 @@ def test_objects_that_nobody_vouches_for_are_left_alone(apgc: Apgc, tmp_path: Pa
     code, _, err = apgc("export", CHEST, "-n", 1, "--format", "urdf", "-o", tmp_path / "o")
     assert code == 1 and "holds objects" in err and "--force" in err
     assert (tmp_path / "o" / "objects" / "000000" / "object.urdf").read_text() == "mine"
+
+
+@pytest.mark.parametrize("gone", [(), ("points-00000.npz", "objects/000001")], ids=["nothing", "some"])
+def test_what_a_killed_replacement_left_does_not_pass_for_the_new_objects(
+    apgc: Apgc, tmp_path: Path, gone: tuple[str, ...]
+) -> None:
+    """The manifest goes first, and what it told of may still be there."""
+    folder = tmp_path / "o"
+    asked = ("sample", CHEST, "-n", 3, "--points", 16, "--format", "points,obj")
+    assert apgc(*asked, "-o", folder)[0] == 0
+    (folder / "manifest.json").unlink()
+    (folder / "mine-00000.npz").write_text("mine")
+    for name in gone:
+        path = folder / name
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
+    code, _, err = apgc(*asked, "--seed", 5, "-o", folder)
+    assert code == 1 and "holds annotation-00000.jsonl, but there is no manifest.json" in err and "--force" in err
+    assert apgc(*asked, "--seed", 5, "-o", folder, "--force")[0] == 0
+    assert apgc(*asked, "--seed", 5, "-o", tmp_path / "fresh")[0] == 0
+    here, fresh = tree(folder), tree(tmp_path / "fresh")
+    assert (folder / "mine-00000.npz").read_text() == "mine" and here.pop("mine-00000.npz")
+    assert here == fresh
 
 
 def test_an_unknown_format_lists_the_known_ones(apgc: Apgc, made: Path) -> None:
