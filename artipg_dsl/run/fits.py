@@ -16,7 +16,7 @@ from ..details.dressing import SUMMARY as BOUND
 from ..errors import UserError
 from ..export.content import Content
 from ..export.registry import choose_formats
-from ..export.write import ensure_folder, sweep_unfinished, write_bytes
+from ..export.write import ensure_folder, is_there, sweep_unfinished, write_bytes
 from ..fit.sources import File, Held, Item
 from ..records import dataclass
 from ..sampling.sample import Sampler
@@ -24,6 +24,7 @@ from ..view.overlay import overlay
 from ..view.png import png_bytes
 from ..view.sheet import Painter
 from . import manifest as manifests
+from .chunk import shard_path
 from .dataset import write_dataset
 from .fitting import Asked, Group, Record, Work, good_ones, groups_of, prepare_fitted, summarize, to_text
 from .job import Job
@@ -234,7 +235,20 @@ def _finish(out: Path, summary: Record, records: Sequence[Record], job: Job | No
     ]
     write_bytes(out / VALUES, "".join(line + "\n" for line in lines).encode(), force=True)
     write_bytes(out / SUMMARY, to_text(seen_from(out, summary)), force=True)
+    output = Output.of(choose_formats("annotation"), Content())
     if job is not None:
-        write_dataset(job, out, Output.of(choose_formats("annotation"), Content()), force=True)
+        if not _holds(out, job, output):
+            write_dataset(job, out, output, force=True)
     elif manifests.read_manifest(out) is not None:
         clear(out)
+
+
+def _holds(out: Path, job: Job, output: Output) -> bool:
+    """Whether a folder has the objects of a job already, perhaps in further formats, which `apgc export` has added."""
+    old = manifests.read_manifest(out)
+    if old is None or "counts" not in old or not set(output.formats) <= set(old["identity"]["formats"]):
+        return False
+    new = manifests.build_manifest(job.program, job.request, output, out=out)
+    new["identity"]["formats"] = old["identity"]["formats"]
+    shards = [shard_path(out, entry, k) for entry in output.writers for k in range(len(new["shards"]))]
+    return manifests.describe_difference(old, new) is None and all(map(is_there, shards))

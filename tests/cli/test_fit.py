@@ -52,6 +52,11 @@ def test_a_folder_of_files(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     before = tree(out)  # a second run leaves all as it is, and works on nothing
     code, _, _ = apgc(*asked)
     assert code == 0 and tree(out) == before
+    assert apgc("export", out, "--format", "obj")[0] == 0
+    exported = tree(out)  # so does it with what has been added
+    assert len(exported) > len(before)
+    code, _, _ = apgc(*asked)
+    assert code == 0 and tree(out) == exported
 
     code, _, err = apgc("sample", CHEST, "--params", out / "values.jsonl", "-o", tmp_path / "again", "--points", 64)
     assert code == 0 and "2 objects" in err
