@@ -16,7 +16,7 @@ from ..semantics.check import TypedProgram
 from ..semantics.symbols import Symbol
 from ..syntax import ast
 from .elaborate import conditions as stated
-from .elaborate import drives, gates, labels, mimic, motions, overridden, rings
+from .elaborate import drives, gates, labels, mimic, motions, nowhere, overridden, rings
 from .elaborate.body import enter_when, lower_statements
 from .elaborate.drives import driven
 from .elaborate.legal import legalize
@@ -139,6 +139,7 @@ def what_is_said(lowering: Lowering) -> None:
     context = lowering.context
     labels.statements(lowering.links, lowering.root)
     overridden.warn(context, lowering.root.module.source)
+    nowhere.warn(context, lowering.root.module.source)
     drives.report(context)
     _order_labels(context)
     _dress(context)

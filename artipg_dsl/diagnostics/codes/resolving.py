@@ -422,6 +422,52 @@ RESOLVING = (
         """,
     ),
     Code(
+        "holds-nowhere",
+        "a label or a field holds at no point",
+        """
+        Whatever is drawn, no point of the targets meets the condition behind `where`, or the degree of the label is never
+        above 0. So the statement has no effect. A point is measured from the centre of its target: `p.z` goes from
+        `-size.z / 2` to `size.z / 2`. Correct the condition, or leave the statement out. `apgc check` finds what follows
+        from ranges; `apgc report` looks at the points of objects, and finds more.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic, affordance }
+        category Stool {
+          param width : length in 30cm .. 50cm
+          root part seat : Cuboid(size = [30cm, width, 3cm])
+          material oak on seat
+          label semantic.seat on seat
+          label affordance.support on seat where p.z > 0.9 * size.z
+        }
+        """,
+    ),
+    Code(
+        "stated-twice",
+        "a statement is repeated",
+        """
+        The same requirement, `limit`, `clear`, `close`, `allow` or `free` stands twice in a body, and one of the two holds
+        wherever the other does. Often a line was copied, and a name in it not changed. Correct one of them, or leave it
+        out. Of two equal preferences the weights add up: write one, with a weight.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Stool {
+          param width, depth, height : length in 30cm .. 50cm
+          root part seat : Cuboid(size = [depth, width, height])
+          require width <= 1.2 * depth
+          require width <= 1.2 * depth
+          material oak on seat
+          label semantic.seat on seat
+        }
+        """,
+    ),
+    Code(
         "unused",
         "a name is never used",
         """

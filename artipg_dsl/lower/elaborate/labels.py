@@ -22,6 +22,7 @@ from ..values.carry import moved
 from ..values.faces import extent
 from ..values.kinds import Box, Frame, Line, Look, Ref, Surface, Value, Vec, carriers_of
 from ..values.vectors import compose, inverse, place, sole_axis, unit
+from . import nowhere
 from .drives import Drive
 from .guards import has_row, shown
 from .links import Links
@@ -189,6 +190,8 @@ def label(links: Links, env: Env, statement: ast.LabelStmt) -> None:
             word = () if statement.vocabulary == "semantic" else (statement.label, made.joints)
             said = Said(f"`{statement.label}`", statement, node, holds, statement.value is None)
             note(env, ("label", statement.vocabulary, *word, aim.part, aim.surfaces), said)
+            above = E.TRUE if statement.value is None else E.call("lt", E.ZERO, degree)
+            nowhere.note(env.context, nowhere.Holding(statement, guard, above, aim.box.size))
             whole = statement.vocabulary == "semantic" and statement.value is None and not aim.surfaces
             if whole and not holds.reads:  # it holds for a part as a whole, or does not
                 for _, number in _nodes_of(links, aim.part):
@@ -253,6 +256,7 @@ def _field_label(links: Links, env: Env, statement: ast.FieldStmt) -> None:
             )
             links.context.labels.append((aim.depth, made))
             said = Said(f"`{statement.name}`", statement, node, made.guard, True)
+            nowhere.note(env.context, nowhere.Holding(statement, guard, E.TRUE, aim.box.size))
             note(env, ("field", statement.name, aim.part, aim.surfaces), said)
 
 

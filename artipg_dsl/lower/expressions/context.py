@@ -22,6 +22,7 @@ from ...syntax import ast
 
 if TYPE_CHECKING:
     from ...semantics.check import TypedProgram
+    from ..elaborate.nowhere import Holding
     from ..elaborate.overridden import Said
     from ..elaborate.part import Component
     from ..elaborate.ranges import Quantity
@@ -159,6 +160,7 @@ class Draft:
     )  # the preferences that the category itself states, and where
     said: dict[tuple[object, ...], list[Said]] = field(default_factory=dict)  # of one thing, in the order of the text
     counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
+    holding: dict[int, list[Holding]] = field(default_factory=dict)  # of each label and field, where it holds
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
     fetched: list[Fetched] = field(default_factory=list)  # elements of repeats that have to be there
     named: list[Fetched] = field(default_factory=list)  # elements without which the statement that names them is void
