@@ -107,6 +107,7 @@ class Checker:
         # by scope, name and target: where they stand, and under what condition
         self.marks: dict[tuple[BodyScope | None, str, str, str], list[tuple[Condition, Span]]] = {}
         self.calls: dict[tuple[Any, ...], Type] = {}
+        self.sayings: dict[tuple[BodyScope | None, tuple[str, ...]], list[tuple[Condition, Span, str]]] = {}
         self.calling: list[int] = []
 
     def error(

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import any_of, did_you_mean
 from ..language import JOINTS, REPEATS
 from ..syntax import ast
-from ..syntax.walk import walk
-from . import alternatives, conditions, declarations, labels, names, placing, primitives, roles
+from ..syntax.walk import path_root, walk
+from . import alternatives, conditions, declarations, labels, names, placing, primitives, roles, twice
 from .entries import of_reference, port_context
 from .guards import Not, consistent
 from .mimic import sole_kind
@@ -84,6 +84,21 @@ def check_body(ck: Checker, scope: BodyScope, body: tuple[ast.Stmt, ...], guards
             check_body(ck, inner, stmt.body, inner.guards)
         else:
             _statement(ck, ctx, stmt)
+            _stated(ck, ctx, stmt)
+
+
+def _stated(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
+    """Warns of what a statement says once more where it is said already."""
+    for key, node, said in twice.sayings(stmt):
+        before = ck.sayings.setdefault((ctx.scope, key), [])
+        for condition, first, words in before:
+            again = not consistent(ctx.condition, Not(condition))
+            one, other = (node.span, first) if again else (first, node.span)
+            if again or not consistent(condition, Not(ctx.condition)):
+                message = f"`{said if again else words}` is stated twice"
+                ck.warning("stated-twice", one, message, hint="leave one of the two out", notes=((other, "here, too"),))
+                break
+        before.append((ctx.condition, node.span, said))
 
 
 def _never(ck: Checker, ctx: Context, scope: BodyScope, guard: ast.Expr, truth: bool) -> bool:
