@@ -247,7 +247,8 @@ def _stands(
     known = relevant(wanted, conjunction(told(ck, ctx.scope, _HANDED, symbol, told_by)))
     message, _ = guarded(entries[0], argument.span)
     hint = f"hand in what ensures that as well, or declare `{argument.name}` above the `when`"
-    ck.demand(ctx.given(known), wanted, argument.span, message, hint, ((entries[0].span, "declared here"),), value=True)
+    notes = ((entries[0].span, "declared here"),)
+    ck.demand(ctx.given(known), wanted, argument.span, message, hint, notes, value=True, handed=True)
 
 
 def _within_range(ck: Checker, ctx: Context, symbol: Symbol, argument: ast.Argument) -> None:

@@ -18,6 +18,7 @@ from .fold import is_unitless
 from .guards import TRUE, Condition, conjunction, implies
 from .meanings import Inner, Meaning
 from .modules import Workspace
+from .presence import excludes
 from .remedies import instead, likely_units, usual_unit
 from .scope import BodyScope, Entry, Guards, build_scope, interface
 from .symbols import ModuleScope, Symbol
@@ -106,8 +107,8 @@ class Checker:
         self.subjects: dict[int, Condition] = {}  # subjects of statements, by identity -> where these have one
         # by scope, name and target: where they stand, and under what condition
         self.marks: dict[tuple[BodyScope | None, str, str, str], list[tuple[Condition, Span]]] = {}
-        self.calls: dict[tuple[Any, ...], Type] = {}
         self.sayings: dict[tuple[BodyScope | None, tuple[str, ...]], list[tuple[Condition, Span, str]]] = {}
+        self.calls: dict[tuple[Any, ...], Type] = {}
         self.calling: list[int] = []
 
     def error(
@@ -270,12 +271,23 @@ class Checker:
         hint: str | None,
         notes: tuple[tuple[Span, str], ...] = (),
         value: bool = False,
+        handed: bool = False,
     ) -> None:
         """Reports an optional name outside a guard that ensures it, unless the place is lenient.
 
-        Nothing can do without a ``value``: it may be absent only where it is ``asked`` for.
+        Nothing can do without a ``value``: it may be absent only where it is ``asked`` for. What is ``handed`` to a template may be
+        excluded by what else is, not by the guard around the statement alone.
         """
         if implies(ctx.condition, wanted):
+            return
+        if ctx.condition != TRUE and not ctx.asked and not handed and excludes(ctx.condition, wanted):
+            self.error(
+                "optional-outside-when",
+                span,
+                f"`{span.words}` never exists here: the guard around this statement excludes it",
+                hint="move this to where it exists, or change the guard",
+                notes=notes,
+            )
             return
         needed = ctx.lenient is None or value and not ctx.asked
         if ctx.lenient is not None and (self._muted or not needed):

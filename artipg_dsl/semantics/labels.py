@@ -192,9 +192,8 @@ def not_previous(ck: Checker, expr: ast.Expr) -> None:
 
 
 def _targets(ck: Checker, ctx: Context, targets: tuple[ast.Expr, ...], rule: str) -> Context:
-    for expr in targets:
-        ctx = target(ck, ctx, expr, rule)
-    return ctx
+    there = [target(ck, ctx, expr, rule).condition for expr in targets]
+    return ctx.given(*there)
 
 
 def _word(ck: Checker, ctx: Context, vocabulary: str, word: str) -> str:

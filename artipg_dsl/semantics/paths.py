@@ -10,7 +10,7 @@ from ..language import DIRECTIONS, FACES, FUNCTIONS, WORDS
 from ..source import Span
 from ..syntax import ast
 from ..units import UNITS
-from . import foreign
+from . import conditions, foreign
 from .entries import narrowed
 from .fold import constant
 from .guards import TRUE, And, Or, conjunction, consistent, implies
@@ -30,7 +30,7 @@ from .meanings import (
     Previous,
 )
 from .parts import BOX_MEMBERS, box_member, clashing, listed, part_member, place_member, place_names, shared
-from .presence import declared, guarded, of_element, optional
+from .presence import declared, excludes, guarded, of_element, optional
 from .scope import BodyScope, Entry, Variant
 from .symbols import Symbol
 from .types import (
@@ -445,6 +445,7 @@ def index(ck: Checker, ctx: Context, expr: ast.IndexExpr) -> Type:
             hint = f"the last one is `{expr.obj.span.words}[last]`"
             return ck.error("illegal-value", expr.index.span, "elements are counted from 0", hint=hint)
     if isinstance(obj, ElementType):
+        _refuse_missing(ck, ctx, obj, expr)
         return replace(obj, key=f"{obj.key}[{expr.index.span.words}]", many=False, index=expr.index)
     if isinstance(obj, ArrayType):
         return _port(ck, ctx, obj, expr)
@@ -458,6 +459,25 @@ def index(ck: Checker, ctx: Context, expr: ast.IndexExpr) -> Type:
         "only repeats and indexed ports take an index",
         hint if obj == SURFACE else f"leave the index out: `{whole}`",
     )
+
+
+def _refuse_missing(ck: Checker, ctx: Context, obj: ElementType, expr: ast.IndexExpr) -> None:
+    """Reports an element that the guard around a statement excludes, by the count of the repeat."""
+    node, rank = obj.entry.node, constant(expr.index, ctx.module)
+    if not isinstance(node, ast.RepeatStmt) or (count := node.count) is None:
+        return
+    if rank is None or obj.home is not None or obj.outer is not None or ctx.condition == TRUE:
+        return
+    above = ast.BinaryExpr(span=expr.span, op=">", left=count, right=expr.index)
+    there = conditions.of(ck, ck.context(obj.entry.scope), above)
+    if excludes(ctx.condition, there):
+        ck.error(
+            "optional-outside-when",
+            expr.span,
+            f"`{expr.span.words}` never exists here: the guard around this statement excludes it",
+            hint=f"put this inside `when {count.span.words} > {rank:g} {{ }}`, or name another element",
+            notes=((node.name_span, "elements are counted from 0"),),
+        )
 
 
 def _port(ck: Checker, ctx: Context, ports: ArrayType, expr: ast.IndexExpr) -> Type:

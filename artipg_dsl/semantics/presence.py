@@ -9,7 +9,7 @@ from ..source import Span
 from ..syntax import ast
 from ..syntax.walk import walk
 from .fold import constant
-from .guards import OPERATORS, TRUE, VERSUS, And, Atom, Compare, Condition, Not, Or, conjunction, domains
+from .guards import OPERATORS, TRUE, VERSUS, And, Atom, Compare, Condition, Not, Or, conjunction, consistent, domains
 from .scope import BodyScope, Entry
 from .symbols import Symbol
 from .types import BOOL, ChoiceType, ElementType, PartType
@@ -121,6 +121,12 @@ def relevant(wanted: Condition, facts: Condition) -> Condition:
         left = [fact for fact in left if fact not in more]
         known.update(key for fact in more for key in domains((fact,)))
     return conjunction(taken)
+
+
+def excludes(facts: Condition, wanted: Condition) -> bool:
+    """Whether what can hold by itself never does where the facts are given."""
+    known = relevant(wanted, facts)
+    return consistent(wanted) and consistent(known) and not consistent(known, wanted)
 
 
 # ---------------------------------------------------------------- elements of repeats
