@@ -80,7 +80,8 @@ def _drawn(draw: Draw, lowering: Lowering, span: Span, report: Report) -> Batch 
             "none-drawn",
             span,
             f"no valid `{program.name}` in {error.attempts} attempts at an object; what failed most: "
-            + describe_cause(program, worst),
+            + describe_cause(program, worst)
+            + (_why_endless(lowering, worst[1]) if worst[0] == "requirement" else ""),
             hint="what is drawn never equals a number: give the value itself, or write `align` and declare it `derived`"
             if equation
             else "widen the ranges, or state what one value leaves to the next",
@@ -105,6 +106,16 @@ def _warn_of_undefined(lowering: Lowering, counted: Statistics, report: Report) 
                 f"`{span.words}` has no value in {count} of {counted.attempts} attempts at an object: {PARTIAL[op]}",
                 hint="narrow the ranges of what it is made of, or avoid such values by `a if c else b`",
             )
+
+
+def _why_endless(lowering: Lowering, requirement: int) -> str:
+    """The operation that may make the number infinite that a requirement is about."""
+    from .graph.defined import PARTIAL  # start-up
+
+    if requirement not in lowering.context.endless:
+        return ""
+    span, op = lowering.context.endless[requirement]
+    return f"; `{span.words}` has no value, or a very large one: {PARTIAL[op]}"
 
 
 def _warn_of_materials(lowering: Lowering, span: Span, report: Report) -> None:
@@ -198,8 +209,11 @@ class _Looked:
                 continue
             value = f"`{draw.options[int(one.value)]}`" if draw.kind == "choice" else f"{one.value:.0f}"
             first = self.batch.program.requirements[one.requirements[0]]
-            elsewhere = f"`{' '.join((first.text or first.message).split())}` ({first.where})"
-            it = "this requirement" if spans else elsewhere
+            it = f"`{' '.join((first.text or first.message).split())}` ({first.where})"
+            if spans:
+                it = "this requirement"
+                if one.requirements[0] not in self.lowering.context.stated:
+                    it = f"what must hold here ({first.message}{_why_endless(self.lowering, one.requirements[0])})"
             why = (
                 f"{'all' if not one.kept else f'{one.tried - one.kept} of'} {one.tried} objects tried with it break {it}"
                 if one.tried

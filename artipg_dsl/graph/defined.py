@@ -44,7 +44,7 @@ PARTIAL = {
     "asin": "it takes numbers from -1 to 1",
     "acos": "it takes numbers from -1 to 1",
     "exp": "it is too large for a number",
-    "pow": "a negative number has only whole powers, and 0 no negative ones",
+    "pow": "a negative number has only whole powers, 0 no negative ones, and some are too large for a number",
 }
 """Operations that not all numbers have a value of, and why not."""
 
@@ -75,11 +75,17 @@ class Sharp(Intervals):
     def function(self, op: str, node: Expr) -> Interval:
         if op == "atan2":
             return -math.pi, math.pi
+        if op == "pow":
+            return _power(self.of(node.args[0]), node.args[1].constant)
+        if op == "exp":
+            return _rising(lambda a: _finite(lambda: math.exp(a)), self.of(node.args[0]), math.inf)
         if op not in _BENT:
             return super().function(op, node)
         ends = self.of(node.args[0])
         if op in ("asin", "acos", "atan") and ends != EVERYTHING:
-            return _rising(getattr(math, op), ends) if op != "acos" else _rising(lambda a: -math.acos(a), ends, -1.0)
+            limit = math.inf if op == "atan" else 1.0
+            rising = (lambda a: -math.acos(a)) if op == "acos" else getattr(math, op)
+            return _rising(rising, ends, limit, op == "acos")
         if op == "cos" and math.isfinite(ends[0]) and math.isfinite(ends[1]):
             return _cosine(*ends)
         if op == "sin" and math.isfinite(ends[0]) and math.isfinite(ends[1]):
@@ -87,10 +93,27 @@ class Sharp(Intervals):
         return super().function(op, node)
 
 
-def _rising(function: Callable[[float], float], ends: Interval, sign: float = 1.0) -> Interval:
-    """The ends of a rising function of -1 .. 1 (``sign`` -1: of the negative of a falling one)."""
-    low, high = (function(min(max(end, -1.0), 1.0) if function is not math.atan else end) for end in ends)
-    return (low, high) if sign > 0 else (-high, -low)
+def _power(base: Interval, power: float | None) -> Interval:
+    """The powers of an interval, of what has one; whole powers of negative numbers are not looked into."""
+    low, high = max(base[0], 0.0), base[1]
+    if power is None or not math.isfinite(high) or high < 0.0 or base[0] < 0.0 and float(power).is_integer():
+        return EVERYTHING
+    ends = _finite(lambda: low**power), _finite(lambda: high**power)
+    return min(ends), max(ends)
+
+
+def _finite(value: Callable[[], float]) -> float:
+    """A value that is infinite where it is too large for a number, or divides by 0."""
+    try:
+        return value()
+    except (OverflowError, ZeroDivisionError):
+        return math.inf
+
+
+def _rising(function: Callable[[float], float], ends: Interval, limit: float, falls: bool = False) -> Interval:
+    """The ends of a rising function of -``limit`` .. ``limit`` (of the negative of it, which ``falls``)."""
+    low, high = (function(min(max(end, -limit), limit)) for end in ends)
+    return (-high, -low) if falls else (low, high)
 
 
 def _cosine(low: float, high: float) -> Interval:
@@ -124,9 +147,9 @@ class Defined:
                 stack.extend(a for a in self.reads(node) if a not in self.memo and a not in self.running)
         return self.memo[root]
 
-    def culprit(self, root: Expr) -> Expr | None:
+    def culprit(self, root: Expr, direct: bool = False) -> Expr | None:
         """The only operation that may leave ``root`` without a value, if it is one of the ``PARTIAL`` ones; None where there is none, or
-        more than one."""
+        more than one. ``direct``: others that have no value because it is infinite do not count."""
         stack, seen, found = [root], set[Expr](), list[Expr]()
         while stack and len(found) < 2:
             node = stack.pop()
@@ -134,10 +157,20 @@ class Defined:
                 continue
             seen.add(node)
             parts = [a for a in self.reads(node) if not self.certain(a)]
-            if not parts or not self.safe(node):
+            if not parts or not self.safe(node) and not (direct and self.follows(node, parts)):
                 found.append(node)
             stack += parts
         return found[0] if len(found) == 1 and found[0].op in PARTIAL else None
+
+    def follows(self, node: Expr, parts: list[Expr]) -> bool:
+        """Whether an operation has no value only where what it is made of, the uncertain ``parts``, is infinite."""
+        endless = [a for a in node.args if not all(map(math.isfinite, self.intervals.of(a)))]
+        held = [self.intervals.of(a) for a in node.args]
+        return (
+            bool(endless)
+            and all(a in parts for a in endless)
+            and (node.op not in PARTIAL or _within(node.op, node, held))
+        )
 
     def reads(self, node: Expr) -> tuple[Expr, ...]:
         """What a value is made of; definitions are read through, a draw lies between its ends."""
@@ -181,5 +214,7 @@ def _within(op: str, node: Expr, ends: list[Interval]) -> bool:
     if op == "pow":
         power = node.args[1].constant
         whole = power is not None and power >= 0 and float(power).is_integer()
+        if power is not None and math.isinf(_finite(lambda: max(-low, high) ** power)):
+            return False
         return whole or low > 0.0 or low >= 0.0 and ends[1][0] > 0.0
     return True

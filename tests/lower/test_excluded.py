@@ -61,3 +61,19 @@ def test_a_drawn_number_never_equals_another_under_a_condition() -> None:
     assert message == (
         "`depth` is drawn from a range, so `width == depth` never holds exactly; so what stands under this `when` is never drawn"
     )
+
+
+def test_what_divides_by_zero_is_named_with_the_value_that_it_excludes() -> None:
+    text = TEXT.format(rule="").replace("[depth, width,", "[depth, width / (legs - 3),")
+    told = [d.message for d in Session.of_text(text).examine().diagnostics if d.code == "excluded-value"]
+    assert len(told) == 2
+    assert told[0].startswith("`legs` is never 2: ")  # negative
+    assert told[1].startswith("`legs` is never 3: ")
+    assert "`width / (legs - 3)` has no value, or a very large one: it divides by zero" in told[1]
+
+
+@pytest.mark.parametrize("formula", ["(width / 1cm - 35) ^ (1/2)", "(width / 1cm - 35) ^ (-0.5)"])
+def test_a_power_without_a_value_is_named(formula: str) -> None:
+    text = TEXT.format(rule="").replace("[depth, width,", f"[depth, width + 1mm * min(1, {formula}),")
+    told = [d.message for d in Session.of_text(text).examine().diagnostics if d.code == "undefined-value"]
+    assert len(told) == 1 and told[0].startswith(f"`{formula}` has no value in ")

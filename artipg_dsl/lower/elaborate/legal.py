@@ -6,6 +6,7 @@ a size of nan or an axis of no length is drawn again, counted and reported as fo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 
 from ...graph import expr as E
@@ -85,6 +86,8 @@ def legalize(links: Links, env: Env) -> None:
     for one, several in asked.items():
         condition = E.all_of(E.either(E.negate(quantity.guard), within(quantity)) for quantity in several)
         if condition is not E.TRUE:
+            if one.operation is None and (endless := _find_endless(several, context, intervals, defined)) is not None:
+                context.endless[len(program.requirements)] = endless
             place, text = one.where, several[0].name
             if one.operation is not None:
                 span = context.operations[one.operation]
@@ -111,6 +114,18 @@ class _Asked:
                 words = context.operations[operation].words
                 return _Asked(quantity.scope, f"`{words}` has no value: {PARTIAL[operation.op]}", None, operation)
         return _Asked(quantity.scope, f"{quantity.name}: {quantity.legal.words}", quantity.where)
+
+
+def _find_endless(
+    several: list[Quantity], context: Draft, intervals: Intervals, defined: Defined
+) -> tuple[Span, str] | None:
+    """The operation that alone makes one of the numbers as large as it may be: where, and which."""
+    for quantity in several:
+        if not all(map(math.isfinite, intervals.of(quantity.value))):
+            operation = defined.culprit(quantity.value, direct=True)
+            if operation is not None and operation in context.operations:
+                return context.operations[operation], operation.op
+    return None
 
 
 def holds(quantity: Quantity, intervals: Intervals, defined: Defined) -> bool:
@@ -140,6 +155,15 @@ def within(quantity: Quantity) -> Expr:
 def refuse(context: Draft, quantity: Quantity, intervals: Intervals, sources: dict[str, Source]) -> None:
     value, place = quantity.value, quantity.where
     low, high = intervals.of(value)
+    if math.inf in (low, -high) and (operation := Defined(intervals).culprit(value, direct=True)) in context.operations:
+        at = context.operations[operation]
+        context.report.error(
+            "undefined-value",
+            at,
+            f"`{at.words}` is too large for a number",
+            hint="check the formula, and the ranges of what it is made of",
+        )
+        return
     amount = (
         plain(float(value.constant))
         if value.constant is not None

@@ -149,6 +149,7 @@ class Draft:
     operations: dict[Expr, Span] = field(default_factory=dict)  # where the text first has them
     # requirement -> the operation that it asks to have a value: where, and which
     undefined: dict[int, tuple[Span, str]] = field(default_factory=dict)
+    endless: dict[int, tuple[Span, str]] = field(default_factory=dict)  # the same, of what makes a number infinite
     bends: dict[int, Bend] = field(default_factory=dict)  # those of the requirements that are about one
     ledger: list[tuple[Component | None, Unknown]] = field(default_factory=list)
     parts: list[Component] = field(default_factory=list)
@@ -159,8 +160,8 @@ class Draft:
         default_factory=dict
     )  # the preferences that the category itself states, and where
     said: dict[tuple[object, ...], list[Said]] = field(default_factory=dict)  # of one thing, in the order of the text
-    counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
     holding: dict[int, list[Holding]] = field(default_factory=dict)  # of each label and field, where it holds
+    counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
     fetched: list[Fetched] = field(default_factory=list)  # elements of repeats that have to be there
     named: list[Fetched] = field(default_factory=list)  # elements without which the statement that names them is void
