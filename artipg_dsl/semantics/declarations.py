@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, cast
 
-from ..diagnostics.suggest import did_you_mean, given
+from ..diagnostics.suggest import any_of, did_you_mean, given
 from ..language import DISTRIBUTIONS
 from ..syntax import ast
 from ..syntax.walk import walk
@@ -195,6 +195,27 @@ def _drawn(ck: Checker, ctx: Context, node: ast.ParamDecl | ast.CountDecl, kind:
             )
     if node.distribution is not None:
         _distribution(ck, ctx, node.distribution, kind, node.domain)
+        if node.distribution.name == "values" and isinstance(kind, ChoiceType):
+            _left_out(ck, ctx, node.distribution, kind, what.strip("`"))
+
+
+def _left_out(ck: Checker, ctx: Context, law: ast.Distribution, kind: ChoiceType, name: str) -> None:
+    """Warns of options of a choice that `values` does not list, and that no argument hands to a template."""
+    listed = {argument.span.words for argument in law.arguments}
+    if ctx.scope is None or not listed or not listed <= set(kind.values):
+        return  # what is wrong is reported
+    handed = _handed(ctx) if ctx.scope.owner.kind != "category" else ()
+    left = [word for word in kind.values if word not in listed and word not in handed]
+    if left:
+        it = "it" if len(left) == 1 else "them"
+        said = f"`{name}` is never {any_of(left)}: `{law.span.words}` leaves {it} out"
+        ck.warning("excluded-value", law.span, said, hint=f"list {it}, or leave {it} out of the options")
+
+
+def _handed(ctx: Context) -> set[str]:
+    """The words that arguments of the file hand to templates."""
+    values = (node.value for node in walk(ctx.module.tree.declarations) if isinstance(node, ast.Argument))
+    return {name.name for value in values for name in walk(value) if isinstance(name, ast.NameExpr)}
 
 
 def check_default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what: str) -> bool:
