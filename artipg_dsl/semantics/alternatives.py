@@ -13,7 +13,7 @@ from .entries import of_alternative
 from .fold import constant
 from .guards import Not, conjunction
 from .meanings import Declared, Global
-from .offers import missing
+from .offers import missing, module_of
 from .presence import declared, guarded, relevant, renamed, told
 from .scope import Entry
 from .symbols import Symbol, is_a
@@ -81,11 +81,31 @@ def _role(ck: Checker, ctx: Context, node: ast.Stmt, name: str, span: Span | Non
     symbol = ctx.module.find(name)
     assert span is not None
     if symbol is None or symbol.kind not in ("role", "template"):
+        if symbol is not None or module_of(name, "primitive", "material") is not None:
+            said, instead = _no_role(symbol, node, name)
+            ck.error("unknown-template", span, said, hint=instead)
+            return None
         hint = missing(name, ctx.module.named("role"), "role", "template")
         ck.unknown(ctx.module, name, "unknown-template", span, f"there is no role `{name}` here", hint)
         return None
     ck.mean(node, Global(symbol))
     return symbol
+
+
+def _no_role(symbol: Symbol | None, node: ast.Stmt, name: str) -> tuple[str, str]:
+    """Message and hint for a name of something else where a role is expected: what to write instead."""
+    kind = symbol.kind if symbol is not None else "primitive" if module_of(name, "primitive") else "material"
+    said = f"`{name}` is a {kind}, not a role"
+    if kind == "material":
+        return said, f"a style of materials is `style NAME : material = {name} | ...`"
+    alternatives = getattr(node, "alternatives", ())
+    text = " | ".join(alternative.span.words for alternative in alternatives) or f"{name}(...)"
+    if isinstance(node, ast.PartDecl):
+        return said, f"primitives need no role: write `part {node.name} : {text}`"
+    return said, (
+        f"a style draws among templates of a role: declare `role Kind {{ slot body }}` and, for each shape, "
+        f"`template Plain : Kind {{ part body : {name}(...) }}`; for a single part, write the alternatives there: `part NAME : {text}`"
+    )
 
 
 def _no_style(ck: Checker, ctx: Context, alternatives: tuple[ast.Alternative, ...], hint: str) -> None:

@@ -33,6 +33,11 @@ def missing(name: str, here: Iterable[str], *kinds: str) -> str | None:
     return near
 
 
+def module_of(name: str, *kinds: str) -> str | None:
+    """The module of the library that declares a name as one of some kinds."""
+    return _modules(kinds).get(name)
+
+
 def _modules(kinds: Collection[str] = ()) -> dict[str, str]:
     """The module of each name that the library declares, of some kinds or all."""
     return {

@@ -167,13 +167,15 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
         case ast.AllowStmt(subject=subject, other=other, kind=word):
             _parts(ck, ctx, subject, other, word if word == "free" else f"allow {word}")
         case ast.LimitStmt(joint=joint, range=interval):
+            if _of_all(ck, ctx, joint):
+                return
             kind, inside = placing.subject(ck, ctx, joint)
             if not isinstance(kind, JointType) and kind != UNKNOWN:
                 ck.unfit(
                     joint,
                     kind,
                     "`limit` must name a joint",
-                    hint="name a joint, as in `limit hinge.open to 0deg .. 90deg`",
+                    hint="name a joint, as in `limit hinge.open 0deg .. 90deg`",
                 )
             wanted: Type = UNKNOWN
             if (
@@ -203,6 +205,23 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             primitives.check(ck, ctx, stmt)
         case _:
             labels.check(ck, ctx, stmt)
+
+
+def _of_all(ck: Checker, ctx: Context, joint: ast.Expr) -> bool:
+    """Whether a `limit` names the joints of all elements of a repeat, which is reported."""
+    root = path_root(joint)
+    entries = ctx.scope.find(root.name) if ctx.scope is not None and isinstance(root, ast.NameExpr) else []
+    around = [scope.repeat for scope in ctx.scope.chain()] if ctx.scope is not None else []
+    if root is joint or not entries or entries[0].kind != "repeat" or entries[0].node in around:
+        return False
+    name = joint.span.words.partition(".")[2]
+    ck.error(
+        "many-elements",
+        joint.span,
+        f"`{joint.span.words}` is a joint of each element of a repeat",
+        hint=f"put `limit {name} ...` inside the repeat, for one element under a guard such as `when i == 0 {{ }}`",
+    )
+    return True
 
 
 def _declaration(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:

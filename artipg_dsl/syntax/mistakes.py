@@ -28,8 +28,17 @@ MISTAKES = (
             "field x ratio on a = 1",
             "port x frame",
             "part x = Cuboid",
-            "style x = A",
         ),
+    ),
+    Mistake(
+        "a style gives a role behind `:`, and its templates behind `=`",
+        "for example `style pull : Handle = BarHandle | BowHandle`; without a role, write the alternatives at the part",
+        ("style x = A", "style x : A(b = 1)", "style x : A | B", "style x : A weight 2", "style x : A\n"),
+    ),
+    Mistake(
+        "`limit` takes no element of a repeat",
+        "put it inside the repeat, for one element under a guard: `when k == 0 { limit open 0deg .. 20deg }`",
+        ("limit a[0].b 1 .. 2", "limit a[k].b 1 .. 2", "limit a[last].b 1deg .. 2deg", "limit a[0].b.c 1 .. 2"),
     ),
     Mistake(
         "this parameter has no type",
