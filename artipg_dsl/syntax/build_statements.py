@@ -72,7 +72,11 @@ class StatementBuilder(ExpressionBuilder):
                 )
         domain = found.get("in")
         if domain is None:
-            self.problem(c[1], f"the count `{c[1].value}` has no range", f"for example `count {c[1].value} in 1 .. 4`")
+            self.problem(
+                c[1],
+                f"the count `{c[1].value}` has no range",
+                f"for example `count {c[1].value} in 1 .. 4`; a number that is always the same is named by `let {c[1].value} = 3`",
+            )
             none = ast.NumberExpr(span=self.at(c[1]), value=0.0, unit="")
             domain = ast.RangeExpr(span=none.span, low=none, high=none)
         return ast.CountDecl(

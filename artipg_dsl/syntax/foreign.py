@@ -14,6 +14,8 @@ STATEMENTS_ELSEWHERE = {
     "const": "to name a value, write `let x = ...`",
     "assert": "to require a condition, write `require ...`",
     "else": "`else` follows the closing brace of a `when`",
+    "end": "a block ends with `}`",
+    "endif": "a block ends with `}`",
     "elif": "write `else when ... { ... }`",
     "elseif": "write `else when ... { ... }`",
     "using": "to import from a module, write `use module { Name }`",

@@ -252,6 +252,8 @@ def _by_history(
         return found(
             "the kind of joint is missing", "for example `joint open : revolute body -> door about door.left.back`"
         )
+    if last.type == "EQUAL" and token.type in ("MORE", "LESS") and last.end_pos == token.start_pos:
+        return found(f"`={token.value}` is no comparison", f"write `{token.value}=`")
     if values and token.type == "DOT" and text[span.end : span.end + 1].isdigit():
         return found("a number must begin with a digit", "write `0.5`")
     if (
@@ -273,6 +275,8 @@ def _by_history(
         where = _span(last, source, text)
         return Found("syntax", where, "`joint` takes no `limit`", where.start, CLAUSES_ELSEWHERE["joint", "limit"])
     if token.type == "EQUAL" and statement is not None and statement.type in _CONDITIONS:
+        if (sign := text[span.end : span.end + 1]) in ("<", ">"):
+            return found(f"`={sign}` is no comparison", f"write `{sign}=`")
         return found("`=` gives a name its value; it does not compare", "to compare, write `==`")
     if last.type in _ENDS_VALUE and token.type in _BEGINS_VALUE:
         return _two_values(token, last, history, accepted, found)
@@ -443,6 +447,9 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
         return found(f"`{statement.value}` takes no `{token.value}`", elsewhere)
     if statement is not None and token.value:
         near = suggest(token.value, clauses)
+        if near is None and token.type == "NAME" and statement.type in ("LABEL", "MATERIAL", "FIELD"):
+            example = "for example `label semantic.leg on left_leg, right_leg`"
+            return found(f"a comma is missing before {shown}: targets are separated by commas", example)
         listed = ", ".join(f"`{c}`" for c in clauses)
         hint = (
             f"did you mean `{near}`?"

@@ -361,6 +361,21 @@ MISTAKES = (
         "for example `param kind : choice round | square = round`",
         ('param x : choice "a" | "b"', 'param x : choice a | "b"'),
     ),
+    Mistake(
+        "the options of a choice are separated by `|`",
+        "for example `param kind : choice round | square`",
+        ("param x : choice a, b", "param x : choice a or b", "param x : choice a / b", "param x : choice a b"),
+    ),
+    Mistake(
+        "a point is written in square brackets",
+        "write `at [x, y, z]`",
+        ("keypoint a on b at 0, 0, 0", "keypoint a on b at 1cm, 0, 0", "keypoint a on b at -1cm, 0"),
+    ),
+    Mistake(
+        "a reduction goes over all elements by itself",
+        "write the path through the repeat: `sum(leg.bar.size.z)`, `max(row.wide)`",
+        ("let x = sum(a.b for c in d)", "let x = max(a for c in d)", "let x = sum(2 * a for c in d)"),
+    ),
     Mistake("a power is written with `^`", "for example `r ^ 2`", ("let x = a ** 2",)),
     Mistake(
         "a message in quotes is missing after `else`",
