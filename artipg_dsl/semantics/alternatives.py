@@ -22,6 +22,7 @@ from .types import ANGLE, DIRECTION, MATERIAL, RATIO, UNKNOWN, ChoiceType, Named
 if TYPE_CHECKING:
     from .checker import Checker, Context
 
+_SHOWN = 3  # parameters in a hint
 _HANDED = "(handed)"  # how guards call the choices of a template of which there are only the arguments
 
 
@@ -231,7 +232,7 @@ def _check_arguments(
                 "wrong-arguments",
                 argument.span,
                 "an argument of a template or primitive needs its name",
-                hint="as in `Cuboid(size = [1cm, 2cm, 3cm])`",
+                hint=_by_name(ck, symbols),
             )
             ck.infer(ctx.but(holes=True), argument.value)
             continue
@@ -255,6 +256,15 @@ def _check_arguments(
             _stands(ck, ctx, symbol, argument, (*outer, *given))
             _within_range(ck, ctx, symbol, argument)
         _argument(ck, ctx, argument, wanted)
+
+
+def _by_name(ck: Checker, symbols: list[Symbol]) -> str:
+    """How the arguments of a template are written."""
+    names = parameters(ck, symbols[0])[:_SHOWN] if symbols else []
+    if not names:
+        return "as in `Cuboid(size = [1cm, 2cm, 3cm])`"
+    written = [f"{name} = {'[1cm, 2cm, 3cm]' if name == 'size' else '...'}" for name in names]
+    return f"as in `{symbols[0].name}({', '.join(written)})`"
 
 
 def _stands(

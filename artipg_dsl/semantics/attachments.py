@@ -35,6 +35,7 @@ def check(ck: Checker, scope: BodyScope) -> None:
     """The parts of a category or template, and of its repeats."""
     category = scope.owner.kind == "category"
     found: dict[int, list[Attachment]] = {}
+    backwards: set[str] = set()  # what the root is attached to, the wrong way round: that is told of the root
     for at, stmt, guards in _statements(scope, scope.owner.body, ()):
         subject = ast.placed(stmt)
         first = None if subject is None else path_root(subject)
@@ -45,6 +46,8 @@ def check(ck: Checker, scope: BodyScope) -> None:
         for entry in at.find(first.name):
             if entry.kind == "part" and consistent(condition, ck.entry_condition(entry)):
                 word = "connect" if isinstance(stmt, ast.ConnectStmt) else "joint"
+                if isinstance(entry.node, ast.PartDecl) and entry.node.root:
+                    backwards |= _carriers(stmt)
                 found.setdefault(id(entry), []).append(
                     Attachment(stmt.span, word, condition, there, subject.span.words)
                 )
@@ -55,9 +58,22 @@ def check(ck: Checker, scope: BodyScope) -> None:
         meant = (
             entry in roots or not roots and entry is foremost
         )  # the first of a category without a root, which is told
-        _count(ck, entry, found.get(id(entry), []), category and not meant, entry in roots)
+        _count(
+            ck, entry, found.get(id(entry), []), category and not meant and entry.name not in backwards, entry in roots
+        )
     if category:
         _check_roots(ck, scope, roots, foremost)
+
+
+def _carriers(stmt: ast.Stmt) -> set[str]:
+    """The part that a statement attaches something to."""
+    if isinstance(stmt, ast.JointDecl):
+        target = stmt.parent
+    else:
+        assert isinstance(stmt, ast.ConnectStmt)
+        target = next((clause.value for clause in ast.present(stmt.to, stmt.on, stmt.in_)), None)
+    first = None if target is None else path_root(target)
+    return {first.name} if isinstance(first, ast.NameExpr) else set()
 
 
 def _check_roots(ck: Checker, scope: BodyScope, roots: list[Entry], first: Entry | None) -> None:
@@ -85,7 +101,7 @@ def _count(ck: Checker, entry: Entry, found: list[Attachment], needed: bool, roo
             attachment.span,
             f"`{entry.name}` is the root: it cannot be attached",
             notes=((entry.span, "declared as root here"),),
-            hint="turn the statement around: attach the other part to the root",
+            hint="turn the statement around, so that the other part is attached to the root: `joint open : revolute body -> door`",
         )
         return
     exists = _exists(ck, entry)

@@ -245,8 +245,12 @@ def check_default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what
 def check_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, kind: Type, what: str) -> None:
     """Both ends fit the type, and the low one is not above the high one."""
     wanted = RATIO if kind == COUNT and not isinstance(interval.low, ast.NumberExpr) else kind
+    fitting = True
     for end in (interval.low, interval.high):
-        ck.expect(ctx, end, wanted if not isinstance(end, ast.NumberExpr) else kind, what)
+        whole = wanted if not isinstance(end, ast.NumberExpr) else kind
+        fitting &= fits(ck.expect(ctx, end, whole, what), whole)
+    if not fitting:
+        return
     lows, highs = components(interval.low, ctx.module), components(interval.high, ctx.module)
     if len(lows) == len(highs):
         for low, high in zip(lows, highs, strict=True):

@@ -233,6 +233,8 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
         hint = "to test what a part is, write `part is Template`"
     elif STRING in (left, right) and (isinstance(left, ChoiceType) or isinstance(right, ChoiceType)):
         hint = "the options of a choice are written without quotes"
+    elif any(isinstance(a, VecType) and isinstance(b, ScalarType) for a, b in ((left, right), (right, left))):
+        hint = "compare a component of the vector, such as `size.x`"
     elif axis is not None:
         hint = f"`{axis}` is a direction; the coordinate of a point p is `p.{axis}`"
     ck.error("wrong-type", expr.span, f"`{expr.op}` cannot compare {left} and {right}", hint=hint)

@@ -136,7 +136,10 @@ def _converted(expr: ast.Node, given: ScalarType, wanted: ScalarType) -> str | N
         if literal:
             return "write a number without a unit"
         what = with_article(dimension_name(given.dimension))
-        share = f"divide it by {what}: `{text} / ...`" if len(text) < 40 else f"divide it by {what}"
+        whole = (
+            f"({text})" if isinstance(expr, ast.BinaryExpr | ast.IfExpr | ast.UnaryExpr) and text[0] != "(" else text
+        )
+        share = f"divide it by {what}: `{whole} / ...`" if len(text) < 40 else f"divide it by {what}"
         return f"{share}, and round that with `floor`, `round` or `ceil`" if wanted.count else share
     if literal:
         unit = usual_unit(wanted.dimension)
