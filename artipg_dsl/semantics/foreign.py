@@ -54,5 +54,6 @@ MEMBERS = {
     **_each("upper up", "did you mean `top`?"),
     **_each("lower down under", "did you mean `bottom`?"),
     **_each("rear", "did you mean `back`?"),
+    "axis": "write the axis: an edge, such as `part.left.back`, or `line(at = part.center, along = z)`",
     **_each("x y z", "use `size.x` for its length along x, `center.x` for its position"),
 }

@@ -422,7 +422,8 @@ def _element_member(ck: Checker, ctx: Context, obj: ElementType, word: str, span
     if own is not None:
         return own
     names = [*inner.table, *BOX_MEMBERS, "gap"]
-    meant = did_you_mean(word, names) or (obj.ranked if word in ("index", "rank", "number") else None)
+    ranked = obj.ranked if word in ("index", "rank", "number") else None
+    meant = foreign.MEMBERS.get(word) or did_you_mean(word, names) or ranked
     return ck.error("unknown-member", span, f"an element of `{entry.name}` has no `{word}`", hint=meant)
 
 
@@ -452,6 +453,10 @@ def index(ck: Checker, ctx: Context, expr: ast.IndexExpr) -> Type:
     if obj == UNKNOWN:
         return UNKNOWN
     whole = expr.obj.span.words
+    first, _, rest = whole.partition(".")
+    if isinstance(obj, PartType) and obj.many and rest and "[" not in first:
+        element = f"`{first}[{expr.index.span.words}].{rest}`"
+        return ck.unfit(expr, obj, "only repeats and indexed ports take an index", f"the repeat takes it: {element}")
     hint = f"surfaces of a family are named together; a formula chooses among them: `on {whole} where n.x > 0.5`"
     return ck.unfit(
         expr,

@@ -443,6 +443,14 @@ def _clears(ck: Checker, ctx: Context, end: ast.Expr) -> bool:
     return True
 
 
+def _edge_of(face: ast.Expr) -> str:
+    """An edge of a face."""
+    if not isinstance(face, ast.MemberExpr) or face.name not in FACES:
+        return "`door.left.back`"
+    across = "left" if face.name in ("front", "back") else "back"
+    return f"`{face.span.words}.{across}`"
+
+
 def axis_value(ck: Checker, word: str, value: ast.Expr, kind: Type) -> None:
     if kind in (UNKNOWN, LINE, EDGE, FRAME) or (fits(kind, DIRECTION) if word == "along" else kind == DIRECTION):
         return
@@ -456,7 +464,7 @@ def axis_value(ck: Checker, word: str, value: ast.Expr, kind: Type) -> None:
             "bad-axis",
             value.span,
             "an axis must be an edge or a line, but this is a plane",
-            hint="two adjacent faces share an edge: `door.left.back`",
+            hint=f"two adjacent faces share an edge: {_edge_of(value)}",
         )
     else:
         need = "a direction" if word == "along" else "an edge or a line"
