@@ -14,7 +14,7 @@ def call(function: Callable[..., Any], *values: object) -> Any:
     """What ``function`` of a loaded library returns for ``values``: integers of 64 bits, doubles, arrays and structures by their
     addresses; what ctypes knows already, and text, as it is. The arrays lie in memory row by row, with the types that the code expects;
     for others, of which it would read what is beside them, TypeError."""
-    return function(*map(_passed, values))
+    return function(*[_passed(value) for value in values])  # of a map, tuples are left over for each call
 
 
 @lru_cache(maxsize=256)
