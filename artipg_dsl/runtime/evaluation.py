@@ -18,8 +18,8 @@ from .lines import Argument, Call, Line, Step, constant, flat, whole
 
 _OFTEN = 16  # runs from which on compiled Python takes less time, that of compiling it included
 
-_Steps: dict[str, Callable[..., Any]] = {**FUNCTIONS, "where": np.where}
-_Written: dict[str, Callable[..., Any]] = {
+_STEPS: dict[str, Callable[..., Any]] = {**FUNCTIONS, "where": np.where}
+_WRITTEN: dict[str, Callable[..., Any]] = {
     "take": getitem,
     "ranks": lambda rows: rows.rank.astype(np.float64),
     "widened": lambda rows, value: full(rows, value).astype(np.float64),
@@ -65,10 +65,10 @@ class _Stepwise:
         self._start: list[Any] = [None]
         self._places = {"state": 0}
         self._calls: list[tuple[Callable[..., Any], int | slice, Callable[[list[Any]], Sequence[Any]]]] = []
-        functions = {**known, **_Written}
+        functions = {**known, **_WRITTEN}
         for line in lines:
             if type(line) is Step:
-                self._add(_Steps[line.op], (line.name,), line.arguments)
+                self._add(_STEPS[line.op], (line.name,), line.arguments)
             elif type(line) is Call:
                 self._add(functions[line.function], line.names, line.arguments, line.several)
         self._tables, self._values = self._all(tables), self._all(values)

@@ -16,7 +16,6 @@ from ..graph.formula import literal, source
 from ..graph.order import bottom_up
 from ..graph.program import Bound, Draw, Program, Union
 from ..records import dataclass
-from .evaluation import Evaluation
 from .lines import Argument, Call, Line, Step, taped, whole
 
 
@@ -62,12 +61,12 @@ class Plan:
     @property
     def function(self) -> Callable[..., Any]:
         if self._function is None:
-            from . import draws, kernels, newton  # start-up: a plan is made and shown without them
+            from . import draws, evaluation, kernels, newton  # start-up: a plan is made and shown without them
 
             with uncollected():
                 lines, tapes = taped(self.lines, self.values)
                 known = {**vars(kernels), **vars(draws), "solve_roots": newton.solve_roots, **tapes}
-                self._function = Evaluation(lines, self.tables, self.values, known)
+                self._function = evaluation.Evaluation(lines, self.tables, self.values, known)
         return self._function
 
 
