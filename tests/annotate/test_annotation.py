@@ -21,6 +21,7 @@ from artipg_dsl.annotate.states import joint_values, read_states
 from artipg_dsl.graph import expr as e
 from artipg_dsl.runtime.fields import Field
 from artipg_dsl.session import Session
+from tests.vice import VICE
 
 
 def turns(count: int = 50) -> np.ndarray:
@@ -216,24 +217,9 @@ def test_symmetry_in_words() -> None:
     assert symmetry_words(np.array([[1, 2], [2, 0], [0, 2]])) == [None, "2 about x", "any about z"]
 
 
-SCREWS = """apg 1
-use primitives { Cuboid, Cylinder }
-category Vice {
-  root part body : Cuboid(size = [20cm, 20cm, 5cm])
-  repeat side[k] mirror across y {
-    part nut : Cylinder(radius = 1cm, height = 2cm) along y
-    align nut.center = [0, 12cm, 0]
-    joint drive : screw body -> nut about line(at = nut.center, along = y) range 0turn .. 2turn pitch 3mm
-  }
-  part key : Cuboid(size = [2cm, 2cm, 2cm])
-  joint press : prismatic body.top -> key.bottom gap 1mm range 0mm .. 5mm
-}
-"""
-
-
 def test_screws_tell_their_pitch_as_they_move() -> None:
     """After a turn, a link has moved by the pitch along the axis: a mirrored screw has the other thread."""
-    batch = Session.of_text(SCREWS).sampler.batch(np.arange(2), 1)
+    batch = Session.of_text(VICE).sampler.batch(np.arange(2), 1)
     values = np.where(np.isnan(batch.joints().pitch), 0.0, 2 * np.pi)
     turned, moved = batch.pose(values)
     assert np.abs(turned - np.eye(3)).max() < 1e-12

@@ -20,6 +20,7 @@ from artipg_dsl.export.registry import FORMATS
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.write import ExportError
 from artipg_dsl.session import Session
+from tests.vice import VICE
 
 EVERY = os.environ.get("ARTIPG_EVERY") == "1"
 WORDS = {"hinge", "slider", "slider+", "free", "heavy", "static"}
@@ -366,24 +367,9 @@ def test_screws_advance_and_balls_keep_still(monkeypatch: pytest.MonkeyPatch) ->
     assert joint is not None and joint.attrib["type"] == "fixed" and joint.find("axis") is None
 
 
-LEFT_HANDED = """apg 1
-use primitives { Cuboid, Cylinder }
-category Vice {
-  root part body : Cuboid(size = [20cm, 20cm, 5cm])
-  repeat side[k] mirror across y {
-    part nut : Cylinder(radius = 1cm, height = 2cm) along y
-    align nut.center = [0, 12cm, 0]
-    joint drive : screw body -> nut about line(at = nut.center, along = y) range 0turn .. 2turn pitch 3mm
-  }
-  part key : Cuboid(size = [2cm, 2cm, 2cm])
-  joint press : prismatic body.top -> key.bottom gap 1mm range 0mm .. 5mm when side[0].drive > 1turn and side[1].drive > 1turn
-}
-"""
-
-
 def test_left_handed_screws_have_their_lower_limit_first() -> None:
     """Of two mirrored screws one goes along its axis, the other against it, and as far."""
-    batch = Session.of_text(LEFT_HANDED).sampler.batch(np.arange(1), 1)
+    batch = Session.of_text(VICE).sampler.batch(np.arange(1), 1)
     assert batch.joints().pitch[1:].tolist() == pytest.approx([0.003, -0.003])
     files = partnet_files(Robots(batch), 0)
     unit = float(json.loads(files["meta.json"])["metres_per_unit"])

@@ -13,6 +13,7 @@ from artipg_dsl.errors import UserError
 from artipg_dsl.layouts.cage import nodes, tree_hash
 from artipg_dsl.layouts.registry import LAYOUTS
 from artipg_dsl.session import Session
+from tests.vice import VICE
 
 from .conftest import Lay, faults
 
@@ -75,20 +76,7 @@ def test_joints_are_those_of_the_model(cage: Path) -> None:
 
 
 def test_left_handed_screws_open_from_0_on() -> None:
-    text = """apg 1
-use primitives { Cuboid, Cylinder }
-vocabulary semantic { knob }
-category Vice {
-  root part body : Cuboid(size = [20cm, 20cm, 5cm])
-  repeat side[k] mirror across y {
-    part nut : Cylinder(radius = 1cm, height = 2cm) along y
-    align nut.center = [0, 12cm, 0]
-    joint drive : screw body -> nut about line(at = nut.center, along = y) range 0turn .. 2turn pitch 3mm
-    label semantic.knob on nut
-  }
-}
-"""
-    batch = Session.of_text(text).sampler.batch(np.arange(1), 1)
+    batch = Session.of_text(VICE).sampler.batch(np.arange(1), 1)
     term = LAYOUTS["cage"].term("Vice", {"Vice": {"class": "Table", "parts": {"knob/screw": "knob"}}})
     assert term is not None
     (made,) = nodes(batch, term)
