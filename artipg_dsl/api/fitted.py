@@ -52,6 +52,8 @@ def fit_objects(
     unit: str = "auto",
     normalised: bool = False,
     map: Mapping[str, str] | None = None,
+    set: Mapping[str, Any] | None = None,
+    facts: Mapping[str, Mapping[str, Any]] | str | Path | None = None,
     checked: bool = True,
     at_rest: bool = False,
     workers: int = 1,
@@ -67,15 +69,18 @@ def fit_objects(
 
     ``up`` and ``front`` are axes such as "z" or "-y" ("any" tries all for ``up``), ``unit`` is "m", "cm", "mm" or "in"; what is not
     given is found. In memory z is up if nothing is said, and other axes are tried where nothing fits well. ``normalised``: the scale
-    means nothing. ``map`` maps names of labels to words of ``semantic``, which are kept apart: ``{"Seat_01": "seat"}``. ``checked``:
-    without links that collide. Joints are moved where nothing fits at rest, unless ``at_rest``. ``workers`` processes share groups
-    of six objects. ``progress``: True for a line on stderr, as the command has it, or a function that is called with (done, total).
+    means nothing. ``map`` maps names of labels to words of ``semantic``, which are kept apart: ``{"Seat_01": "seat"}``. ``set`` is
+    what is known of all objects, ``facts`` what is known of each, by its name, or a file of it, ``{"door_03": {"leaves": 2}}``: only
+    objects of which that is true are looked for. ``checked``: without links that collide. Joints are moved where nothing fits at rest,
+    unless ``at_rest``. ``workers`` processes share groups of six objects. ``progress``: True for a line on stderr, as the command has
+    it, or a function that is called with (done, total).
     ``folder`` is written as ``save`` writes it, group by group while they are fitted; objects that it has from an earlier call with the same
     options, even one that was ended, are not fitted again.
 
     What cannot be read or does not fit is in ``records`` with the reason, and not among the objects. Raises NothingFits if that is all
     of them, and CompileError, UsageError, UserError.
     """
+    from ..run.facts import read_facts
     from ..run.fits import Folder, write_fits
     from ..run.fitting import Asked, find_unmatched, fit_all, good_ones, prepare_fitted
 
@@ -86,7 +91,8 @@ def fit_objects(
     items, frame = read_real(real, up, front, unit, normalised, told.append)
     sampler, source = open_program(request.source)
     words = read_map(map, sampler.program)
-    asked = Asked(source, frame, request.seed, request.checked, words, not at_rest)
+    known = read_facts(set or {}, facts, sampler.program, [item.name for item in items])
+    asked = Asked(source, frame, request.seed, request.checked, words, not at_rest, known)
     with telling(progress, sampler.program.name, "fitting") as tell:
         if out is None:
             records = fit_all(sampler, asked, items, workers, tell)

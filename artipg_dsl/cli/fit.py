@@ -20,9 +20,11 @@ def run(options: argparse.Namespace) -> int:
     from ..fit.finding import find_files
     from ..fit.pose import Frame
     from ..fit.sources import name_files
+    from ..run.facts import read_facts
     from ..run.fits import Folder, write_fits
     from ..run.fitting import Asked, tell_unmatched
     from ..run.job import open_program
+    from ..run.settings import split_settings
     from .sample import refuse_file
 
     begun = time.monotonic()
@@ -34,8 +36,9 @@ def run(options: argparse.Namespace) -> int:
         progress.stage("compiling")
         sampler, source = open_program(options.program)
         words = read_words(options.map, sampler.program.vocabularies.get("semantic", ()))
+        facts = read_facts(split_settings(options.set), options.facts, sampler.program, [item.name for item in items])
         progress.stage("fitting")
-        asked = Asked(source, frame, options.seed or 0, not options.unchecked, words, not options.at_rest)
+        asked = Asked(source, frame, options.seed or 0, not options.unchecked, words, not options.at_rest, facts)
         folder = Folder(out, pictures=not options.plain)
         summary, _, _ = write_fits(
             sampler, asked, folder, items, force=options.force, workers=options.workers, progress=progress

@@ -12,6 +12,16 @@ def add_fit(to: argparse.ArgumentParser) -> None:
     add_program(to)
     to.add_argument("-o", "--out", type=folder, default="fitted", metavar="DIR", help="output folder (default: fitted)")
     add_real(to)
+    to.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help='what is known of all files, such as leaves=2, grip="LeverHandle | DoorKnob" or width="80cm .. 1m"',
+    )
+    to.add_argument(
+        "--facts", metavar="FILE", help='what is known of each, by its name: a JSON file, {"door_03": {"leaves": 2}}'
+    )
     to.add_argument("--seed", type=whole, metavar="N", help="random seed (default: 0)")
     to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
     to.add_argument(

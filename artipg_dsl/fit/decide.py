@@ -262,7 +262,8 @@ def alternatives(model: Model, batch: Batch) -> Changes:
         draw = model.program.draws[number]
         owner, old = batch.owner(draw.column.scope), batch.state.values[number]
         if draw.kind == "choice":
-            options = np.broadcast_to(np.arange(len(draw.options), dtype=np.float64), (len(old), len(draw.options)))
+            possible = [float(k) for k, weight in enumerate(draw.weights) if weight.constant != 0.0]
+            options = np.broadcast_to(possible, (len(old), len(possible)))
         elif draw.kind == "count":
             low, high = domain_ends(batch, number)
             steps = np.arange(1.0, 1.0 + np.minimum(high - low, _COUNTED).max(initial=0.0))

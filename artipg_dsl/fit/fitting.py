@@ -45,8 +45,10 @@ class Fitted:
 
 
 def usual_size(model: Model) -> float:
-    """The diagonal of common objects of a category, in metres."""
+    """The diagonal of common objects of a category, in metres. Raises UserError where none is found."""
     drawn = model.drawn(np.arange(_USUAL), 0)
+    if drawn.state.failed.all():  # few are as they are known to be
+        drawn = model.valid(np.arange(Effort().drawn), 0)
     low, high = object_boxes(drawn.sites(), len(drawn))
     across = np.sqrt(((high - low) ** 2).sum(axis=1))
     return float(np.median(across[~drawn.state.failed & np.isfinite(across)]))

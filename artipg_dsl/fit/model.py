@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..errors import UserError
 from ..graph.depend import draws_behind
 from ..graph.expr import Expr, Scope
 from ..graph.reference import ranks_of
@@ -152,6 +153,17 @@ class Model:
         if not isinstance(self.program, Opened):
             return batch
         return self.altered(batch, np.arange(len(batch)), Changes(*shut(batch, seed)))
+
+    def valid(self, numbers: np.ndarray, seed: int) -> Batch:
+        """Those of them that are valid. Raises UserError where none is."""
+        drawn = self.drawn(numbers, seed)
+        good = np.flatnonzero(~drawn.state.failed)
+        if not len(good):
+            raise UserError(
+                f"of {len(drawn)} objects that were drawn of {self.program.name}, none is as it is known to be",
+                "leave some facts out",
+            )
+        return self.assembled([(drawn, good)])
 
     def at_rest(self, batch: Batch) -> Batch:
         """The candidates as objects of the sampler's program, whose joints have no values of their own."""

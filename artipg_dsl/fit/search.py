@@ -43,7 +43,7 @@ class Effort:
 
 
 def search(model: Model, targets: Targets, effort: Effort, seed: int = 0) -> Candidates:
-    """The best candidate of each object: one row each."""
+    """The best candidate of each object: one row each. Raises UserError where nothing is drawn that can be one."""
     found = _chosen(model, targets, effort, seed)
     found = refine(model, targets.first(512), found, effort.first)
     found = best(model, found, targets, effort.best)
@@ -89,9 +89,7 @@ def best_of(structure: np.ndarray, owner: np.ndarray, score: np.ndarray, count: 
 def _chosen(model: Model, targets: Targets, effort: Effort, seed: int) -> Candidates:
     """The best of many drawn candidates for each object: of those whose boxes come nearest, those whose clouds do when their boxes
     are made equal."""
-    drawn = model.drawn(np.arange(effort.drawn), seed)
-    valid = np.flatnonzero(~drawn.state.failed)
-    drawn = model.assembled([(drawn, valid)])
+    drawn = model.valid(np.arange(effort.drawn), seed)
     low, high = object_boxes(tables(drawn), len(drawn))
     size = np.maximum(high - low, 1e-6)
     differ = np.log(size)[None] - np.log(np.maximum(targets.size, 1e-6))[:, None]  # (T, N, 3)

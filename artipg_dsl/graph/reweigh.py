@@ -26,6 +26,14 @@ def reweigh(program: Program, draws: Mapping[int, Draw]) -> Program:
     return replace(program, draws=[draws.get(k, draw) for k, draw in enumerate(program.draws)])
 
 
+def exclude(draw: Draw, where: Expr = E.TRUE) -> Draw:
+    """A draw that has no value in the rows in which a condition holds: no object is left that has any."""
+    if draw.kind == "choice":
+        return replace(draw, weights=tuple(E.where(where, E.ZERO, weight) for weight in draw.weights))
+    low, high = draw.ends
+    return replace(draw, low=E.where(where, E.ONE, low), high=E.where(where, E.ZERO, high))
+
+
 # ---------------------------------------------------------------- choices
 
 
@@ -68,6 +76,14 @@ def share_options(draw: Draw, shares: Sequence[tuple[Group, float]], otherwise: 
     return _chosen(draw, weights)
 
 
+def keep_options(draw: Draw, group: Group, where: Expr = E.TRUE) -> Draw:
+    """A choice that is one of some options, by the weights that these have, in the rows in which a condition holds. Raises
+    NothingLeft."""
+    _require_possible(draw, group, 1.0)
+    weights = [w if k in group else E.where(where, E.ZERO, w) for k, w in enumerate(draw.weights)]
+    return replace(draw, weights=tuple(weights))
+
+
 def _require_possible(draw: Draw, group: Group, asked: float) -> None:
     if asked > 0.0 and all(draw.weights[k].constant == 0.0 for k in group):
         named = " | ".join(draw.options[k] for k in group)
@@ -92,8 +108,9 @@ def _chosen(draw: Draw, weights: Sequence[Expr]) -> Draw:
 # ---------------------------------------------------------------- numbers
 
 
-def narrow(draw: Draw, low: float, high: float) -> Draw:
-    """A number between ``low`` and ``high`` as far as its range and its distribution reach. Raises NothingLeft."""
+def narrow(draw: Draw, low: float, high: float, where: Expr = E.TRUE) -> Draw:
+    """A number between ``low`` and ``high`` as far as its range and its distribution reach, in the rows in which a condition holds.
+    Raises NothingLeft."""
     made = _within_support(draw)
     if draw.distribution == "values":
         known = [a.constant for a in draw.arguments]
@@ -102,7 +119,8 @@ def narrow(draw: Draw, low: float, high: float) -> Draw:
     least, most = E.maximum(made.ends[0], E.const(low)), E.minimum(made.ends[1], E.const(high))
     if least.constant is not None and most.constant is not None and least.constant > most.constant + _SMALL:
         raise NothingLeft("this range lies beside its distribution")
-    return replace(made, low=least, high=most)
+    first, last = made.ends
+    return replace(made, low=E.where(where, least, first), high=E.where(where, most, last))
 
 
 def redistribute(draw: Draw, distribution: str, arguments: Sequence[float]) -> Draw:

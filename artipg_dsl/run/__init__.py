@@ -12,6 +12,7 @@ In: the words of the command line or the arguments of Python. Out: a ``Job``, wh
     sharing, workers, memory             one process or several, and how much they take
     progress                             a line that tells how far it is
     evidence                             what is known of the validity of its objects
+    facts                                what is known of real objects
     fitting, binding, wearing            real objects fitted, their details bound, and who wears which
     fits, bindings                       folders of these
     comparing                            samples beside real objects

@@ -21,7 +21,7 @@ from ..fit.real import check_record
 from ..fit.sources import MEMORY, File, Item, mark
 from . import manifest as manifests
 from .binding import Arrays, Binding, Fit, summarize
-from .fits import FITS, SUMMARY, Folder, list_objects, read_record, refuse_other
+from .fits import FACTS, FITS, SUMMARY, Folder, list_objects, read_record, refuse_other
 from .fitting import Record, to_text
 from .job import Job, ProgramChanged
 from .resume import reopen
@@ -214,6 +214,7 @@ def _fit_again(source: str, folder: Path, summary: Mapping[str, Any]) -> str:
     frame = summary.get("options", {}).get("frame", {})
     options = [f"--{name}={frame[name]}" for name in ("up", "front", "unit") if frame.get(name, "auto") != "auto"]
     options += ["--normalised"] if frame.get("normalised") else []
+    options += [f"--facts={shlex.quote(str(folder / FACTS))}"] if (folder / FACTS).is_file() else []
     known = [{**one, **(Folder(folder).record(one["name"]) or {})} for one in summary["objects"]]
     files = list(dict.fromkeys(str(Folder(folder).real(one).path) for one in known))
     straight = os.path.normpath(source)  # what `..` follows may be a link: then the path stays as it is

@@ -26,6 +26,7 @@ from ..view.sheet import Painter
 from . import manifest as manifests
 from .chunk import shard_path
 from .dataset import write_dataset
+from .facts import Facts
 from .fitting import Asked, Group, Record, Work, good_ones, groups_of, prepare_fitted, summarize, to_text
 from .job import Job
 from .output import Output
@@ -34,7 +35,7 @@ from .sharing import LONG, share
 from .sources import seen_from, seen_here
 from .workers import map_each
 
-FITS, PICTURES, KEPT, VALUES, SUMMARY = "fits", "pictures", "kept", "values.jsonl", "fit.json"
+FITS, PICTURES, KEPT, VALUES, SUMMARY, FACTS = "fits", "pictures", "kept", "values.jsonl", "fit.json", "facts.json"
 _TILE = 320
 
 
@@ -74,9 +75,11 @@ class Folder:
         kept = record.get("kept")
         return File(self.out / kept, held=True) if isinstance(kept, str) else File(Path(str(record["source"])))
 
-    def has(self, item: Item, options: Mapping[str, Any]) -> bool:
+    def has(self, item: Item, options: Mapping[str, Any], facts: Facts) -> bool:
         found = self.record(item.name)
-        if found is None or found.get("options") != options or found.get("file") != item.real.mark():
+        if found is None or found.get("options") != options or found.get("facts", {}) != facts:
+            return False
+        if found.get("file") != item.real.mark():
             return False
         return "kept" not in found or self.real(found).path.is_file()
 
@@ -97,14 +100,18 @@ def write_fits(
         _refuse_others(folder, items)
     _make_ready(folder)
     options = asked.plain(sampler.program.hash)
-    left = [group for group in groups_of(items) if force or not all(folder.has(item, options) for item in group)]
-    done = len(items) - sum(map(len, left))
+
+    def done(group: Group) -> bool:
+        return all(folder.has(item, options, asked.facts.get(item.name, {})) for item in group)
+
+    left = [group for group in groups_of(items, asked.facts) if force or not done(group)]
+    ready = len(items) - sum(map(len, left))
     if progress:
-        progress(done, len(items))
+        progress(ready, len(items))
     for count in _each(sampler, asked, folder, left, workers):
-        done += count
+        ready += count
         if progress:
-            progress(done, len(items))
+            progress(ready, len(items))
     records = [found for item in items if (found := folder.record(item.name)) is not None]
     summary = summarize(sampler.program.name, options, records)
     values = str(folder.out / VALUES)
@@ -183,7 +190,7 @@ class _Writer:
 
     @staticmethod
     def of(sampler: Sampler, asked: Asked, folder: Folder) -> _Writer:
-        return _Writer(Work.of(sampler, asked), folder, Painter("auto", _TILE) if folder.pictures else None)
+        return _Writer(Work(sampler, asked), folder, Painter("auto", _TILE) if folder.pictures else None)
 
     def write(self, group: Group) -> int:
         """Write the records of a group, and the pictures; how many they are."""
@@ -228,13 +235,19 @@ def list_objects(summary: Mapping[str, Any] | None, *keys: str) -> list[Mapping[
 
 
 def _finish(out: Path, summary: Record, records: Sequence[Record], job: Job | None) -> None:
-    """Write what was found of all objects: the summary, the values, and the objects as samples, those of a job if there are any."""
+    """Write what was found of all objects: the summary, the values, what was known, and the objects as samples, those of a job if there are
+    any."""
     good = [seen_from(out, r) for r in good_ones(records)]
     lines = [
         json.dumps({"name": r["name"], "source": r["source"], "drawn": r["drawn"]}, ensure_ascii=False) for r in good
     ]
     write_bytes(out / VALUES, "".join(line + "\n" for line in lines).encode(), force=True)
     write_bytes(out / SUMMARY, to_text(seen_from(out, summary)), force=True)
+    facts = {r["name"]: r["facts"] for r in records if r.get("facts")}
+    if facts:
+        write_bytes(out / FACTS, to_text(facts), force=True)
+    else:
+        (out / FACTS).unlink(missing_ok=True)
     output = Output.of(choose_formats("annotation"), Content())
     if job is not None:
         if not _holds(out, job, output):

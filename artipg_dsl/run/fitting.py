@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, field
 from functools import cache
 from typing import Any
 
@@ -22,6 +22,7 @@ from ..fit.sources import Item
 from ..fit.states import can_open
 from ..records import dataclass
 from ..sampling.sample import Sampler
+from .facts import Facts, apply_facts
 from .job import Job, prepare
 from .request import read_request
 from .sharing import LONG, share
@@ -37,7 +38,8 @@ Group = Sequence[Item]
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """How objects are fitted: ``source`` names the program; ``words`` maps names of labels to words of ``semantic``."""
+    """How objects are fitted: ``source`` names the program; ``words`` maps names of labels to words of ``semantic``; ``facts`` are what is
+    known of each object, by its name."""
 
     source: str
     frame: Frame
@@ -45,6 +47,7 @@ class Asked:
     checked: bool = True
     words: tuple[tuple[str, str], ...] = ()
     opened: bool = True  # joints are moved where nothing at rest fits
+    facts: Mapping[str, Facts] = field(default_factory=dict)
 
     def plain(self, program: str) -> Record:
         return {
@@ -85,57 +88,82 @@ def tell_unmatched(words: Iterable[str], labels: Sequence[str], name: str, of: s
     return f"no {of} has a label {any_of(missing)}, as {name} says: {has}"
 
 
-def groups_of(items: Group) -> list[Group]:
-    """What is searched together."""
-    return [items[at : at + TOGETHER] for at in range(0, len(items), TOGETHER)]
+def groups_of(items: Group, facts: Mapping[str, Facts]) -> list[Group]:
+    """What is searched together: a few objects of which the same is known."""
+    alike: dict[str, list[Item]] = {}
+    for item in items:
+        alike.setdefault(json.dumps(facts.get(item.name, {}), sort_keys=True), []).append(item)
+    return [some[at : at + TOGETHER] for some in alike.values() for at in range(0, len(some), TOGETHER)]
 
 
 # ---------------------------------------------------------------- one group
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Models:
+    """What is fitted to objects of which the same is known. ``usual``: how large such objects are."""
+
+    still: Model
+    opened: Model | None
+    usual: float
+
+    @staticmethod
+    def of(sampler: Sampler, asked: Asked, facts: Facts) -> _Models:
+        """Raises UserError where facts leave nothing."""
+        own = Sampler(apply_facts(sampler.program, facts, "what is known")) if facts else sampler
+        model = Model(own)
+        opened = Model(own, opened=True) if asked.opened and can_open(own.program) else None
+        return _Models(model, opened, usual_size(model))
 
 
 @dataclass(slots=True, eq=False)
 class Work:
     """What a process fits with."""
 
-    model: Model
-    opened: Model | None
+    sampler: Sampler
     asked: Asked
-    usual: float
+    models: dict[str, _Models] = field(default_factory=dict)  # those of the last facts
 
-    @staticmethod
-    def of(sampler: Sampler, asked: Asked) -> Work:
-        model = Model(sampler)
-        opened = Model(sampler, opened=True) if asked.opened and can_open(sampler.program) else None
-        return Work(model, opened, asked, usual_size(model))
+    def _models(self, facts: Facts) -> _Models:
+        known = json.dumps(facts, sort_keys=True)
+        if known not in self.models:
+            self.models = {known: _Models.of(self.sampler, self.asked, facts)}
+        return self.models[known]
 
     def fit(self, group: Group) -> list[tuple[Record, Fitted | None]]:
         """The record of each object of a group, and what was found of those that could be read."""
-        asked = self.asked
+        asked, facts = self.asked, self.asked.facts.get(group[0].name, {})
         marks = [item.real.mark() for item in group]  # of what is read: files may change while they are fitted
         read: dict[str, tuple[Posed, str]] = {}
         told: dict[str, tuple[Record, Fitted | None]] = {}
         for item in group:
             try:
+                models = self._models(facts)
                 cloud = item.real.read()
-                read[item.name] = pose(cloud, asked.frame, item.real.suffix, self.usual), cloud.lost
+                read[item.name] = pose(cloud, asked.frame, item.real.suffix, models.usual), cloud.lost
             except UserError as wrong:
                 told[item.name] = {"failed": explain(wrong)}, None
-        found = self._find([posed for posed, _ in read.values()])
+        try:
+            found = self._find([posed for posed, _ in read.values()], facts)
+        except UserError as wrong:
+            told |= {name: ({"failed": explain(wrong)}, None) for name in read}
+            found, read = [], {}
         for (name, (posed, lost)), one in zip(read.items(), found, strict=True):
             labels = {"labels": sorted(set(posed.names))} if asked.words else {}
             told[name] = {**one.told, **labels, **({"lost": lost} if lost else {}), "drawn": one.values}, one
         records: list[tuple[Record, Fitted | None]] = []
         for item, file in zip(group, marks, strict=True):
             said, one_found = told[item.name]
-            record = {"name": item.name, "source": str(item.real), **said, "file": file}
-            records.append((record | {"options": asked.plain(self.model.program.hash)}, one_found))
+            record = {"name": item.name, "source": str(item.real), **({"facts": facts} if facts else {}), **said}
+            more = {"file": file, "options": asked.plain(self.sampler.program.hash)}
+            records.append((record | more, one_found))
         return records
 
-    def _find(self, read: list[Posed]) -> list[Fitted]:
+    def _find(self, read: list[Posed], facts: Facts) -> list[Fitted]:
         if not read:
             return []
-        asked, words = self.asked, dict(self.asked.words)
-        return fit(self.model, read, seed=asked.seed, checked=asked.checked, words=words, opened=self.opened)
+        asked, words, models = self.asked, dict(self.asked.words), self._models(facts)
+        return fit(models.still, read, seed=asked.seed, checked=asked.checked, words=words, opened=models.opened)
 
 
 def explain(wrong: UserError) -> str:
@@ -156,7 +184,7 @@ _theirs: Work | None = None  # what this worker works with
 
 def _take(sampler: Sampler, asked: Asked) -> None:
     global _theirs
-    _theirs = Work.of(sampler, asked)
+    _theirs = Work(sampler, asked)
 
 
 def _fit_theirs(group: Group) -> list[Record]:
@@ -172,7 +200,7 @@ def fit_all(
     progress: Callable[[int, int], None] = lambda *_: None,
 ) -> list[Record]:
     """The records of all objects, in their order. ``progress(done, total)`` hears of objects as their groups are finished."""
-    own = cache(lambda: Work.of(sampler, asked))
+    own = cache(lambda: Work(sampler, asked))
 
     def alone(group: Group) -> list[Record]:
         return [record for record, _ in own().fit(group)]
@@ -182,7 +210,7 @@ def fit_all(
 
     records: list[Record] = []
     progress(0, len(items))
-    for found in share(groups_of(items), workers, alone, others, pace=LONG):
+    for found in share(groups_of(items, asked.facts), workers, alone, others, pace=LONG):
         records += found
         progress(len(records), len(items))
     return records
@@ -207,7 +235,7 @@ def summarize(category: str, options: Mapping[str, Any], records: Sequence[Recor
             "verdict": r["verdict"],
             "distance": r["distance"]["both"],
             "valid": r["valid"],
-            **({"lost": r["lost"]} if r.get("lost") else {}),
+            **{key: r[key] for key in ("facts", "lost") if r.get(key)},
         }
         for r in records
         if "drawn" in r

@@ -159,7 +159,7 @@ def apply_prior(program: Program, prior: Prior) -> Program:
         except SettingError as error:
             raise SettingError(f"{place}: {error.message}", _apart(program, named) or error.hint) from None
     made = reweigh(program, changed)
-    _require_objects(made, prior)
+    require_objects(made, prior)
     return made
 
 
@@ -171,7 +171,7 @@ def _apart(program: Program, named: Sequence[int]) -> str | None:
     return f"several alternatives have it: name those that are meant: {shown}"
 
 
-def _require_objects(program: Program, prior: Prior) -> None:
+def require_objects(program: Program, prior: Prior) -> None:
     """Refuse ranges that leave no object at all, whatever else is drawn."""
     for conflict in find_conflicts(program):
         if conflict.certain:

@@ -154,7 +154,7 @@ def _ranged(draw: Draw, low: Any, high: Any) -> Draw:
         ends.append(read_setting(draw, end)[0])
     if not all(map(math.isfinite, ends)) or ends[0] > ends[1]:
         raise SettingError(f"`{draw.column.name}`: the range {low} .. {high} is empty", "its low end comes first")
-    return narrow(draw, *ends)
+    return narrow(draw, ends[0], ends[1])
 
 
 def _distributed(draw: Draw, law: str, arguments: list[str]) -> Draw:

@@ -29,7 +29,8 @@ def searched_once() -> Iterator[None]:
 
     @wraps(search)
     def fit(model: Any, several: Any, *, opened: Any, **asked: Any) -> Any:
-        told = pickle.dumps((model.program.hash, several, opened is None, sorted(asked.items())))
+        draws = repr([(d.weights, d.low, d.high) for d in model.program.draws])  # facts leave the hash of a program
+        told = pickle.dumps((model.program.hash, draws, several, opened is None, sorted(asked.items())))
         key = blake2b(told).digest()
         if key not in known:
             known[key] = search(model, several, opened=opened, **asked)

@@ -226,3 +226,5 @@ def test_a_category_that_has_changed_since_the_fit_is_named(apgc: Apgc, tmp_path
         f"fit again: apgc fit {program} " in err
         and f"chest.apg '{folder / 'my box.obj'}' --up=y --normalised -o {folder}" in err
     )
+    (folder / "facts.json").write_text('{"box": {"knobs": 2}}')  # what is known of them is said again
+    assert f"--facts={folder}/facts.json -o" in apgc("bind", folder, "-o", tmp_path / "bound")[2]

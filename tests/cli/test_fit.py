@@ -75,6 +75,59 @@ def test_what_was_not_fitted_is_no_object_and_is_in_no_way(apgc: Apgc, real: Pat
     assert "0 objects in" in err and "1 object not among them: without a valid fit" in err
 
 
+def test_what_is_known_of_each(apgc: Apgc, real: Path, tmp_path: Path) -> None:
+    out, known = tmp_path / "fitted", tmp_path / "known.json"
+
+    def fits(*more: object) -> dict[str, Any]:
+        code, _, err = apgc("fit", CHEST, real, "-o", out, "--front", "x", "--plain", *more)
+        assert code == 0, err
+        return {one["name"]: one for one in json.loads((out / "fit.json").read_text())["objects"]}
+
+    before = fits()
+    files = {name: (out / "fits" / f"{name}.json").read_bytes() for name in before}
+    found = json.loads(files["chest1"])["drawn"]["knobs"]
+    other = 1 if found != 1 else 2
+    known.write_text(json.dumps({"chest1": {"knobs": other, "wood": "pine"}}))
+    now = fits("--facts", known)  # that one is fitted again, the other stays
+    assert now["chest0"] == before["chest0"] and now["chest1"]["distance"] != before["chest1"]["distance"]
+    assert now["chest1"]["facts"] == {"knobs": other, "wood": "pine"} and "facts" not in now["chest0"]
+    assert (out / "fits" / "chest0.json").read_bytes() == files["chest0"]
+    record = json.loads((out / "fits" / "chest1.json").read_text())
+    assert record["drawn"]["knobs"] == other and record["drawn"]["wood"] == "pine" and record["valid"]
+    assert json.loads((out / "facts.json").read_text()) == json.loads(known.read_text())
+    assert json.loads((out / "values.jsonl").read_text().splitlines()[1])["drawn"] == record["drawn"]
+
+    whole = tree(out)
+    assert fits("--facts", out / "facts.json") == now and tree(out) == whole
+    known.write_text(json.dumps({"chest1": {"knobs": other}}))
+    assert fits("--facts", known, "--set", "wood=pine")["chest0"]["facts"] == {"wood": "pine"}
+    record = json.loads((out / "fits" / "chest1.json").read_text())
+    assert record["facts"] == {"wood": "pine", "knobs": other} and record["drawn"]["knobs"] == other
+    assert fits() == before and not (out / "facts.json").exists()
+    assert {name: (out / "fits" / f"{name}.json").read_bytes() for name in before} == files
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "told"),
+    [
+        ('{"chest3": {"knobs": 2}}', [], "no object is called chest3 = help: did you mean `chest1`?"),
+        ('{"chest1": {"knbos": 2}}', [], "chest1: Chest draws no `knbos` = help: did you mean `knobs`?"),
+        ('{"chest1": {"knobs": "7"}}', [], "known.json: chest1: `knobs` cannot be 7: it lies in 1 .. 3"),
+        ('{"chest1": [2]}', [], "chest1 is a list, and no facts"),
+        ("[2]", [], "known.json is a list, and names no objects"),
+        ('{"chest1": {"knobs": 2, "knobs": 3}}', [], "`knobs` is given twice"),
+        ("{}", ["--set", "wood=elm"], "what is set: `wood` cannot be `elm`: it is one of oak, pine"),
+        ("{}", ["--set", "knobs"], "`knobs` sets nothing"),
+        ("{", [], "known.json:1:2: it is not JSON"),
+    ],
+)
+def test_what_cannot_be_known(apgc: Apgc, real: Path, tmp_path: Path, text: str, words: list[str], told: str) -> None:
+    (tmp_path / "known.json").write_text(text)
+    out = tmp_path / "out"
+    code, _, err = apgc("fit", CHEST, real, "-o", out, "--facts", tmp_path / "known.json", *words)
+    assert code in (1, 2) and told in " ".join(err.split()) and not out.exists(), err
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [

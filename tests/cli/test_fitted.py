@@ -175,6 +175,23 @@ def test_arrays_that_have_changed_are_not_kept(place: Path, tmp_path: Path) -> N
         fitted.save(tmp_path / "out")
 
 
+def test_what_is_known_is_as_on_the_command_line(place: Path, tmp_path: Path) -> None:
+    chests = {name: place / "real" / f"{name}.npz" for name in ("chest0", "chest1")}
+    facts = {"chest0": {"knobs": np.int64(3)}, "chest1": {"knobs": "1 .. 2", "wood": "oak"}}
+    fitted = apg.fit_objects(CHEST, chests, front="x", set={"wood": "pine"}, facts=facts, folder=tmp_path / "ours")
+    drawn = [one.drawn for one in fitted]
+    assert [(one["knobs"], one["wood"]) for one in drawn] in ([(3, "pine"), (k, "oak")] for k in (1, 2))
+    assert fitted.object(0).record["facts"] == {"wood": "pine", "knobs": 3}
+    known = tmp_path / "ours" / "facts.json"
+    asked = ["fit", CHEST, str(place / "real"), "--front", "x", "--plain", "--facts", str(known)]
+    assert main([*asked, "-o", str(tmp_path / "theirs")]) == 0
+    told = [json.loads((tmp_path / name / "fits" / "chest0.json").read_text()) for name in ("ours", "theirs")]
+    assert told[0]["drawn"] == told[1]["drawn"] and told[0]["facts"] == told[1]["facts"]
+    fitted.save(tmp_path / "saved")
+    assert apg.open_fitted(tmp_path / "saved").object(1).record["facts"] == facts["chest1"]
+    assert (tmp_path / "saved" / "facts.json").read_bytes() == known.read_bytes()
+
+
 def test_details_are_those_of_the_command_line(
     place: Path, fitted: apg.Fitted, bound: apg.Bound, tmp_path: Path
 ) -> None:
@@ -398,6 +415,9 @@ def test_what_is_wrong_is_told(place: Path, fitted: apg.Fitted) -> None:
         ({"normalised": "no"}, "normalised is 'no'"),
         ({"map": {"Knob": "handel"}}, "no word of `semantic`"),
         ({"map": ["Knob"]}, "map is"),
+        ({"set": ["knobs"]}, "set is"),
+        ({"set": {"knobs": 9}}, "what is set: `knobs` cannot be 9"),
+        ({"facts": {"chest0": {"wood": "elm"}}}, "facts: chest0: `wood` cannot be `elm`"),
         ({"workers": 0}, "workers is 0"),
         ({"seed": 0.5}, "seed is 0.5"),
         ({"checked": 3}, "checked is 3"),
