@@ -186,9 +186,8 @@ def unknown_name(program: Program, name: str) -> SettingError:
     names = list(dict.fromkeys(d.column.name for d in program.draws))
     inside = [n for n in names if n.startswith(name + ".")]
     if any(column.name == name or column.name.startswith(name + ".") for column in program.definitions) and not inside:
-        return SettingError(
-            f"`{name}` follows from other values: it cannot be set", "set what determines it, which `apgc ledger` shows"
-        )
+        hint = did_you_mean(name, names) or "set what determines it, which `apgc ledger` shows"
+        return SettingError(f"`{name}` follows from other values: it cannot be set", hint)
     if inside:
         shown = ", ".join(inside[:6]) + (", ..." if len(inside) > 6 else "")
         return SettingError(f"`{name}` is not one value", f"set one of {shown}")
