@@ -13,6 +13,7 @@ from ..geometry.sites import object_boxes
 from ..records import dataclass
 from ..runtime.batch import Batch
 from ..sampling.repair import repair
+from .choices import choices_of
 from .compare import Candidates, Targets
 from .decide import decide
 from .measure import FAR, agreement, distances, roughly, surfaces, verdict
@@ -48,7 +49,7 @@ def usual_size(model: Model) -> float:
     """The diagonal of common objects of a category, in metres. Raises UserError where none is found."""
     drawn = model.drawn(np.arange(_USUAL), 0)
     if drawn.state.failed.all():  # few are as they are known to be
-        drawn = model.valid(np.arange(Effort().drawn), 0)
+        drawn = model.valid(Effort().drawn, 0)
     low, high = object_boxes(drawn.sites(), len(drawn))
     across = np.sqrt(((high - low) ** 2).sum(axis=1))
     return float(np.median(across[~drawn.state.failed & np.isfinite(across)]))
@@ -205,6 +206,7 @@ def _finished(one: _Searched, at: np.ndarray, checked: bool, effort: Effort) -> 
             told["joints"] = {
                 batch.joints().name[j]: round(float(states[j]), 6) for j in own if states[j] != 0.0 or at_rest[j] != 0.0
             }
+        told["choices"] = choices_of(batch, row, model.discrete)
         agreed = agreement(points, one.said[number], whole[row], semantic)
         told |= {"iou": agreed} if agreed else {}
         made.append(Fitted(batch.drawn(row), told, (points - shift) / scale, batch, row, states))

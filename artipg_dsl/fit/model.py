@@ -25,6 +25,8 @@ from .gather import gather
 from .states import Moved, Opened, resting, shut
 from .states import opened as open_program
 
+_BLOCKS = 5  # in which candidates are drawn at most, until enough are valid
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Freedoms:
@@ -154,16 +156,21 @@ class Model:
             return batch
         return self.altered(batch, np.arange(len(batch)), Changes(*shut(batch, seed)))
 
-    def valid(self, numbers: np.ndarray, seed: int) -> Batch:
-        """Those of them that are valid. Raises UserError where none is."""
-        drawn = self.drawn(numbers, seed)
-        good = np.flatnonzero(~drawn.state.failed)
-        if not len(good):
+    def valid(self, count: int, seed: int, wanted: int = 1) -> Batch:
+        """Those of the first ``count`` of them that are valid; of more where there are fewer than ``wanted``, as where facts leave little.
+        Raises UserError where none is."""
+        found: list[tuple[Batch, np.ndarray]] = []
+        for block in range(_BLOCKS):
+            drawn = self.drawn(np.arange(block * count, (block + 1) * count), seed)
+            found.append((drawn, np.flatnonzero(~drawn.state.failed)))
+            if sum(len(good) for _, good in found) >= wanted:
+                break
+        if not any(len(good) for _, good in found):
             raise UserError(
-                f"of {len(drawn)} objects that were drawn of {self.program.name}, none is as it is known to be",
+                f"of {_BLOCKS * count} objects that were drawn of {self.program.name}, none is as it is known to be",
                 "leave some facts out",
             )
-        return self.assembled([(drawn, good)])
+        return self.assembled(found)
 
     def at_rest(self, batch: Batch) -> Batch:
         """The candidates as objects of the sampler's program, whose joints have no values of their own."""

@@ -89,7 +89,7 @@ def best_of(structure: np.ndarray, owner: np.ndarray, score: np.ndarray, count: 
 def _chosen(model: Model, targets: Targets, effort: Effort, seed: int) -> Candidates:
     """The best of many drawn candidates for each object: of those whose boxes come nearest, those whose clouds do when their boxes
     are made equal."""
-    drawn = model.valid(np.arange(effort.drawn), seed)
+    drawn = model.valid(effort.drawn, seed, effort.looked)
     low, high = object_boxes(tables(drawn), len(drawn))
     size = np.maximum(high - low, 1e-6)
     differ = np.log(size)[None] - np.log(np.maximum(targets.size, 1e-6))[:, None]  # (T, N, 3)

@@ -35,7 +35,8 @@ from .sharing import LONG, share
 from .sources import seen_from, seen_here
 from .workers import map_each
 
-FITS, PICTURES, KEPT, VALUES, SUMMARY, FACTS = "fits", "pictures", "kept", "values.jsonl", "fit.json", "facts.json"
+FITS, PICTURES, KEPT, VALUES, SUMMARY = "fits", "pictures", "kept", "values.jsonl", "fit.json"
+FACTS, CHOICES = "facts.json", "choices.json"  # what was known, and what was found, in the same form
 _TILE = 320
 
 
@@ -243,17 +244,32 @@ def _finish(out: Path, summary: Record, records: Sequence[Record], job: Job | No
     ]
     write_bytes(out / VALUES, "".join(line + "\n" for line in lines).encode(), force=True)
     write_bytes(out / SUMMARY, to_text(seen_from(out, summary)), force=True)
-    facts = {r["name"]: r["facts"] for r in records if r.get("facts")}
-    if facts:
-        write_bytes(out / FACTS, to_text(facts), force=True)
-    else:
-        (out / FACTS).unlink(missing_ok=True)
+    for name, key in ((FACTS, "facts"), (CHOICES, "choices")):
+        told = {r["name"]: r[key] for r in records if r.get(key)}
+        if told:
+            write_bytes(out / name, _listed(told), force=True)
+        else:
+            (out / name).unlink(missing_ok=True)
     output = Output.of(choose_formats("annotation"), Content())
     if job is not None:
         if not _holds(out, job, output):
             write_dataset(job, out, output, force=True)
     elif manifests.read_manifest(out) is not None:
         clear(out)
+
+
+def _listed(told: Record) -> bytes:
+    """What is said of each object, a line for each thing."""
+    objects = [
+        f" {json.dumps(name, ensure_ascii=False)}: {{\n"
+        + ",\n".join(
+            f"  {json.dumps(key, ensure_ascii=False)}: {json.dumps(value, ensure_ascii=False)}"
+            for key, value in own.items()
+        )
+        + "\n }"
+        for name, own in told.items()
+    ]
+    return ("{\n" + ",\n".join(objects) + "\n}\n").encode()
 
 
 def _holds(out: Path, job: Job, output: Output) -> bool:

@@ -86,6 +86,9 @@ def test_what_is_known_of_each(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     before = fits()
     files = {name: (out / "fits" / f"{name}.json").read_bytes() for name in before}
     found = json.loads(files["chest1"])["drawn"]["knobs"]
+    choices = json.loads((out / "choices.json").read_text())
+    assert choices.keys() == before.keys() and choices["chest1"] == {"knobs": found}
+    assert json.loads(files["chest1"])["choices"] == choices["chest1"]
     other = 1 if found != 1 else 2
     known.write_text(json.dumps({"chest1": {"knobs": other, "wood": "pine"}}))
     now = fits("--facts", known)  # that one is fitted again, the other stays
@@ -103,6 +106,9 @@ def test_what_is_known_of_each(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     assert fits("--facts", known, "--set", "wood=pine")["chest0"]["facts"] == {"wood": "pine"}
     record = json.loads((out / "fits" / "chest1.json").read_text())
     assert record["facts"] == {"wood": "pine", "knobs": other} and record["drawn"]["knobs"] == other
+    known.write_text(json.dumps(choices))
+    assert all(one["facts"] == choices[name] for name, one in fits("--facts", known).items())
+    assert json.loads((out / "choices.json").read_text()) == choices  # what was found is true of what is found
     assert fits() == before and not (out / "facts.json").exists()
     assert {name: (out / "fits" / f"{name}.json").read_bytes() for name in before} == files
 

@@ -9,6 +9,7 @@ import pytest
 
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.errors import UserError
+from artipg_dsl.fit.choices import choices_of
 from artipg_dsl.fit.fitting import fit, usual_size
 from artipg_dsl.fit.model import Model
 from artipg_dsl.fit.pose import Frame, Posed, pose
@@ -41,6 +42,7 @@ category Shelf {
     count rows in 1 .. 3 = 2
     repeat cell[j] in 0 ..< rows {
       param kind : choice open | shut | glazed = open
+      when kind == glazed { count panes in 1 .. 3 = 1 }
       part crate : Cuboid(size = [3cm, 2cm, 4cm])
       connect crate.back on post.front
       align crate.center.y = post.center.y
@@ -130,6 +132,24 @@ def test_what_is_refused(shelf: Sampler, facts: dict[str, Any], told: str) -> No
         apply_facts(shelf.program, facts, "known")
 
 
+def test_choices_are_told_as_facts(shelf: Sampler) -> None:
+    batch = shelf.batch(np.arange(N), 7)
+    numbers = range(len(shelf.program.draws))
+    for k in range(N):
+        found = choices_of(batch, k, numbers)
+        kinds, drawn = found["column.cell.kind"], batch.drawn(k)
+        assert [len(column) for column in kinds] == found["column.rows"] == drawn["column.rows"]
+        assert [kind for column in kinds for kind in column] == drawn["column.cell.kind"]
+        panes = found.get("column.cell.panes", [[None] * len(column) for column in kinds])
+        glazed = [[kind == "glazed" for kind in column] for column in kinds]
+        assert [[pane is not None for pane in column] for column in panes] == glazed
+        assert "width" not in found and (found["tint"], found["base.pegs"]) == (drawn["tint"], drawn["base.pegs"])
+    for k in range(3):
+        found = choices_of(batch, k, numbers)
+        same = Sampler(apply_facts(shelf.program, found, "known")).batch(np.arange(4), 1)
+        assert [choices_of(same, j, numbers) for j in range(4)] == [found] * 4
+
+
 def test_facts_of_each_beside_those_of_all(shelf: Sampler) -> None:
     program, names = shelf.program, ["a", "b"]
     own = {"b": {"tint": "blue", "column.rows": np.array([1, 2])}}
@@ -175,5 +195,5 @@ def test_facts_that_leave_next_to_nothing_are_told() -> None:
     text = BOARD.replace("root part", "require not foot or sin(90deg * 1000 * width / 1m) >= 0.9999999999\n  root part")
     sampler = Session.of_text(text).sampler
     model = Model(Sampler(apply_facts(sampler.program, {"foot": "Cuboid"}, "known")))
-    with pytest.raises(UserError, match="of 4000 objects that were drawn of Board, none is as it is known to be"):
+    with pytest.raises(UserError, match="of 20000 objects that were drawn of Board, none is as it is known to be"):
         usual_size(model)
