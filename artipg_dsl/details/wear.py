@@ -14,7 +14,7 @@ import numpy as np
 from ..geometry.frames import Frames
 from ..geometry.nearest import Nearest
 from ..geometry.pointset import PointSet
-from ..geometry.vectors import dot
+from ..geometry.vectors import cross, dot
 from ..records import dataclass
 from .assign import TURN
 from .elements import Elements, Solids
@@ -269,13 +269,16 @@ def _mapped(
     offset: np.ndarray,
     facing: np.ndarray,
 ) -> tuple[Frames, np.ndarray, np.ndarray]:
-    """For the points ``other``, whose primitives are of another kind, frames and parts of offsets that follow the boxes."""
+    """For the points ``other``, whose primitives are of another kind, frames and parts of offsets that follow the boxes; to the other side
+    where axes correspond as in a mirror."""
     some = bound[other]
     theirs, order = _rows(wardrobe.frames, some), wardrobe.boxes.order[wardrobe.details.element[some]]
     first, second = np.eye(3)[order[:, 0]], np.eye(3)[order[:, 1]]
     framed = map_frames(theirs, first, second)
     offset, facing = offset.copy(), facing.copy()
-    offset[other], facing[other] = (framed.into(theirs.out_of(vectors[other])) for vectors in (offset, facing))
+    hand = np.ones((len(other), 3))
+    hand[:, 2] = dot(turns[:, 0], cross(turns[:, 1], turns[:, 2]))
+    offset[other], facing[other] = (hand * framed.into(theirs.out_of(vectors[other])) for vectors in (offset, facing))
     back = turns.transpose(0, 2, 1)
     turned = map_frames(_rows(here, other), _times(back, first), _times(back, second))
     columns = [getattr(here, name).copy() for name in Frames.__slots__]

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import artipg_dsl as apg
 from artipg_dsl.api import Samples
 from artipg_dsl.details.elements import Solids, elements_of
 from artipg_dsl.details.maps import Boxes, find_turns, map_frames, on_map
-from artipg_dsl.details.record import Details
-from artipg_dsl.details.suits import own_suits
+from artipg_dsl.details.record import DIRECT, Details
+from artipg_dsl.details.suits import Suits, own_suits
 from artipg_dsl.details.wear import Wardrobe, wear
 from artipg_dsl.geometry.frames import Frames
 from artipg_dsl.geometry.vectors import dot
@@ -117,6 +118,32 @@ def test_long_boxes_correspond_by_length_others_by_direction() -> None:
     assert np.array_equal(turn, reversed_z)
     (turn,) = find_turns(lying, box([20.0, 4.0, 2.0], np.diag([-1.0, -1.0, 1.0])))
     assert np.array_equal(turn, np.diag([-1.0, -1.0, 1.0])), "long ones keep their direction, too"
+
+
+def test_offsets_are_mirrored_where_axes_are() -> None:
+    """An upright bar lends to a lying one of another kind: z and y are exchanged, which is a mirror."""
+    sizes = {
+        "Upright": "Cuboid(size = [2cm, 3cm, 10cm])",
+        "Lying": "RoundedCuboid(size = [2cm, 10cm, 3cm], radius = 1mm)",
+    }
+    text = "apg 1\nuse primitives { Cuboid, RoundedCuboid }\ncategory Bars { root part bar : Bar = Upright | Lying }\n"
+    text += "role Bar { slot grip }\n" + "".join(
+        f"template {name} : Bar {{ part grip : {size} }}\n" for name, size in sizes.items()
+    )
+    upright, lying = (apg.load(text, n=1, set={"bar": name}).batch for name in sizes)
+    solids, way = Solids.of(upright.sites()), np.array([0.0, 0.001, 0.002])
+    found = surface(upright, 2000, 3)
+    elements, own = elements_of(upright), np.zeros(2000, dtype=np.int64)
+    columns = own, *(getattr(found, name)[0] for name in ("patch", "u", "v"))
+    offset = solids.frames(elements, *columns).into(np.tile(way, (2000, 1)))
+    facing = np.tile([1.0, 0.0, 0.0], (2000, 1))
+    details = Details(elements, *columns, offset, facing, own, own + DIRECT, ("one",), (), np.array([0.1]))
+    points = surface(lying, 500, 5)
+    worn = wear(lying, points, np.arange(1), Wardrobe(details, solids), Suits(elements_of(lying), np.zeros(1, int)))
+    moved = (worn.position - points.position)[0]
+    flat = (worn.bound[0] >= 0) & (np.abs(points.normal[0]).max(axis=1) > 0.999)
+    alike = flat & (found.normal[0][worn.bound[0]] == np.round(points.normal[0][:, [0, 2, 1]])).all(axis=1)
+    assert alike.sum() > 300 and np.allclose(moved[alike], way[[0, 2, 1]], atol=2e-5)
 
 
 def test_the_inside_of_a_tub_faces_its_middle() -> None:
