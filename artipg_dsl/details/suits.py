@@ -60,10 +60,10 @@ def borrowed_suits(batch: Batch, details: Details) -> Suits:
         donor, theirs = _first_of(levels[site], count, order[objects])
         donor, theirs = donor[place], theirs[place]
         several_there = count[donor, theirs]
-        row = (
-            (2 * elements.rank[own] + 1) * several_there // (2 * rows[place])
-        )  # the ends of a row wear the ends of another
-        found = first[donor, theirs] + np.minimum(row, several_there - 1)
+        # the ends of a row wear the ends of another, the rest what is nearest between
+        others = np.maximum(rows[place] - 1, 1)
+        row = (2 * elements.rank[own] * (several_there - 1) + others) // (2 * others)
+        found = first[donor, theirs] + row
         match[own] = np.where(theirs >= 0, listed[np.where(theirs >= 0, found, 0)], -1) if len(listed) else -1
     return Suits(elements, match)
 

@@ -47,7 +47,7 @@ template Bar : Hook { part grip : Cuboid(size = size) }
 template Rod : Hook { part grip : Cylinder(radius = size.x / 2, height = size.z) along z }
 template Knob : Hook { part grip : Cylinder(radius = size.x / 3, height = size.z) along z }
 """
-DONORS = ({"hook": "Bar", "lower": "Bar", "pegs": 2}, {"hook": "Rod", "lower": "Bar", "pegs": 3})
+DONORS = ({"hook": "Bar", "lower": "Bar", "pegs": 2}, {"hook": "Rod", "lower": "Bar", "pegs": 4})
 
 
 def surface(batch: Batch, n: int, key: int) -> geometry.PointSet:
