@@ -221,7 +221,8 @@ def _words(posed: Posed, words: Mapping[str, str], semantic: tuple[str, ...]) ->
 
 
 def _matrix(turned: np.ndarray, shift: np.ndarray) -> list[list[float]]:
-    """Rows of the matrix (4, 4) that carries points of the file into the frame of the object."""
+    """Rows of the matrix (4, 4) that carries points of the file into the frame of the object. Digits are those that tell, not places after
+    the point: a file without a scale may be a million times as large as the object."""
     matrix = np.eye(4)
     matrix[:3, :3], matrix[:3, 3] = turned, shift
-    return [[round(float(x), 9) for x in row] for row in matrix]
+    return [[float(f"{x:.12g}") for x in row] for row in matrix]

@@ -98,6 +98,14 @@ def test_the_matrix_carries_the_cloud_into_the_frame_of_the_object(model: Model)
     assert np.allclose(posed[0].points @ matrix[:3, :3].T + matrix[:3, 3], one.cloud, atol=1e-6)
 
 
+def test_the_matrix_holds_whatever_the_size_of_the_file(model: Model) -> None:
+    samples = apg.load(LARGE_KNOBS, n=1, seed=8)
+    posed = clouds(samples, model, grown=3.7e8)
+    one = fit(model, posed)[0]
+    matrix = np.array(one.told["to_object"])
+    assert np.allclose(posed[0].points @ matrix[:3, :3].T + matrix[:3, 3], one.cloud, atol=1e-6)
+
+
 @pytest.mark.slow
 def test_the_same_again(model: Model) -> None:
     samples = apg.load(LARGE_KNOBS, n=1, seed=9)
