@@ -5,6 +5,7 @@ What a file holds once it is read, arrays of points or triangles, becomes a clou
 
 from __future__ import annotations
 
+import json
 import logging
 import math
 import warnings
@@ -12,6 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 from xml.etree import ElementTree
 from zipfile import is_zipfile
 
@@ -308,15 +310,44 @@ def _robot(path: Path) -> list[tuple[str, Any]]:
     return pieces
 
 
+def parts_of(path: Path) -> list[Path]:
+    """The other files that one is read from, as far as they are there: the visible meshes of a URDF, the buffers of a glTF."""
+    found: dict[Path, None] = {}
+    waiting = [path]
+    while waiting:
+        new = [part for part in _named_by(waiting.pop()) if part not in found and part.is_file()]
+        found |= dict.fromkeys(new)
+        waiting += new
+    return list(found)
+
+
+def _named_by(path: Path) -> list[Path]:
+    """The files that one names."""
+    try:
+        if path.suffix.lower() == ".urdf":
+            root = ElementTree.parse(path).getroot()
+            return [_mesh_of(mesh, path)[1] for visual in root.iter("visual") for mesh in visual.iter("mesh")]
+        if path.suffix.lower() == ".gltf":
+            names = [buffer.get("uri", "") for buffer in json.loads(path.read_bytes()).get("buffers", ())]
+            return [path.parent / unquote(name) for name in names if not name.startswith("data:")]
+    except (OSError, ValueError, AttributeError, TypeError, ElementTree.ParseError, RecursionError):
+        pass  # what is wrong with it is told where it is read
+    return []
+
+
+def _mesh_of(mesh: ElementTree.Element, path: Path) -> tuple[str, Path]:
+    """What a <mesh> of a URDF names, and where it is, if it is there."""
+    name = mesh.get("filename", "").split("://")[-1]
+    places = (path.parent / name, *(above / name for above in path.parents))
+    return name, next((place for place in places if place.is_file()), places[0])
+
+
 def _shapes(visual: ElementTree.Element, path: Path, trimesh: Any) -> list[Any]:
     shape = visual.find("geometry")
     found = []
     for one in [] if shape is None else list(shape):
         if one.tag == "mesh":
-            name = one.get("filename", "").split("://")[-1]
-            file = next(
-                (p for p in (path.parent / name, *(a / name for a in path.parents)) if p.is_file()), path.parent / name
-            )
+            name, file = _mesh_of(one, path)
             if not file.is_file():
                 raise UserError(
                     f"{path.name} names a mesh that is not there: {name or 'without a name'}",

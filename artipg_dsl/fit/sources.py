@@ -15,7 +15,7 @@ import numpy as np
 from ..errors import UserError
 from ..export.containers import npz_bytes
 from ..records import dataclass
-from .reading import Cloud, Solid, check_cloud, read_cloud
+from .reading import Cloud, Solid, check_cloud, parts_of, read_cloud
 
 MEMORY = "<memory>"  # the source of what is in no file
 
@@ -107,12 +107,13 @@ class Item:
 
 
 def mark(path: Path) -> str:
-    """What a file holds, in short; nothing for one that cannot be read."""
+    """What a file holds, in short, with those that it is read from; nothing for one that cannot be read."""
     digest = blake2b(digest_size=16)
     try:
-        with open(path, "rb") as stream:
-            while block := stream.read(1 << 20):
-                digest.update(block)
+        for one in (path, *parts_of(path)):
+            with open(one, "rb") as stream:
+                while block := stream.read(1 << 20):
+                    digest.update(block)
     except OSError:
         return ""
     return digest.hexdigest()

@@ -15,6 +15,7 @@ import trimesh
 from artipg_dsl.errors import UserError
 from artipg_dsl.fit.finding import find_files
 from artipg_dsl.fit.reading import read_cloud
+from artipg_dsl.fit.sources import mark
 
 SIZE = np.array([0.2, 0.4, 0.6])
 ROBOT = """<robot name="r"><link name="base"><visual><geometry><box size="0.2 0.4 0.3"/></geometry></visual></link>
@@ -70,6 +71,27 @@ def test_a_robot_stands_with_its_joints_at_zero(tmp_path: Path) -> None:
     assert find_files([str(tmp_path)]) == [tmp_path / "robot.urdf"]  # and not the mesh that belongs to it
     cloud = read_cloud(tmp_path / "robot.urdf")
     assert np.allclose(np.ptp(cloud.points, axis=0), SIZE, atol=2e-3) and cloud.names == ("base", "lid")
+
+
+def test_marks_tell_of_all_that_a_file_is_read_from(tmp_path: Path) -> None:
+    """The visible meshes of a URDF, a glTF among them, and the buffers of that."""
+    robot, box = tmp_path / "robot.urdf", trimesh.creation.box(SIZE)
+    robot.write_text(ROBOT.replace("lid.stl", "package://robots/lid.gltf"))
+    empty = mark(robot)
+    marks = []
+    for size in (1.0, 2.0):
+        (tmp_path / "robots").mkdir(exist_ok=True)
+        for name, content in trimesh.Scene([box.copy().apply_scale(size)]).export(file_type="gltf").items():
+            (tmp_path / "robots" / ("lid.gltf" if name == "model.gltf" else name)).write_bytes(content)
+        marks.append((mark(robot), mark(tmp_path / "robots" / "lid.gltf")))
+    assert len({empty, *(one for pair in marks for one in pair)}) == 5
+    moved = tmp_path / "moved"
+    moved.mkdir()
+    (tmp_path / "robots").rename(moved / "robots")
+    assert mark(robot.rename(moved / "robot.urdf")) == marks[1][0] and mark(moved / "robot.urdf") != empty
+    for text in ("<robot", "<robot><visual><mesh filename='robot.urdf'/></visual></robot>"):
+        (moved / "robot.urdf").write_text(text)
+        assert mark(moved / "robot.urdf")
 
 
 def test_nothing_but_our_words_is_said_of_a_file(tmp_path: Path) -> None:
