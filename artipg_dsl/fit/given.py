@@ -60,6 +60,8 @@ def _is_array(given: Any) -> bool:
 def _named(name: Any, one: Any) -> Item:
     if not isinstance(name, str) or not name.strip() or not name.isprintable() or set(name) & set("/\\"):
         raise UsageError(f"{name!r} is no name of an object", 'it is text without slashes: {"antique": mesh}')
+    if own_name(name, set()) != name:
+        raise UsageError(f"no object can be called {name!r:.40}", "choose another, shorter name: files are named by it")
     if not isinstance(one, str | Path):
         return Item(name, _hold(one, name))
     path = read_path("a real object", one, '"chair.obj"')

@@ -12,12 +12,15 @@ from pathlib import Path
 
 import numpy as np
 
+from ..details.dressing import SUMMARY
 from ..errors import UserError
 from ..export.containers import npz_bytes
 from ..records import dataclass
 from .reading import Cloud, Solid, check_cloud, parts_of, read_cloud
 
 MEMORY = "<memory>"  # the source of what is in no file
+_NO_NAME = Path(SUMMARY).stem  # the summary of details lies beside the record of each object
+_LONGEST = 200  # bytes of a name: of a file 255, with what is written beside it
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +31,7 @@ class File:
     held: bool = False
 
     def __str__(self) -> str:
-        return MEMORY if self.held else str(self.path)
+        return MEMORY if self.held else _in_unicode(str(self.path))
 
     @property
     def suffix(self) -> str:
@@ -37,6 +40,8 @@ class File:
 
     def read(self) -> Cloud:
         """Raises UserError with what is wrong with it."""
+        if str(self) != str(self.path) and not self.held:
+            raise UserError("its path is not in UTF-8", "rename it: records could not name it")
         return read_cloud(self.path)
 
     def mark(self) -> str:
@@ -119,6 +124,11 @@ def mark(path: Path) -> str:
     return digest.hexdigest()
 
 
+def _in_unicode(text: str) -> str:
+    """A path or a name as text can have it: bytes that are not UTF-8 are told as such."""
+    return text.encode(errors="surrogateescape").decode(errors="replace")
+
+
 def name_files(paths: Sequence[Path]) -> list[Item]:
     """Names of files that are their own: as short as their folders allow."""
     if not paths:
@@ -133,9 +143,10 @@ def name_files(paths: Sequence[Path]) -> list[Item]:
 
 
 def own_name(plain: str, taken: set[str]) -> str:
-    """A name that none of those ``taken`` is; it is taken then."""
+    """A name that none of those ``taken`` is, nor one that files cannot have; it is taken then. Of a long one the end is left."""
+    plain = _in_unicode(plain).encode()[-_LONGEST:].decode(errors="ignore")
     name, number = plain, 1
-    while name in taken:
+    while name in taken or name == _NO_NAME:
         number += 1
         name = f"{plain}-{number}"
     taken.add(name)

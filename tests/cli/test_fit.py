@@ -202,6 +202,19 @@ def test_fits_of_other_files_are_not_lost(apgc: Apgc, real: Path, tmp_path: Path
     assert apgc("fit", CHEST, files[0], *asked)[0] == 0
 
 
+def test_a_name_that_no_record_can_have_stops_no_other(apgc: Apgc, real: Path, tmp_path: Path) -> None:
+    folder, out = tmp_path / "odd", tmp_path / "out"
+    folder.mkdir()
+    (folder / "chest.npz").write_bytes((real / "chest0.npz").read_bytes())
+    try:
+        Path(str(folder) + "/b\udcffd.npz").write_bytes(b"nothing")
+    except OSError:
+        pytest.skip("names are UTF-8 here")
+    code, said, err = apgc("fit", CHEST, folder, "-o", out, "--front", "x", "--plain")
+    assert code == 0 and "1 object in" in err and "its path is not in UTF-8" in said
+    assert [one["name"] for one in json.loads((out / "fit.json").read_text())["failed"]] == ["b\ufffdd"]
+
+
 def test_samples_are_not_written_over(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     apgc("sample", CHEST, "-n", 1, "--points", 8, "-o", tmp_path)
     before = tree(tmp_path)

@@ -15,7 +15,7 @@ import trimesh
 from artipg_dsl.errors import UserError
 from artipg_dsl.fit.finding import find_files
 from artipg_dsl.fit.reading import read_cloud
-from artipg_dsl.fit.sources import mark
+from artipg_dsl.fit.sources import File, mark, name_files
 
 SIZE = np.array([0.2, 0.4, 0.6])
 ROBOT = """<robot name="r"><link name="base"><visual><geometry><box size="0.2 0.4 0.3"/></geometry></visual></link>
@@ -92,6 +92,17 @@ def test_marks_tell_of_all_that_a_file_is_read_from(tmp_path: Path) -> None:
     for text in ("<robot", "<robot><visual><mesh filename='robot.urdf'/></visual></robot>"):
         (moved / "robot.urdf").write_text(text)
         assert mark(moved / "robot.urdf")
+
+
+def test_names_are_those_of_files(tmp_path: Path) -> None:
+    """Whatever files are called: other files are named by them, and the summary of details has a name of its own."""
+    odd = Path(str(tmp_path) + "/b\udcffd.obj")
+    paths = [tmp_path / "bind.obj", tmp_path / "a" / ("é" * 124 + ".obj"), tmp_path / ("é" * 124 + ".obj"), odd]
+    names = [item.name for item in name_files(paths)]
+    assert len(set(names)) == 4 and "bind" not in names and names[3] == "b\ufffdd"
+    assert all(0 < len(name.encode()) < 210 for name in names)
+    with pytest.raises(UserError, match="not in UTF-8"):
+        File(odd).read()
 
 
 def test_nothing_but_our_words_is_said_of_a_file(tmp_path: Path) -> None:
