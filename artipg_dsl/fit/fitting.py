@@ -207,7 +207,7 @@ def _finished(one: _Searched, at: np.ndarray, checked: bool, effort: Effort) -> 
                 batch.joints().name[j]: round(float(states[j]), 6) for j in own if states[j] != 0.0 or at_rest[j] != 0.0
             }
         told["choices"] = choices_of(batch, row, model.discrete)
-        agreed = agreement(points, one.said[number], whole[row], semantic)
+        agreed = agreement(points, normals, one.said[number], whole[row], asked.meant, semantic)
         told |= {"iou": agreed} if agreed else {}
         made.append(Fitted(batch.drawn(row), told, (points - shift) / scale, batch, row, states))
     return made

@@ -15,6 +15,7 @@ from ..geometry.pointset import PointSet
 from ..geometry.sites import SiteTable
 from ..records import dataclass
 from ..runtime.batch import Batch
+from .match import features
 from .outer import outer, spacing
 
 _POINTS = 16384  # of a structure: its whole boundary
@@ -99,14 +100,22 @@ def apart(points: np.ndarray, others: np.ndarray, normals: np.ndarray) -> np.nda
     return found
 
 
-def agreement(cloud: np.ndarray, words: np.ndarray, whole: Surface, names: tuple[str, ...]) -> dict[str, float]:
+def agreement(
+    cloud: np.ndarray, normals: np.ndarray, words: np.ndarray, whole: Surface, meant: np.ndarray, names: tuple[str, ...]
+) -> dict[str, float]:
     """For each word that the cloud or its nearest surface bears (``words`` (n,), 0 for none, as places in ``names``): the intersection
-    over the union of both."""
+    over the union of both. Nearest is by place and normal: of two parts that touch, each is told. Points whose nearest surface bears a
+    word that is none of those ``meant`` say nothing, as in the search."""
     said = np.flatnonzero(words > 0)
     if not len(said):
         return {}
-    ours = whole.word[cKDTree(whole.points).query(cloud[said])[1]]
-    theirs = words[said]
+    diagonal = np.sqrt((np.ptp(cloud, axis=0) ** 2).sum())
+    mine, asked = (
+        features(*sides, diagonal) for sides in ((whole.points, whole.normals), (cloud[said], normals[said]))
+    )
+    ours, theirs = whole.word[cKDTree(mine).query(asked)[1]], words[said]
+    known = (ours == 0) | np.isin(ours, meant)
+    ours, theirs = ours[known], theirs[known]
     present = np.unique(np.concatenate([ours, theirs]))
     return {
         names[k]: round(float(((ours == k) & (theirs == k)).sum() / ((ours == k) | (theirs == k)).sum()), 4)
