@@ -13,12 +13,12 @@ from itertools import permutations
 
 import numpy as np
 
-from ..geometry.frames import Frames
 from ..geometry.vectors import cross, dot
 from ..records import dataclass
 
 _LONG = 2.0  # times as long as wide: mapped by a cylinder
 _ORDERS = np.array(list(permutations(range(3))))
+_OPPOSITE = 1e-6  # 1 + the cosine of two normals
 _TOWARDS = 0.5  # cosine: axes that are less alike have no direction in common
 
 
@@ -80,10 +80,10 @@ def on_map(local: np.ndarray, axis: np.ndarray) -> np.ndarray:
     return np.where(along, local, around)
 
 
-def map_frames(frames: Frames, first: np.ndarray, second: np.ndarray) -> Frames:
-    """Frames whose tangents follow the axes ``first`` (m, 3), or the ``second`` where that is normal to the surface."""
-    steep = np.abs(dot(first, frames.normal)) > 0.9
-    axis = np.where(steep[:, None], second, first)
-    axis = axis - dot(axis, frames.normal)[:, None] * frames.normal
-    tangent = axis / np.maximum(np.sqrt(dot(axis, axis)), 1e-9)[:, None]
-    return Frames(frames.place, frames.normal, tangent, cross(frames.normal, tangent), frames.speed)
+def turn_along(vectors: np.ndarray, normal: np.ndarray, onto: np.ndarray) -> np.ndarray:
+    """Vectors (m, 3) turned as far as takes a unit ``normal`` (m, 3) ``onto`` another, about the axis across both; of opposite ones, which
+    have none, what lies along the normal alone."""
+    axis, cosine = cross(normal, onto), dot(normal, onto)
+    once = cross(axis, vectors)
+    turned = vectors + once + cross(axis, once) / np.maximum(1.0 + cosine, _OPPOSITE)[:, None]
+    return np.where((1.0 + cosine < _OPPOSITE)[:, None], dot(vectors, normal)[:, None] * onto, turned)

@@ -14,11 +14,11 @@ import numpy as np
 from ..geometry.frames import Frames
 from ..geometry.nearest import Nearest
 from ..geometry.pointset import PointSet
-from ..geometry.vectors import cross, dot
+from ..geometry.vectors import dot
 from ..records import dataclass
 from .assign import TURN
 from .elements import Elements, Solids
-from .maps import Boxes, find_turns, map_frames, on_map
+from .maps import Boxes, find_turns, on_map, turn_along
 from .record import DIRECT, Details
 from .suits import Suits
 
@@ -247,7 +247,7 @@ def _found(
     worn = np.flatnonzero(bound >= 0)
     offset[worn], facing[worn] = details.offset[bound[worn]], details.facing[bound[worn]]
     if len(other) and len(details):
-        here, offset, facing = _mapped(wardrobe, other, turns, here, bound, offset, facing)
+        offset, facing = _mapped(wardrobe, other, turns, here, bound, offset, facing)
     return here, offset * np.minimum(scale, _MOST) * strength, facing, bound
 
 
@@ -268,23 +268,16 @@ def _mapped(
     bound: np.ndarray,
     offset: np.ndarray,
     facing: np.ndarray,
-) -> tuple[Frames, np.ndarray, np.ndarray]:
-    """For the points ``other``, whose primitives are of another kind, frames and parts of offsets that follow the boxes; to the other side
-    where axes correspond as in a mirror."""
-    some = bound[other]
-    theirs, order = _rows(wardrobe.frames, some), wardrobe.boxes.order[wardrobe.details.element[some]]
-    first, second = np.eye(3)[order[:, 0]], np.eye(3)[order[:, 1]]
-    framed = map_frames(theirs, first, second)
+) -> tuple[np.ndarray, np.ndarray]:
+    """Offsets and facings of which those of the points ``other``, whose primitives are of another kind, go with their boxes, as places do,
+    and turn with the normals."""
+    theirs, mine, back = _rows(wardrobe.frames, bound[other]), _rows(here, other), turns.transpose(0, 2, 1)
+    normal = _times(back, theirs.normal)
     offset, facing = offset.copy(), facing.copy()
-    hand = np.ones((len(other), 3))
-    hand[:, 2] = dot(turns[:, 0], cross(turns[:, 1], turns[:, 2]))
-    offset[other], facing[other] = (hand * framed.into(theirs.out_of(vectors[other])) for vectors in (offset, facing))
-    back = turns.transpose(0, 2, 1)
-    turned = map_frames(_rows(here, other), _times(back, first), _times(back, second))
-    columns = [getattr(here, name).copy() for name in Frames.__slots__]
-    for column, name in zip(columns, Frames.__slots__, strict=True):
-        column[other] = getattr(turned, name)
-    return Frames(*columns), offset, facing
+    for vectors in (offset, facing):
+        way = _times(back, theirs.out_of(vectors[other]))
+        vectors[other] = mine.into(turn_along(way, normal, mine.normal))
+    return offset, facing
 
 
 def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:

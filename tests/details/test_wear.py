@@ -8,11 +8,10 @@ import pytest
 import artipg_dsl as apg
 from artipg_dsl.api import Samples
 from artipg_dsl.details.elements import Solids, elements_of
-from artipg_dsl.details.maps import Boxes, find_turns, map_frames, on_map
+from artipg_dsl.details.maps import Boxes, find_turns, on_map, turn_along
 from artipg_dsl.details.record import DIRECT, Details
 from artipg_dsl.details.suits import Suits, own_suits
 from artipg_dsl.details.wear import Wardrobe, wear
-from artipg_dsl.geometry.frames import Frames
 from artipg_dsl.geometry.vectors import dot
 
 from .raised import RAISED, surface
@@ -98,11 +97,20 @@ def test_places_on_maps() -> None:
     assert np.allclose(top, [[1.0, 0.0, 0.5]])  # half way up the axis
     ball = on_map(long.within(np.array([[0.0, 0.0, 10.0]])), np.array([-1]))
     assert np.allclose(ball, [[0.0, 0.0, 1.0]])
+
+
+def test_vectors_turn_with_normals() -> None:
     x, y, z = (row[None] for row in np.eye(3))
-    framed = map_frames(Frames(x, x, x, x, np.ones((1, 2))), z, y)
-    assert np.allclose(framed.tangent, z) and np.allclose(framed.second, -y)
-    steep = map_frames(Frames(z, z, z, z, np.ones((1, 2))), z, y)
-    assert np.allclose(steep.tangent, y)
+    assert np.allclose(turn_along(2 * x + y, x, x), 2 * x + y)
+    assert np.allclose(turn_along(2 * x + y + z, x, y), 2 * y - x + z)
+    assert np.allclose(turn_along(2 * x + y, x, -x), -2 * x)
+    chance = np.random.default_rng(2)
+    one, other, way = chance.normal(size=(3, 100, 3))
+    one, other = (v / np.sqrt(dot(v, v))[:, None] for v in (one, other))
+    found = turn_along(way, one, other)
+    assert np.allclose(dot(found, found), dot(way, way)) and np.allclose(dot(found, other), dot(way, one))
+    across = np.cross(one, other)
+    assert np.allclose(dot(found, across), dot(way, across)), "about the axis across both"
 
 
 def test_long_boxes_correspond_by_length_others_by_direction() -> None:
