@@ -9,6 +9,7 @@ from ..records import dataclass
 from ..source import Span
 from ..syntax import ast
 from ..syntax.walk import path_root
+from .fold import constant
 from .guards import TRUE, VERSUS, And, Condition, Not, Or, assignments, conjunction, consistent
 from .scope import BodyScope, Entry, Guards, Variant
 from .types import PartType
@@ -36,6 +37,7 @@ def check(ck: Checker, scope: BodyScope) -> None:
     category = scope.owner.kind == "category"
     found: dict[int, list[Attachment]] = {}
     backwards: set[str] = set()  # what the root is attached to, the wrong way round: that is told of the root
+    repeated: set[int] = set()  # the declarations of a name that the elements of a repeat attach: told once
     for at, stmt, guards in _statements(scope, scope.owner.body, ()):
         subject = ast.placed(stmt)
         first = None if subject is None else path_root(subject)
@@ -43,6 +45,9 @@ def check(ck: Checker, scope: BodyScope) -> None:
             continue
         condition = ck.condition(guards)
         there = conjunction((condition, ck.subjects.get(id(subject), TRUE)))
+        if (outer := at.home(first.name)) is not None and id(outer.table[first.name]) not in repeated:
+            if _is_repeated(ck, at, outer, stmt, first.name):
+                repeated.add(id(outer.table[first.name]))
         for entry in at.find(first.name):
             if entry.kind == "part" and consistent(condition, ck.entry_condition(entry)):
                 word = "connect" if isinstance(stmt, ast.ConnectStmt) else "joint"
@@ -54,6 +59,7 @@ def check(ck: Checker, scope: BodyScope) -> None:
     parts = [entry for inner in scope.below() for entry in inner.entries if entry.kind == "part"]
     roots = [entry for entry in parts if isinstance(entry.node, ast.PartDecl) and entry.node.root]
     foremost = next((entry for entry in scope.entries if entry.kind == "part"), None)
+    parts = [entry for entry in parts if id(entry.scope.table[entry.name]) not in repeated]
     for entry in parts:
         meant = (
             entry in roots or not roots and entry is foremost
@@ -63,6 +69,38 @@ def check(ck: Checker, scope: BodyScope) -> None:
         )
     if category:
         _check_roots(ck, scope, roots, foremost)
+
+
+def _is_repeated(ck: Checker, at: BodyScope, outer: BodyScope, stmt: ast.Stmt, name: str) -> bool:
+    """Whether the elements of a repeat attach a part of the body around it, once more each; that is told."""
+    repeat, part = at.repeat, outer.table[name][0]
+    if outer is at or repeat is None or part.kind != "part" or _once(at, repeat):
+        return False
+    ck.error(
+        "two-attachments",
+        stmt.span,
+        f"`{name}` stands outside of `{repeat.name}`, so each of its elements would attach it",
+        notes=((part.span, "declared here, once"),),
+        hint=f"attach it outside of the repeat, to what carries the elements, or to one of them, `{repeat.name}[0]...`"
+        + (
+            "; to tie a loop of joints, the other elements `close point on point`"
+            if isinstance(stmt, ast.JointDecl)
+            else ""
+        ),
+    )
+    return True
+
+
+def _once(at: BodyScope, repeat: ast.RepeatStmt) -> bool:
+    """Whether a repeat has at most one element, as far as its text says."""
+    count = repeat.count
+    if isinstance(count, ast.NameExpr):
+        domains = [
+            entry.node.domain for entry in at.find(count.name) if isinstance(entry.node, ast.CountDecl | ast.ParamDecl)
+        ]
+        count = domains[0].high if len(domains) == 1 and domains[0] is not None else None
+    most = None if count is None else constant(count)
+    return most is not None and most <= 1
 
 
 def _carriers(stmt: ast.Stmt) -> set[str]:

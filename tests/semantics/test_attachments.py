@@ -32,6 +32,7 @@ COVERED = [
     "when feet == 2 { connect lid to body }\n when feet > 2 { connect lid to body }",
     "when soft and feet == 2 { connect lid to body }\n when not soft or feet != 2 { connect lid to body }",
     "when feet == 1 + 1 { connect lid to body } else { connect lid to body }",
+    "repeat pin[k] in 0 ..< 1 { connect lid to body }",
 ]
 
 
@@ -60,6 +61,16 @@ TWICE = [
     "when feet > 2 { connect lid to body }\n when feet < 4 { connect lid to body }",
     "when lid is BarHandle { connect lid to body }\n when not (lid is BowHandle) { connect lid to body }\n"
     "when lid is BowHandle { connect lid to body }",
+]
+
+
+# `lid` stands outside of the repeat: each element would make a link and a joint of its own for the one part
+TWICE += [
+    "repeat pin[k] in 0 ..< 2 { joint swing : revolute body -> lid about body.left.back range 0deg .. 90deg }",
+    "repeat pin[k] in 0 ..< feet { connect lid to body }",
+    "repeat pin[k] mirror across y { connect lid to body }",
+    "repeat row[r] in 0 ..< 1 { repeat pin[k] in 0 ..< 2 { connect lid to body } }",
+    "repeat pin[k] in 0 ..< 2 { when k == 0 { connect lid to body } else { connect lid to body } }",
 ]
 
 
