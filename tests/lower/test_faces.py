@@ -39,3 +39,33 @@ def test_what_stands_in_a_ring_lies_on_the_front(hub: str, axis: str) -> None:
     assert np.allclose(bolts[:, 0], 0.023)
     assert np.allclose(np.hypot(bolts[:, 1], bolts[:, 2] - 0.05), np.hypot(0.01, 0.03))
     assert len(np.unique(np.round(bolts, 6), axis=0)) == 6
+
+
+SLANTED = """apg 1
+use primitives { Cuboid, Cylinder }
+template Bar {
+  param reach : length
+  part rod : Cylinder(radius = 1cm, height = reach)
+  port ends : line = line(at = rod.bottom.center, to = rod.top.center)
+}
+category Strut {
+  root part body : Cuboid(size = [20cm, 20cm, 20cm])
+  part bar : Bar
+  connect bar between %s facing %s
+  part tip : Cuboid(size = [1cm, 1cm, 1cm])
+  connect tip to bar
+  align tip.center = bar.rod.top.center
+}
+"""
+
+
+@pytest.mark.parametrize("facing", ["y", "-y", "x", "-x"])
+def test_the_top_of_a_slanted_bar_is_its_upper_end(facing: str) -> None:
+    to = "[20cm, 0, 35cm]" if facing.endswith("y") else "[0, 20cm, 35cm]"
+    program = SLANTED % (f"body.top.center and {to}", facing)
+    batch = Session.of_text(program).sampler.batch(np.arange(1), 1)
+    base, bar, tip = (
+        next(site.translation[0] for site in batch.sites() if site.path == path) for path in ("body", "bar.rod", "tip")
+    )
+    assert np.allclose(tip - base, [0.2, 0, 0.35] if facing.endswith("y") else [0, 0.2, 0.35])
+    assert np.allclose(2 * (bar - base) - (tip - base), [0, 0, 0.1])

@@ -103,17 +103,23 @@ def squared(box: Box) -> Box:
 
 
 def _along_the_axis(box: Box) -> Box:
-    """A box that is turned about an axis of the environment, its own axes exchanged so that this one has its name and sense."""
+    """A box that is turned about an axis of the environment, its own axes exchanged so that this one has its name and sense.
+
+    Of the other two, z remains z if it can: a slanted bar keeps its top, whichever of its sides faces y.
+    """
     if box.pose.mirror is not ONE:
         return box
     for k, row in enumerate(box.pose.rotation):
         found = signed_axis(row)
         if found is None or found == (k, 1):
             continue
-        own = [
-            ((found[0] + shift) % 3, found[1] if shift != 1 else 1) for shift in range(3)
-        ]  # of k and the two after it
-        taken = [own[(axis - k) % 3] for axis in range(3)]
+        own, sign = found
+        taken = [(own, sign)] * 3
+        if 2 in (k, own):
+            for shift in (1, 2):
+                taken[(k + shift) % 3] = (own + shift) % 3, sign if shift == 2 else 1
+        else:
+            taken[2], taken[1 - k] = (2, 1), (1 - own, sign if own == k else -sign)
         pose = Pose(product(box.pose.rotation, columns(*(unit(*one) for one in taken))), box.pose.translation, ONE)
         low, high = (
             triple(E.mul(E.const(float(sign)), (ends if sign > 0 else others)[axis]) for axis, sign in taken)
