@@ -179,7 +179,10 @@ def _made_of(ck: Checker, expr: ast.Expr, kind: Type | None) -> Iterator[Symbol]
                 yield from _made_of(ck, bound, kind)
 
 
-def not_previous(ck: Checker, expr: ast.Expr) -> None:
+_OF_TWO = "of two elements, write behind the repeat `row[0].post` and `row[1].post`, or `row.post` twice for any two"
+
+
+def not_previous(ck: Checker, expr: ast.Expr, of_two: bool = False) -> None:
     """A statement about parts means them in every element; `previous` is no part of its own."""
     first = path_root(expr)
     if isinstance(ck.meanings.get(id(first)), Previous):
@@ -187,7 +190,7 @@ def not_previous(ck: Checker, expr: ast.Expr) -> None:
             "wrong-type",
             first.span,
             "`previous` is not allowed here: the statement applies to the part in every element",
-            hint="omit `previous`, or give the number of an element: `post[0]`, `post[last]`",
+            hint=_OF_TWO if of_two else "omit `previous`, or give the number of an element: `post[0]`, `post[last]`",
         )
 
 

@@ -144,6 +144,8 @@ def _converted(expr: ast.Node, given: ScalarType, wanted: ScalarType) -> str | N
     if literal:
         unit = usual_unit(wanted.dimension)
         return f"write it in `{unit}`" if unit else f"write {wanted}"
+    if (given.dimension, wanted.dimension) == (NONE, ANGLE.dimension):
+        return "multiply it by the angle that 1 stands for: `1deg`, `1turn` or `1rad`"
     factor, divisor = times(wanted.dimension, given.dimension, -1), times(given.dimension, wanted.dimension, -1)
     for word, dimension in (("divide", divisor), ("multiply", factor)):
         name = dimension_name(dimension)

@@ -414,7 +414,7 @@ def _parts(ck: Checker, ctx: Context, subject: ast.Expr, other: ast.Expr | None,
         kind = ck.infer(ctx.but(lenient=[], many=True, subject=True), expr)
         if not isinstance(kind, Boxed) and kind != UNKNOWN:
             ck.unfit(expr, kind, f"`{word}` names parts", hint="name a part, a slot or an element of a repeat")
-        labels.not_previous(ck, expr)
+        labels.not_previous(ck, expr, other is not None)
 
 
 # ---------------------------------------------------------------- repeats

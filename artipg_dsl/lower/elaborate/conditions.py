@@ -177,7 +177,10 @@ def _refuse_one(
     first, second = sides
     alone = all(is_alone(env, links.context.program.parts[node].scope) for node in first)
     if first == second and ranks[0] == ranks[1] and (alone or ranks[0]):
-        hint = "name the other part; of two elements of a repeat, write their numbers"
+        hint = (
+            "name the other part; of two elements of a repeat, write behind it `row[0].tray` and `row[1].tray`, "
+            "or `row.tray` twice for any two"
+        )
         raise env.context.error("wrong-arguments", span, f"`{word}` names the same part twice", hint=hint)
 
 
