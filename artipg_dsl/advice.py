@@ -297,23 +297,27 @@ class _Looked:
                 "never-valid",
                 span or self._of(fault.part or "") or self.span,
                 f"{told}, in every object examined",
-                hint="no object would be valid; `apgc render --unchecked` draws some as they are",
+                hint=f"no object would be valid{': ' * bool(fault.example)}{fault.example}; "
+                "`apgc render --unchecked` draws some as they are",
             )
 
     def warn_rigid(self) -> None:
         """Name the joints of objects whose loops leave none of them to move."""
-        loops, names = self.batch.loops, self.batch.joints().name
+        loops, names, links = self.batch.loops, self.batch.joints().name, self.batch.links()
         if loops is None:
             return
-        for joints, follows in zip(loops.variable, loops.follows, strict=True):
+        for number, (joints, follows) in enumerate(zip(loops.variable, loops.follows, strict=True)):
             there = joints >= 0
             if there.any() and follows[there].all():
                 held = any_of([names[k] for k in joints[there][:_NAMED].tolist()], "and")
+                pairs = links.definition[loops.link[:, loops.owner == number]].T.tolist()
+                one, other = (f"`{self.batch.program.links[k].path}`" for k in pairs[0])
                 self.report.warning(
                     "rigid-loop",
                     self.span,
                     f"no joint on the loops of `{self.batch.program.name}` can move: `close` determines {held}",
-                    hint="a loop of four hinges with parallel axes moves, a triangle does not: add a joint, or `connect` the parts",
+                    hint=f"it ties the link of {one} to that of {other}: a place lies on the link of the parts that its formula "
+                    "names; a loop of four hinges with parallel axes moves, a triangle does not: add a joint, or `connect` the parts",
                 )
                 return
 

@@ -377,7 +377,7 @@ def _join_groups(group: np.ndarray, first: np.ndarray, second: np.ndarray) -> np
 
 def find_inverted(tree: Tree) -> list[Fault]:
     """Joints whose range does not hold their rest value, as none does that ends below where it begins; those that others
-    leave no way at all. Requirements see to the former, which an edited program may lack."""
+    leave no way at all. Requirements see to the former, which an edited program may lack; of loops, `find_open` tells."""
     joints = tree.joints
     found: list[tuple[Key, int]] = []
     low, high = (
@@ -385,6 +385,8 @@ def find_inverted(tree: Tree) -> list[Fault]:
         np.where(np.isnan(joints.high), np.inf, joints.high),
     )
     outside = (joints.rest < low - 1e-9) | (joints.rest > high + 1e-9) | ~np.isfinite(joints.rest)
+    if tree.batch.loops is not None:
+        outside[tree.batch.loops.beyond(joints.rest)] = False
     whatever = np.array([joint.whatever for joint in tree.batch.program.joints], dtype=bool)[joints.definition]
     shut = whatever & (high <= joints.rest)
     for row in np.flatnonzero(outside | shut).tolist():

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..runtime.loops import APART
 from .contact import value_in_words
 from .fault import Fault, Key, list_faults
 from .tree import Tree
@@ -33,9 +34,10 @@ def find_open(tree: Tree) -> list[Fault]:
         excess = loops.excess(beyond, values)
         excess = np.where(shut & (excess < np.pi), excess, -excess)  # nor those of one that has turned over
         near = -np.abs(values - joints.rest)[lead[loops.owner[apart]]]
-        for owner, which, words, much, rows in (
-            (loops.owner[apart], loops.which[apart], closing, near, np.full(len(apart), -1)),
-            (joints.owner[beyond], joints.definition[beyond], ranges, excess, beyond),
+        gaps = np.linalg.norm(loops.point[0] - loops.point[1], axis=1)[apart]
+        for owner, which, words, much, rows, gap in (
+            (loops.owner[apart], loops.which[apart], closing, near, np.full(len(apart), -1), gaps),
+            (joints.owner[beyond], joints.definition[beyond], ranges, excess, beyond, np.full(len(beyond), np.nan)),
         ):
             told = ~wrong[owner] & ((state == 0) | (lead[owner] >= 0))
             for kind, joint in sorted(set(zip(which[told].tolist(), lead[owner[told]].tolist(), strict=True))):
@@ -46,18 +48,22 @@ def find_open(tree: Tree) -> list[Fault]:
                 found.append((key, owner[here]))
                 most = int(np.flatnonzero(here)[np.argmax(much[here])])
                 if key not in worst or much[most] > worst[key][0]:
-                    worst[key] = float(much[most]), _example(tree, values, int(rows[most]), joint, int(owner[most]))
+                    told_gap = gap[most] if joint < 0 else np.nan
+                    example = _example(tree, values, int(rows[most]), joint, int(owner[most]), float(told_gap))
+                    worst[key] = float(much[most]), example
         if state == 0:
             wrong[np.concatenate([loops.owner[apart], joints.owner[beyond]])] = True
     return [replace(f, example=worst[f.what, f.where, f.part][1]) for f in list_faults(found)]
 
 
-def _example(tree: Tree, values: np.ndarray, joint: int, lead: int, owner: int) -> str:
-    """Where a joint of an object is, and what leads it, in words; -1 for neither."""
+def _example(tree: Tree, values: np.ndarray, joint: int, lead: int, owner: int, gap: float) -> str:
+    """Where a joint of an object is, and what leads it, in words; -1 for neither. ``gap``: of what is to close, with all joints
+    at 0 (the search may end anywhere); NaN where it says nothing."""
     joints = tree.joints
     at = [
         f"`{joints.name[row]}` {be}{value_in_words(joints.kind[row], values[row])}"
         for row, be in ((joint, "at "), (lead, "at " if joint < 0 else "is at "))
         if row >= 0
     ]
+    at += [f"{gap * 1000:.1f} mm apart with all joints at 0"] * (gap > APART)
     return ", ".join([" where ".join(at)] * bool(at) + [f"in object {tree.batch.numbers[owner]}"])

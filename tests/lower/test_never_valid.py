@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from artipg_dsl.diagnostics.model import Diagnostic
 from artipg_dsl.session import Session
 from artipg_dsl.validity.faults import find_faults
 
@@ -39,11 +40,15 @@ category Swing {{
 """
 
 
-def _told(text: str, name: str = "programs/some.apg") -> list[tuple[str, int]]:
+def _advised(text: str, name: str = "programs/some.apg") -> list[Diagnostic]:
     session = Session.of_text(text, name)
     session.advise()
     assert not session.report.failed, session.report.diagnostics
-    found = [d for d in session.report.diagnostics if d.code == "never-valid"]
+    return session.report.diagnostics
+
+
+def _told(text: str, name: str = "programs/some.apg") -> list[tuple[str, int]]:
+    found = [d for d in _advised(text, name) if d.code == "never-valid"]
     assert all(d.severity == "warning" and d.message.endswith(", in every object examined") for d in found)
     return [(d.message.removesuffix(", in every object examined"), d.span.line) for d in found if d.span]
 
@@ -83,6 +88,17 @@ def test_a_fault_carries_its_place_whatever_the_file_is_called(name: str) -> Non
 @pytest.mark.parametrize(("low", "told"), [("5mm", []), ("60cm", [("this loop does not close at rest", 16)])])
 def test_a_loop_that_does_not_close_is_warned_of_where_it_is_stated(low: str, told: list[tuple[str, int]]) -> None:
     assert _told(SWING.format(low=low))[-1:] == told
+
+
+def test_how_far_apart_a_loop_is_and_what_it_ties_is_told() -> None:
+    """A place of numbers alone lies on the root."""
+    *_, unclosed = (d for d in _advised(SWING.format(low="60cm")) if d.code == "never-valid")
+    assert "595.0 mm apart with all joints at 0" in str(unclosed.hint)
+    tied = (
+        SWING.replace("seat.bottom.center + [8cm, 0, {low}]", "[8cm, 0, -19cm]").replace("{{", "{").replace("}}", "}")
+    )
+    (rigid,) = [d for d in _advised(tied) if d.code == "rigid-loop"]
+    assert "the link of `arm.bar` to that of `beam`" in str(rigid.hint)
 
 
 @pytest.mark.parametrize(

@@ -93,7 +93,7 @@ def test_the_same_in_any_batch() -> None:
         (
             CRANK.replace("block.center, along", "block.center + [0, 0, 30cm], along"),
             "this loop does not close at rest",
-            "in object 0",
+            "300.0 mm apart with all joints at 0, in object 0",
         ),
         (
             CRANK.replace("block.center, along", "block.center + [0, 0, 8cm], along"),
@@ -120,6 +120,14 @@ def test_a_loop_that_does_not_close_or_goes_too_far_is_told(text: str, told: str
     (found,) = [fault for fault in find_faults(batch).others if told in fault.words]
     assert "crank.apg:" in found.words and found.objects.tolist() == [0, 1]
     assert found.example == example
+
+
+def test_a_rest_that_a_loop_leaves_no_room_for_is_told_once() -> None:
+    """That its range does not contain its rest value follows from it."""
+    text = CRANK.replace("-20cm .. 20cm", "1cm .. 20cm")
+    batch = Session(Source("crank.apg", text), None).sampler.batch(np.arange(1), seed=0, checked=False)
+    told = [fault.what for fault in find_faults(batch).others if "slide" in fault.what]
+    assert told == ["the loop takes slide beyond its range at rest"]
 
 
 def test_what_a_loop_moves_rests_where_that_puts_it() -> None:
