@@ -192,14 +192,14 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
         case ast.CloseStmt(subject=subject, other=other):
             kind, inside = placing.subject(ck, ctx, subject)
             for expr, found in ((subject, kind), (other, ck.infer(inside, other))):
-                if found not in (UNKNOWN, POINT, FRAME, LINE, EDGE):
+                if found not in (UNKNOWN, FRAME, LINE, EDGE) and not fits(found, POINT):
                     ck.unfit(
                         expr,
                         found,
                         "`close` joins points, lines or frames",
                         hint=f"name a point of it, such as `{expr.span.words}.center`"
                         if isinstance(found, Boxed) or found == PLANE
-                        else "as in `close a.pin to b.pin`",
+                        else "as in `close a.pin on b.pin`",
                     )
         case _ if isinstance(stmt, SHAPE):
             primitives.check(ck, ctx, stmt)

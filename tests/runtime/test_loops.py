@@ -130,6 +130,18 @@ def test_a_rest_that_a_loop_leaves_no_room_for_is_told_once() -> None:
     assert told == ["the loop takes slide beyond its range at rest"]
 
 
+def test_a_place_to_close_on_may_be_written_out() -> None:
+    """It lies on the link of the parts that its coordinates name."""
+    for place in ("block.center + [0, -1cm, 0]", "[block.center.x, 3cm, block.center.z]"):
+        text = CRANK[: CRANK.index("  close")] + f"  close rod.front.center on {place}\n}}\n"
+        batch = Session(Source("crank.apg", text), None).sampler.batch(np.arange(1), seed=0)
+        states = np.where(np.array(batch.joints().name) == "turn", 1.0, batch.rest())
+        slide = batch.settle(states)[batch.joints().name.index("slide")]
+        np.testing.assert_allclose(
+            slide, 0.03 * np.cos(1) + np.sqrt(0.10**2 - (0.03 * np.sin(1)) ** 2) - 0.13, atol=1e-9
+        )
+
+
 def test_what_a_loop_moves_rests_where_that_puts_it() -> None:
     text = CRANK.replace("rod.front.center, along", "rod.front.center + [0, 0, 1mm], along")
     batch = Session(Source("crank.apg", text), None).sampler.batch(np.arange(2), seed=0, checked=False)

@@ -94,7 +94,7 @@ def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
         elif isinstance(value, Line):  # axes that coincide: where along them does not matter
             point = value.point
             axes.append(direct(links.world(env), value.direction))
-        elif isinstance(value, Vec) and value.point:
+        elif isinstance(value, Vec) and len(value.items) == 3:
             point = triple(value.items)
         else:
             raise Evaluator(env).impossible(node.span, "a port or a point", value)
