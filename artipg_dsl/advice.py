@@ -253,6 +253,24 @@ class _Looked:
                     hint=f'{self._how_to_hold(part)}; if that is meant, write `allow floating {part.name} because "..."`',
                 )
 
+    def warn_coincident(self) -> None:
+        """Report parts of which elements of a repeat fill the same space: they look like one."""
+        from .validity.twins import find_twins  # start-up
+
+        twins = find_twins(self.batch)
+        for part in self.lowering.context.parts:
+            own = [path for path in twins if path == part.path or path.startswith(f"{part.path}.")]
+            if own and part.span.source is self.lowering.root.module.source:
+                twins = [path for path in twins if path not in own]
+                repeat = part.path.split(".")[-2] if "." in part.path else "row"
+                self.report.warning(
+                    "coincident",
+                    part.span,
+                    f"elements of `{own[0]}` fill the same space, in every object examined",
+                    hint=f"place it by what differs between elements, such as `align {part.name}.center.y = {repeat}.center.y`; "
+                    "in a `ring` or a `mirror`, move it off the axis or the plane",
+                )
+
     def _how_to_hold(self, part: Component) -> str:
         """What to write so that a part that floats touches its link."""
         free = ["xyz"[axis] for axis in sorted(self.lowering.context.centred.get(part, ()))]
@@ -275,6 +293,7 @@ class _Looked:
         body = gather(self.batch, tree.first, tree.turn, tree.shift)
         solids = Solids(tree, body)
         self.warn_floating(solids)
+        self.warn_coincident()
         for stuck in find_stuck(tree, body):
             one, other = (_RANKS.sub("", part) for part in stuck.parts)
             on = [

@@ -107,6 +107,32 @@ EQUATIONS = (
         """,
     ),
     Code(
+        "coincident",
+        "elements of a repeat stand in the same place",
+        """
+        In each of the few objects that `apgc check` draws, two elements of a repeat fill the same space, so that they look
+        like one, but count and weigh twice. Often no equation places the part by the element: without one it is centred on
+        the box of the element along each axis, and a `repeat` without a form, or one that lies along another axis, has the
+        same box for all. In a `ring` or a `mirror`, what stands on the axis or in the plane is its own image. Place it by
+        the box of the element, by its index or by a value that each element draws, or move it out of the repeat.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+          repeat row[i] in 0 ..< 4 {
+            part leg : Cuboid(size = [3cm, 3cm, 40cm])
+            connect leg.top on seat.bottom
+          }
+          material oak on seat, row.leg
+          label semantic.seat on seat, row.leg
+        }
+        """,
+    ),
+    Code(
         "under-determined",
         "nothing determines a value",
         """
