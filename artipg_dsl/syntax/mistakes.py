@@ -32,7 +32,8 @@ MISTAKES = (
     ),
     Mistake(
         "a style gives a role behind `:`, and its templates behind `=`",
-        "for example `style pull : Handle = BarHandle | BowHandle`; without a role, write the alternatives at the part",
+        "for example `style pull : Handle = BarHandle | BowHandle`; for one template without a role, `style leg : Leg = Leg`; "
+        "for several, write the alternatives at the part",
         ("style x = A", "style x : A(b = 1)", "style x : A | B", "style x : A weight 2", "style x : A\n"),
     ),
     Mistake(
