@@ -101,6 +101,8 @@ def _collision(pair: dict[str, Any], objects: int, kinds: dict[str, str]) -> lis
         when = "at rest"
     elif kind in JOINTS and JOINTS[kind].slides:
         when = f"while {joint} slides"
+    elif pair["example"] is not None:  # it tells where they first meet
+        when = f"while {joint} turns"
     else:
         when = f"while {joint} turns, at {tenths(math.degrees(pair['value']))} deg"
     share = f"{100 * pair['objects'] / objects:.1f}% of objects"

@@ -7,11 +7,12 @@ import numpy as np
 from ..geometry.collide import common_point, overlap
 from ..language import JOINTS
 from ..records import dataclass
+from ..runtime.motion import apply, rotation_about
 from .bodies import Pieces, Placed
 from .tree import Tree
 from .validate import Collisions
 
-_PLACES = 65  # of the range of a slide that are looked at
+_PLACES = 65  # of the range of a joint that are looked at
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +38,9 @@ def describe_contact(tree: Tree, body: Pieces, found: Collisions, row: int) -> C
     if named >= 0:
         joint = int(np.searchsorted(tree.joints.owner, owner)) + named
         value = float(found.value[row])
-        if tree.slides[joint] and tree.alone[joint]:
-            value = _slid(tree, body, i, j, joint)
+        if tree.alone[joint]:
+            nearest = _nearest(tree, body, i, j, joint)
+            value = nearest if nearest is not None else float(tree.high[joint]) if tree.slides[joint] else value
         states[joint] = value
     turn, shift, _ = tree.at(states)
     first, second = (Placed(body, k, turn[body.link[k]], shift[body.link[k]]) for k in (i, j))
@@ -48,16 +50,22 @@ def describe_contact(tree: Tree, body: Pieces, found: Collisions, row: int) -> C
     return Contact(int(tree.batch.numbers[owner]), (names[0], names[1]), at, value)
 
 
-def _slid(tree: Tree, body: Pieces, i: np.ndarray, j: np.ndarray, joint: int) -> float:
-    """The value of a slide nearest to rest at which two pieces meet, of some; its high end where none of these is."""
-    rest = tree.joints.rest[joint]
+def _nearest(tree: Tree, body: Pieces, i: np.ndarray, j: np.ndarray, joint: int) -> float | None:
+    """The value of a joint that moves alone nearest to rest at which two pieces meet, of some; None where they meet at none of these."""
+    rest, axis, origin = tree.joints.rest[joint], tree.axis[joint], tree.origin[joint]
     values = np.linspace(tree.low[joint], tree.high[joint], _PLACES)
     values = values[np.argsort(np.abs(values - rest), kind="stable")]
-    moves = [(tree.chain[body.link[k]] == tree.child[joint]).any() for k in (i, j)]
-    still, way = np.tile(np.eye(3), (_PLACES, 1, 1)), tree.axis[joint] * (values - rest)[:, None]
-    placed = [Placed(body, np.repeat(k, _PLACES), still, way * moved) for k, moved in zip((i, j), moves, strict=True)]
+    still, way = np.tile(np.eye(3), (_PLACES, 1, 1)), axis * (values - rest)[:, None]
+    turn, shift = still, way
+    if tree.turns[joint]:
+        turn = rotation_about(np.tile(axis, (_PLACES, 1)), values - rest)
+        shift = origin - apply(turn, origin) + tree.advance[joint] * way
+    placed = []
+    for k in (i, j):
+        moves = (tree.chain[body.link[k]] == tree.child[joint]).any()
+        placed.append(Placed(body, np.repeat(k, _PLACES), turn if moves else still, shift * moves))
     hit = np.flatnonzero(overlap(*placed))
-    return float(values[hit[0]] if len(hit) else tree.high[joint])
+    return float(values[hit[0]]) if len(hit) else None
 
 
 def _part_name(tree: Tree, body: Pieces, piece: int) -> str:
