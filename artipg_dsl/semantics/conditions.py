@@ -204,7 +204,8 @@ def check_discrete(ck: Checker, ctx: Context, expr: ast.Expr) -> None:
                         "bad-guard",
                         expr.span,
                         f"a guard must compare counts, ranks or choices, but this is {kind}",
-                        hint="for a condition on lengths or angles use `require`, or an alternative with `when`",
+                        hint="for a condition on lengths or angles use `require`, or put it behind an alternative: "
+                        "`part lid : Flat when w > 5cm` is absent otherwise",
                     )
                     return
 
