@@ -1,6 +1,7 @@
 """The shipped primitives, lowered from their text, pass the self-test; leaks in declarations are findings in words."""
 
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from artipg_dsl.geometry.patches import find_existing
 from artipg_dsl.geometry.selftest import check_primitive
 from artipg_dsl.geometry.trial import draw_trial
 from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.language import FACES
 from artipg_dsl.session import Session, check_text
 from artipg_dsl.source import Source
 
@@ -34,6 +36,19 @@ def test_the_page_lists_every_shipped_primitive():
     page = (Path(__file__).parents[2] / "docs" / "primitives.md").read_text()
     missing = [name for name in SHIPPED if f"| `{name}` |" not in page]
     assert missing == []
+
+
+def test_the_page_names_the_surfaces_that_are_no_faces():
+    page = (Path(__file__).parents[2] / "docs" / "primitives.md").read_text()
+    tables, rest = page.split("## Surfaces")
+    told = {}
+    for row in rest.split("## Beside")[0].splitlines():
+        if row.startswith("| `"):
+            primitives, surfaces = (re.findall(r"`(\w+)`", cell) for cell in row.split("|")[1:3])
+            told.update(dict.fromkeys(primitives, surfaces))
+    listed = re.findall(r"^\| (?:\d+|-) \| `(\w+)` \|", tables, re.MULTILINE)
+    others = {name: [*dict.fromkeys(p.name for p in SHIPPED[name].patches if p.name not in FACES)] for name in listed}
+    assert told == {name: surfaces for name, surfaces in others.items() if surfaces}
 
 
 def test_a_prism_has_the_sides_that_each_instance_asks_for():
