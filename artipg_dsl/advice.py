@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 _OBJECTS = 8  # that are drawn, to see what floats, what collides and what their check takes
 _NAMED = 6  # parts that a warning names
 _SLACK = 1e-6  # radians or metres, by which rounding takes a joint out of its range
+_UNEVEN = 0.01  # of a size: by how much the two sizes of what a quarter turn leaves alike may differ
 _RANKS = re.compile(r"\[\d+\]")  # of elements of repeats, in the name of a part
 
 Draw = Callable[[np.ndarray, "Statistics"], "Batch"]
@@ -173,6 +174,7 @@ class _Looked:
             return
         self.warn_rigid()
         self.warn_beyond()
+        self.warn_asymmetric()
         for look in (self.warn_of_cost, self.warn_untested, self.warn_invalid):
             try:
                 look()
@@ -270,6 +272,26 @@ class _Looked:
                     hint=f"place it by what differs between elements, such as `align {part.name}.center.y = {repeat}.center.y`; "
                     "in a `ring` or a `mirror`, move it off the axis or the plane",
                 )
+
+    def warn_asymmetric(self) -> None:
+        """Report parts that are said to look the same after a quarter turn, of which the box alone tells that they do not."""
+        parts = self.batch.parts()
+        turns, axis = parts.symmetry.T
+        size = np.take_along_axis(parts.high - parts.low, (axis[:, None] + [1, 2]) % 3, axis=1)
+        quarter = (turns == 0) | (turns > 1) & (turns % 4 == 0)
+        uneven = quarter & (np.ptp(size, axis=1) > _UNEVEN * size.max(axis=1))
+        for definition in sorted(set(parts.definition[uneven].tolist())):
+            rows = np.flatnonzero((parts.definition == definition) & quarter)
+            if not uneven[rows].all():
+                continue
+            path, about = _RANKS.sub("", parts.name[rows[0]]), "xyz"[axis[rows[0]]]
+            one, other = (f"{100 * length:.3g}" for length in size[rows[0]].tolist())
+            self.report.warning(
+                "bad-symmetry",
+                self._of(path) or self.span,
+                f"`{path}` does not look the same after a quarter turn about its {about}: across it, it is {one} by {other} cm",
+                hint="name what is round or square, with the axes of the part itself, or write `turn 2`",
+            )
 
     def _how_to_hold(self, part: Component) -> str:
         """What to write so that a part that floats touches its link."""

@@ -133,6 +133,28 @@ EQUATIONS = (
         """,
     ),
     Code(
+        "bad-symmetry",
+        "a part does not have the symmetry that is stated",
+        """
+        `symmetry body : turn 4 about z`, or `any about z`, says that the part looks the same after a quarter turn, so its
+        box must be as long as it is wide. In each of the few objects that `apgc check` draws it is not. The axes are those
+        of the part itself, which `along` and a port turn with it. Training code takes such turns for equal poses. Write
+        `turn 2` for an oblong part, or name the part of it that is round.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 40cm, 3cm])
+          symmetry seat : turn 4 about z
+          material oak on seat
+          label semantic.seat on seat
+        }
+        """,
+    ),
+    Code(
         "under-determined",
         "nothing determines a value",
         """
