@@ -60,8 +60,20 @@ def _unmoved(state: State, rows: Rows, number: int) -> np.ndarray | None:
     return kept.value[at] if known.all() else None
 
 
-def _require_value(state: State, rows: Rows, number: int, bad: np.ndarray, empty: np.ndarray) -> None:
+def _require_value(
+    state: State,
+    rows: Rows,
+    number: int,
+    bad: np.ndarray,
+    ends: tuple[np.ndarray, np.ndarray],
+    gaps: Gaps | None,
+    distribution: str,
+    arguments: tuple[Any, ...],
+) -> None:
     """Rows that are left none of the values of their law fail, unless their value is kept."""
+    if distribution in ("normal", "lognormal") or not arguments:
+        return  # these have some density everywhere
+    empty = is_empty(*ends, gaps, distribution, arguments)
     held = state.kept[number].find(rows)[0] if number in state.kept else np.zeros(rows.size, dtype=bool)
     _no_room(state, rows, number, empty & ~bad & ~held)
 
@@ -111,8 +123,7 @@ def draw_real(
         else:
             unit = _lot(state, rows, address)
             found = _spread(unit, low, top, gaps, distribution, arguments)
-            if distribution == "weighted":
-                _require_value(state, rows, number, bad, is_empty(low, top, gaps, arguments))
+            _require_value(state, rows, number, bad, (low, top), gaps, distribution, arguments)
             if number in state.kept:
                 found = _near(state.kept[number], rows, unit, low, top, found, gaps)
         if gaps is not None:
@@ -219,9 +230,11 @@ def draw_count(
             one, two = _whole(first, last, distribution, arguments)
             law = () if distribution == "uniform" else arguments
             wide = _spread(_lot(state, rows, address), one - 0.5, two + 0.5, gaps, distribution, law)
-            if distribution == "weighted":
-                _require_value(state, rows, number, bad, is_empty(first, last, gaps, arguments))
             found = np.minimum(np.maximum(np.floor(wide + 0.5), one), two)
+        if held is None and not (state.defaults and default is not None):
+            _require_value(
+                state, rows, number, bad, (first, last), gaps, distribution, _rounded(distribution, arguments)
+            )
         if held is None and number in state.kept:
             found = _other_count(state.kept[number], rows, _lot(state, rows, address), first, last, found)
         if gaps is not None:
@@ -249,6 +262,13 @@ def _whole(
     """The whole numbers of a range in which a law lies."""
     first, last = support_of(first, last, distribution, arguments)
     return np.ceil(first - TOLERANCE), np.floor(last + TOLERANCE)
+
+
+def _rounded(distribution: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The arguments of a law for whole numbers: ``uniform(a, b)`` from the first to the last of them."""
+    if distribution != "uniform" or not arguments:
+        return arguments
+    return np.ceil(arguments[0] - TOLERANCE), np.floor(arguments[1] + TOLERANCE)
 
 
 def _other_count(

@@ -76,7 +76,7 @@ def _pick(
     arguments: tuple[Any, ...],
     gaps: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> np.ndarray:
-    """One of the values that lie within the bounds, by their weights; the nearest bound when none does."""
+    """One of the values that lie within the bounds, by their weights; the nearest bound when none does, which is refused."""
     if distribution == "weighted":
         values, weights = _halves(arguments)
         table, within = _among(low, high, values, gaps)
@@ -100,10 +100,17 @@ def _halves(arguments: tuple[Any, ...]) -> tuple[tuple[Any, ...], np.ndarray]:
 
 
 def is_empty(
-    low: np.ndarray, high: np.ndarray, gaps: tuple[np.ndarray, np.ndarray] | None, arguments: tuple[Any, ...]
+    low: np.ndarray,
+    high: np.ndarray,
+    gaps: tuple[np.ndarray, np.ndarray] | None,
+    distribution: str,
+    arguments: tuple[Any, ...],
 ) -> np.ndarray:
-    """Whether a weighted law has none of its values there (rows,)."""
-    return np.logical_not(_among(low, high, _halves(arguments)[0], gaps)[1].any(axis=0))
+    """Whether a law that states its values, or where they lie, has none there (rows,)."""
+    if distribution not in _DISCRETE:
+        return np.logical_not(np.maximum(arguments[0], low) <= np.minimum(arguments[1], high) + TOLERANCE)
+    values = arguments if distribution == "values" else _halves(arguments)[0]
+    return np.logical_not(_among(low, high, values, gaps)[1].any(axis=0))
 
 
 # ---------------------------------------------------------------- ranges with gaps

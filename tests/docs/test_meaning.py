@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+import pytest
 
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session
@@ -20,6 +23,25 @@ def test_uniform_between_two_ends() -> None:
     values = made.values()
     assert values["lip"].min() >= 0.012 and values["lip"].max() <= 0.014 and np.ptp(values["lip"]) > 0.001
     assert set(values["n"].tolist()) == {3.0, 4.0, 5.0}
+
+
+@pytest.mark.parametrize(
+    ("law", "legal"),
+    [
+        ("param a : length in 1cm .. w ~ values(2cm, 4cm)", lambda a: np.isclose(a, 0.02) | np.isclose(a, 0.04)),
+        ("param a : length in 1cm .. w ~ uniform(2cm, 4cm)", lambda a: (a >= 0.02) & (a <= 0.04)),
+        (
+            "param a : length in 1cm .. 10cm ~ values(2cm, 4cm)\nrequire a >= w",
+            lambda a: np.isclose(a, 0.02) | np.isclose(a, 0.04),
+        ),
+        ("count a in 1 .. floor(w / 1cm) ~ values(2, 4)", lambda a: (a == 2) | (a == 4)),
+        ("count a in 1 .. floor(w / 1cm) ~ uniform(2, 4)", lambda a: (a >= 2) & (a <= 4)),
+    ],
+)
+def test_no_value_but_those_of_the_distribution(law: str, legal: Callable[[np.ndarray], np.ndarray]) -> None:
+    """Where a range leaves none of them, the object is drawn again."""
+    values = batch(f"param w : length in 1cm .. 10cm\n{law}", 500).values()
+    assert legal(values["a"]).all() and len(np.unique(values["a"])) > 1
 
 
 def test_steps_are_shares_or_amounts() -> None:
