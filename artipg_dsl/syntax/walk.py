@@ -19,6 +19,17 @@ def walk(node: object) -> Iterator[Node]:
             yield from walk(item)
 
 
+def children(node: Node) -> Iterator[Node]:
+    """The nodes that stand in a node itself."""
+    held = [getattr(node, name) for name in node.__dataclass_fields__ if name != "span"]
+    while held:
+        match held.pop(0):
+            case Node() as inner:
+                yield inner
+            case tuple() as items:
+                held[:0] = items
+
+
 def path_root(node: Expr) -> Expr:
     """What a path of members and indices begins with."""
     while isinstance(node, MemberExpr | IndexExpr):
