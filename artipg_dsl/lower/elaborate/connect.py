@@ -144,8 +144,7 @@ def _on_plane(ev: Evaluator, subject: ast.Expr, node: ast.Expr, target: Value, g
     a, b = ev.plane(own, subject.span), ev.plane(target, node.span)
     if a.axis != b.axis:
         raise ev.across(span, a, b, subject.span, node.span)
-    sign = target.out[b.axis or 0] if isinstance(target, Frame) else E.ONE
-    ev.env.equations.append(Equation(a.coordinate, E.add(b.coordinate, E.mul(gap, sign)), span, span.words))
+    ev.env.equations.append(Equation(a.coordinate, E.add(b.coordinate, E.mul(gap, b.side)), span, span.words))
 
 
 def _target_box(ev: Evaluator, node: ast.Expr, span: Span) -> Box:

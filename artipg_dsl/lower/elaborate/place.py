@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...graph import expr as E
-from ...graph.expr import ONE, ZERO, Scope
+from ...graph.expr import ONE, ZERO, Expr, Scope
 from ...graph.linear import tidy
 from ...graph.primitive import Triple, triple
 from ...graph.program import Pose
@@ -274,7 +274,7 @@ def _own_value(part: Component, subject: ast.Expr, env: Env, rotation: Matrix = 
 
 def moved(ev: Evaluator, frame: Frame, at: ast.Clause[tuple[ast.Argument, ...]] | None) -> Triple:
     """The origin of a target, moved by ``at y = ..., z = ...`` within its plane."""
-    origin = list(frame.origin)
+    given: dict[int, Expr] = {}
     for argument in ast.value_of(at) or ():
         name, node = argument.name, argument.value
         if name in AXES:
@@ -286,10 +286,32 @@ def moved(ev: Evaluator, frame: Frame, at: ast.Clause[tuple[ast.Argument, ...]] 
                     f"the target faces along {name}, and `at` only moves within its plane",
                     hint=f"give the other two coordinates, and the distance along {name} by `gap` or `sink`",
                 )
-            origin[axis] = ev.scalar(node)
+            given[axis] = ev.scalar(node)
+            if all(frame.out[k] is ZERO for k in range(3) if k not in given):
+                raise ev.env.context.error(
+                    "plane-across-axes",
+                    node.span,
+                    f"the target is tilted, and what is said before leaves one place along {name} in its plane",
+                    hint=f"leave `{name}` out",
+                )
         elif not isinstance(ev.env.context.meaning(node), Word):  # `center` is where it is
-            origin = list(ev.vector(node))
-    return triple(origin)
+            way = minus(ev.vector(node), frame.origin)
+            return plus(frame.origin, minus(way, times(frame.out, dot(way, frame.out))))
+    return _within(frame, given)
+
+
+def _within(frame: Frame, given: dict[int, Expr]) -> Triple:
+    """The point of the plane of a frame that has up to two coordinates given: of those that have, the nearest to its origin."""
+    origin, out = frame.origin, frame.out
+    if all(out[axis] is ZERO for axis in given):
+        return triple(given.get(k, c) for k, c in enumerate(origin))
+    far = triple(E.sub(given[k], c) if k in given else ZERO for k, c in enumerate(origin))
+    if len(given) == 1:
+        (axis,) = given
+        share = E.div(far[axis], E.sub(ONE, E.mul(out[axis], out[axis])))
+        return plus(origin, times(minus(unit(axis), times(out, out[axis])), share))
+    lost = dot(out, far)
+    return triple(given.get(k, E.sub(c, E.div(lost, out[k]))) for k, c in enumerate(origin))
 
 
 def _bridge_pose(part: Component, mount: Mount, ev: Evaluator) -> Pose:

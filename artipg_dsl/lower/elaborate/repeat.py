@@ -15,7 +15,7 @@ from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..values.faces import squared
 from ..values.kinds import Box, Frame, Line
-from ..values.vectors import HERE, IDENTITY, ORIGIN, matrix, norm, rotation_about, signed_axis
+from ..values.vectors import HERE, IDENTITY, ORIGIN, dot, matrix, minus, norm, rotation_about, signed_axis, times
 from .ranges import EVERY, ROOM, Quantity
 from .split import axis_of, scalar, split
 
@@ -133,6 +133,8 @@ def ring(ev: Evaluator, statement: ast.RepeatStmt, count: Expr, scope: Scope) ->
     axis = signed_axis(direction)
     if axis is not None:
         point = triple(E.ZERO if k == axis[0] else c for k, c in enumerate(point))
+    else:
+        point = minus(point, times(direction, dot(point, direction)))
     return Pose(rotation_about(direction, angle), point, E.ONE)
 
 

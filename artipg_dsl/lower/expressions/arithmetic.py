@@ -88,7 +88,7 @@ def plane(ev: Evaluator, value: Frame | Plane, span: Span) -> Plane:
     axis = sole_axis(value.out)
     if axis is None:
         raise _tilted(ev, span)
-    return Plane(axis, value.origin[axis], value.on)
+    return Plane(axis, value.origin[axis], value.on, value.out[axis])
 
 
 def _flat(value: Frame | Plane) -> bool:
@@ -172,8 +172,8 @@ def _plane_arithmetic(ev: Evaluator, node: ast.BinaryExpr, left: Value, right: V
             if left.axis != right.axis:
                 raise across(ev, node.span, left, right, node.left.span, node.right.span)
             return result if node.op == "-" else Plane(left.axis, result, left.on + right.on)
-        case (Plane(axis, _, on), _) | (_, Plane(axis, _, on)) if node.op in "+-":
-            return Plane(axis, result, on)
+        case (Plane() as face, _) | (_, Plane() as face) if node.op in "+-":
+            return replace(face, coordinate=result)
         case _:
             return result
 

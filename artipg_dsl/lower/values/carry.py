@@ -35,7 +35,7 @@ def mapped(value: Value, scalar: Callable[[Expr], Expr]) -> Value:
             rotation = matrix(map(scalar, row) for row in value.rotation)
             return Frame(triple(map(scalar, value.origin)), rotation, value.on, value.face)
         case Plane():
-            return replace(value, coordinate=scalar(value.coordinate))
+            return replace(value, coordinate=scalar(value.coordinate), side=scalar(value.side))
         case Line():
             to = None if value.to is None else triple(map(scalar, value.to))
             point, direction = triple(map(scalar, value.point)), triple(map(scalar, value.direction))
@@ -107,7 +107,7 @@ def _flat(value: Value) -> Value:
     if not isinstance(value, Frame):
         return value
     axis = sole_axis(value.out)
-    return Plane(axis, ZERO if axis is None else value.origin[axis], value.on)
+    return Plane(axis, ZERO, value.on) if axis is None else Plane(axis, value.origin[axis], value.on, value.out[axis])
 
 
 @overload
@@ -185,4 +185,4 @@ def _moved_plane(value: Plane, pose: Pose) -> Plane:
     if axis is None:
         return replace(value, axis=None)
     point = place(pose, times(unit(value.axis), value.coordinate))
-    return replace(value, axis=axis, coordinate=point[axis])
+    return replace(value, axis=axis, coordinate=point[axis], side=E.mul(value.side, normal[axis]))

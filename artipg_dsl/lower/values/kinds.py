@@ -70,11 +70,13 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Plane:
-    """A plane across ``axis`` (None where its normal is no axis by construction) at ``coordinate``."""
+    """A plane across ``axis`` (None where its normal is no axis by construction) at ``coordinate``; ``side`` is 1 where the face
+    that it comes from faces along the axis, -1 where against it."""
 
     axis: int | None
     coordinate: Expr
     on: tuple[Carrier, ...] = ()
+    side: Expr = E.ONE
 
 
 @dataclass(frozen=True, slots=True)
