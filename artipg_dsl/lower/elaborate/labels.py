@@ -80,7 +80,8 @@ def _aims(links: Links, env: Env, node: ast.Expr) -> list[Aim]:
     for value, home, named in walk(env, node):
         reached = len(found)
         if isinstance(value, Surface):
-            found.extend(_aim_at(links, part, part, (name,)) for _, part, _, name in value.branches)
+            for _, part, _, name in value.branches:
+                found.append(_aim_at(links, part, _slot_owner(part, home, env, slot) if slot else part, (name,)))
         elif isinstance(value, Ref):
             for branch in value.branches:
                 found.extend(_aim_at(links, p, _slot_owner(p, home, env, slot), ()) for p, _ in branch.members)
@@ -154,7 +155,7 @@ def formula(links: Links, env: Env, aim: Aim) -> Evaluator:
     }
     origin = Pose(aim.frame.rotation, place(aim.frame, aim.box.center), aim.frame.mirror)
     carry = compose(inverse(origin), links.world(env))
-    made = Evaluator(env, local, carry)
+    made = Evaluator(env, local, frame=carry)
     made.drive = Drive(links, env, aim, origin)
     return made
 
@@ -299,7 +300,7 @@ def grasp(links: Links, env: Env, statement: ast.GraspStmt) -> None:
             ev.local[statement.parameter] = E.var("t")
         scope = env.context.guard(aim.scope, present(env, aim), f"{env.path}{statement.name}")
         own = dict(ev.local)
-        plain, turned = Evaluator(env, own, ev.pose), Evaluator(env, {**own, **axes()})
+        plain, turned = (Evaluator(env, local, frame=ev.frame) for local in (own, {**own, **axes()}))
         ends = () if statement.range is None else (statement.range.low, statement.range.high)
         low, high = (shown(Evaluator(env).scalar(end), scope) for end in ends) if ends else (E.ZERO, E.ZERO)
         vectors = plain.vector(at.value), turned.direction(approach.value), turned.direction(close.value)
@@ -340,7 +341,7 @@ def keypoint(links: Links, env: Env, statement: ast.KeypointStmt) -> None:
                 own = formula(links, env, aim)
                 own.local.update({"size": Vec(aim.box.size)})
                 origin = Pose(aim.frame.rotation, point, aim.frame.mirror)
-                point = place(origin, Evaluator(env, own.local).vector(statement.at))
+                point = place(origin, Evaluator(env, own.local, frame=own.frame).vector(statement.at))
             scope = env.context.guard(aim.scope, present(env, aim), f"{env.path}{statement.name}")
             point = triple(shown(c, scope) for c in point)
             program.keypoints.append(Keypoint(statement.name, scope, links.of(aim.part), point, where(statement.span)))

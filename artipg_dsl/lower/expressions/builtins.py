@@ -18,9 +18,9 @@ from ...syntax.walk import walk
 from ..values.carry import whichever
 from ..values.faces import FACES, extent, frame_of, squared
 from ..values.kinds import Box, Frame, Line, Ports, Value, carriers_of
-from ..values.vectors import dot, minus, normalized, times
+from ..values.vectors import compose, dot, minus, normalized, times
 from .arithmetic import applied
-from .env import Element
+from .env import Element, pose_between
 
 if TYPE_CHECKING:
     from ..values.kinds import Carrier
@@ -137,7 +137,8 @@ def reduction(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
     """``sum(cell.size.z)``: over the elements of the repeat that the path goes through."""
     argument = node.arguments[0].value
     element = _repeat_of(ev, argument)
-    value = type(ev)(element.env).scalar(argument)
+    pose = compose(ev.pose, pose_between(element.env, ev.env))
+    value = type(ev)(element.env, pose=pose, frame=ev.frame).scalar(argument)
     deeper = value.scope is not None and value.scope.within(element.scope)
     return over(ev, form.name, value.scope if deeper else element.scope, value)
 

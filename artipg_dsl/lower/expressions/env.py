@@ -8,7 +8,7 @@ equations that are matched together.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import field
+from dataclasses import field, replace
 from itertools import takewhile
 from typing import TYPE_CHECKING
 
@@ -21,7 +21,7 @@ from ...source import Span
 from ...syntax import ast
 from ...syntax.walk import in_branches
 from ..values.carry import merged, moved, united
-from ..values.kinds import Box, Choice, Frame, Line, Plane, Ports, Ref, Value, Vec
+from ..values.kinds import Box, Choice, Frame, Line, Placed, Plane, Ports, Ref, Value, Vec
 from ..values.vectors import HERE, compose, inverse
 from .context import Abort, Draft, Equation, Unknown
 
@@ -53,8 +53,11 @@ class Function:
 
 
 @dataclass(slots=True, eq=False)
-class Element:
-    """What a repeat's name means: its environment, its scope, how many, and the box of an element."""
+class Element(Placed):
+    """What a repeat's name means: its environment, its scope, how many, and the box of an element.
+
+    ``seen`` carries values from the frame around the repeat into that of the expression that names it.
+    """
 
     name: str
     env: Env
@@ -62,6 +65,10 @@ class Element:
     count: Expr
     box: Box | None
     gap: Box | None = None
+    seen: Pose = HERE
+
+    def carried(self, pose: Pose) -> Element:
+        return replace(self, seen=compose(pose, self.seen))
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,9 +213,14 @@ class Env:
         """This frame in that of an environment around it, of the same body."""
         pose = HERE
         for env in takewhile(lambda env: env is not around, self.chain()):
-            if env.frame is not HERE:
-                pose = compose(env.frame, pose) if pose is not HERE else env.frame
+            pose = compose(env.frame, pose)
         return pose
+
+
+def pose_between(env: Env, other: Env) -> Pose:
+    """The frame of an environment in that of another one of the same body."""
+    around = next(e for e in env.chain() if any(e is one for one in other.chain()))
+    return compose(inverse(other.pose_in(around)), env.pose_in(around))
 
 
 def exists_in(env: Env, guard: Expr) -> bool:

@@ -14,11 +14,12 @@ from ...source import Span
 from ...syntax import ast
 from ...units import UNITS
 from ..values.carry import merged, moved
-from ..values.kinds import Alternatives, Box, Frame, Line, Plane, Ports, Ref, Value, Vec
-from ..values.vectors import AXES, HERE, unit
+from ..values.faces import carried_face
+from ..values.kinds import Alternatives, Box, Face, Frame, Line, Placed, Plane, Ports, Ref, Value, Vec
+from ..values.vectors import AXES, HERE, compose, unit
 from . import arithmetic, builtins, members
 from .context import Fetched
-from .env import Element, Env, Function
+from .env import Element, Env, Function, pose_between
 from .members import At, describe
 
 if TYPE_CHECKING:
@@ -40,11 +41,15 @@ class Evaluator:
         local: dict[str, Value] | None = None,
         pose: Pose = HERE,
         instead: dict[int, Value] | None = None,
+        frame: Pose = HERE,
     ):
         self.env = env
         self.local = local or {}
         self.instead = instead or {}  # by the identity of a path in the text, what is taken for it here
-        self.pose = pose  # carries values of the environment into the frame of a formula (labels, grasps)
+        self.pose = (
+            pose  # carries values of the environment into the frame of the statement, which names faces by its axes
+        )
+        self.frame = frame  # carries what is named there into the frame of a formula (labels, grasps)
 
     # ------------------------------------------------------------ entry points by expected kind
 
@@ -108,12 +113,9 @@ class Evaluator:
                     return self._quantity(node)
                 case ast.StringExpr():
                     return node.value
-                case ast.NameExpr():
-                    return self._name(node)
-                case ast.MemberExpr():
-                    return members.member(self, self.value(node.obj), node)
-                case ast.IndexExpr():
-                    return self._element(node)
+                case ast.NameExpr() | ast.MemberExpr() | ast.IndexExpr():
+                    value, unframed = self._path(node)
+                    return self._framed(value) if unframed else value
                 case ast.CallExpr():
                     return self._call(node)
                 case ast.VectorExpr():
@@ -180,15 +182,45 @@ class Evaluator:
 
     # ------------------------------------------------------------ names, members, calls
 
-    def _name(self, node: ast.NameExpr) -> Value:
+    def _path(self, node: ast.Expr) -> tuple[Value, bool]:
+        """A name, a member or an element; and whether it still is to be carried into the frame of the formula: parts are once it
+        is said which of their places is meant."""
+        if id(node) in self.instead:
+            return self.instead[id(node)], False
+        match node:
+            case ast.NameExpr():
+                value, unframed = self._name(node)
+            case ast.MemberExpr():
+                value, unframed = self._path(node.obj)
+                value = members.member(self.unframed if unframed else self, value, node)
+            case ast.IndexExpr():
+                value, unframed = self._path(node.obj)
+                value = (self.unframed if unframed else self)._element(node, value)
+            case _:
+                return self.value(node), False
+        if not unframed or isinstance(value, Ref | Placed):
+            return value, unframed
+        return self._framed(value), False
+
+    @property
+    def unframed(self) -> Evaluator:
+        """Evaluates in the frame of the statement."""
+        return self if self.frame is HERE else type(self)(self.env, self.local, self.pose, self.instead)
+
+    def _framed(self, value: Value) -> Value:
+        """A value of the statement in the frame of the formula; a face keeps its edges."""
+        return carried_face(value, self.frame) if isinstance(value, Face) else moved(value, self.frame)
+
+    def _name(self, node: ast.NameExpr) -> tuple[Value, bool]:
+        """What a name stands for; and whether it is to be carried into the frame of the formula."""
         meaning = self.env.context.meaning(node)
         if isinstance(meaning, Local):
-            return self.local[meaning.name]
+            return self.local[meaning.name], False
         value = self.meant(meaning)
         if value is None:
             self.env.refuse_circle(node.name, node.span)
             raise self.env.context.internal(node.span, f"`{node.name}` has no value here")
-        return moved(value, self.pose)
+        return moved(value, self.pose), self.frame is not HERE
 
     def meant(self, meaning: Meaning | None) -> Value | None:
         """The value that a name has in the environment."""
@@ -196,9 +228,9 @@ class Evaluator:
             case Declared(name, depth):
                 return self.env.find(name, depth)
             case Current(depth):
-                return self.env.element_at(depth)
+                return self._around(depth)
             case Previous(depth):
-                element = self.env.element_at(depth)
+                element = self._around(depth)
                 return None if element is None else At(element, None, element)
             case OwnBox(name):
                 own = self.own_box()
@@ -212,6 +244,14 @@ class Evaluator:
                 return function if function.parameters else self.called(function, ())
         return None
 
+    def _around(self, depth: int) -> Element | None:
+        """The element in which this stands, of the repeat whose body is ``depth`` deep."""
+        element = self.env.element_at(depth)
+        if element is None or element.env.outer is None:
+            return None
+        pose = pose_between(element.env.outer, self.env)
+        return element if pose is HERE else element.carried(pose)
+
     def module_function(self, symbol: Symbol) -> Function:
         assert isinstance(symbol.decl, ast.FunctionDecl)
         home = Env(self.env.context, symbol.module, None, self.env.scope, "")
@@ -220,8 +260,7 @@ class Evaluator:
     def inside(self, element: Element) -> bool:
         return any(env is element.env for env in self.env.chain())
 
-    def _element(self, node: ast.IndexExpr) -> Value:
-        value = self.value(node.obj)
+    def _element(self, node: ast.IndexExpr, value: Value) -> Value:
         if isinstance(value, Ports):
             return builtins.pick(value, self.scalar(node.index), self.env, node.span)
         repeat = value.inner if isinstance(value, At) else value
@@ -251,6 +290,8 @@ class Evaluator:
         return self.called(function, tuple(self.value(a.value) for a in node.arguments))
 
     def called(self, function: Function, values: tuple[Value, ...]) -> Value:
-        """The value of a function of the text."""
+        """The value of a function of the text, in the frame of the call: what it names is carried there."""
         local = dict(zip(function.parameters, values, strict=True))
-        return Evaluator(function.env, local).value(function.value)
+        around = any(env is function.env for env in self.env.chain())  # those of a module name nothing that has a place
+        pose = compose(self.pose, pose_between(function.env, self.env)) if around else HERE
+        return Evaluator(function.env, local, pose, frame=self.frame).value(function.value)

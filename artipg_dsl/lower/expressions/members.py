@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar, overload
 
@@ -26,6 +26,7 @@ from ..values.kinds import (
     Line,
     Look,
     Lying,
+    Placed,
     Plane,
     Ports,
     Ref,
@@ -34,7 +35,8 @@ from ..values.kinds import (
     Vec,
 )
 from ..values.vectors import AXES, HERE, compose, inverse, place
-from .env import Element, Env, Function, Hinge
+from .context import Draft
+from .env import Element, Env, Function, Hinge, pose_between
 from .extents import raised
 
 if TYPE_CHECKING:
@@ -46,13 +48,16 @@ if TYPE_CHECKING:
 K = TypeVar("K")
 
 
-class At:
+class At(Placed):
     """An element of a repeat named from outside (``post[last]``, ``previous``): values are fetched row by row."""
 
     __slots__ = ("element", "index", "inner")
 
     def __init__(self, element: Element, index: Expr | None, inner: Value):
         self.element, self.index, self.inner = element, index, inner
+
+    def carried(self, pose: Pose) -> At:
+        return At(self.element.carried(pose), self.index, self.inner)
 
 
 def describe(value: Value) -> str:
@@ -143,7 +148,7 @@ def inner(ev: Evaluator, value: Value, meaning: Inner, span: Span) -> Value | No
     """What the template of a part or the body of an element declares."""
     match value:
         case Ref():
-            return declared(ev, value, meaning.name, meaning.without)
+            return declared(ev, value, meaning.name, meaning.without, span)
         case Element():
             found = within(ev, value, span).env.declared(meaning.name)
             return None if found is None else _from_env(ev, value.env, found)
@@ -166,7 +171,7 @@ def _feature(ev: Evaluator, value: Value, name: str, span: Span) -> Value | None
             return _line_feature(value, name)
         case Element(gap=gap) if name == "gap":
             within(ev, value, span)
-            return gap
+            return None if gap is None else here(ev, value, gap)
         case At(inner=Element(gap=Box() as gap)) if name == "gap":
             return fetch(ev, value, gap)
         case Ref() if name == "size" and (size := declared(ev, value, name)) is not None:
@@ -216,8 +221,7 @@ def _from_env(ev: Evaluator, env: Env, value: Box) -> Box: ...
 def _from_env(ev: Evaluator, env: Env, value: Value) -> Value: ...
 def _from_env(ev: Evaluator, env: Env, value: Value) -> Value:
     """A value of an environment around this one, in this one's frame."""
-    pose = ev.env.pose_in(env)
-    return moved(value if pose is HERE else moved(value, inverse(pose)), ev.pose)
+    return moved(moved(value, pose_between(env, ev.env)), ev.pose)
 
 
 @overload
@@ -227,21 +231,20 @@ def fetch(ev: Evaluator, at: At, inner: Box) -> Box: ...
 @overload
 def fetch(ev: Evaluator, at: At, inner: Value) -> Value: ...
 def fetch(ev: Evaluator, at: At, inner: Value) -> Value:
-    """A value of an element's rows in this environment's frame and table."""
+    """A value of an element's rows in this environment's table, in the frame of the expression that names the element."""
     if isinstance(inner, Ref | Element | At):
         return At(at.element, at.index, inner)
-    scope = at.element.scope
+    scope, index = at.element.scope, at.index
     if isinstance(inner, Lying):
         inner = replace(inner, on=in_element(at, inner.on, ev.env.scope))
-    index = at.index
-    if index is None:
-        return mapped(inner, lambda e: E.previous(scope, e, E.ZERO) if e.scope is not None else e)
-    value = mapped(inner, lambda e: E.element(scope, e, index) if _deep(e, scope) else e)
-    frame = at.element.env.frame
-    if frame is not HERE:
-        outer = mapped_pose(frame, lambda e: E.element(scope, e, index) if _deep(e, scope) else e)
-        value = moved(value, outer)
-    return moved(lift(ev, value, scope.parent), ev.pose)
+
+    def there(e: Expr) -> Expr:
+        if index is None:
+            return E.previous(scope, e, E.ZERO) if e.scope is not None else e
+        return E.element(scope, e, index) if _deep(e, scope) else e
+
+    value = moved(mapped(inner, there), mapped_pose(at.element.env.frame, there))
+    return moved(value if index is None else lift(ev, value, scope.parent), at.element.seen)
 
 
 def in_element(at: At, on: tuple[Carrier, ...], scope: Scope) -> tuple[Carrier, ...]:
@@ -265,22 +268,24 @@ def lift(ev: Evaluator, value: Value, scope: Scope | None) -> Value:
     return value
 
 
-def declared(ev: Evaluator, ref: Ref, name: str, without: frozenset[Symbol] = frozenset()) -> Value | None:
+def declared(
+    ev: Evaluator, ref: Ref, name: str, without: frozenset[Symbol] = frozenset(), span: Span | None = None
+) -> Value | None:
     """What the templates of a reference declare under a name: of whichever alternative exists, ``without`` some."""
     results: list[tuple[Scope | None, Value]] = []
     for branch in ref.branches:
         if len(branch.members) != 1:
             continue
         part, outer = branch.members[0]
-        found = part.member(name, ref.own, without)
+        found = part.member(name, ref.own, without, span)
         if found is not None:
             results.append((branch.scope, moved(found, outer)))
     if not results or name == "size" and len(results) < len(ref.branches):
         return None
-    return moved(joined(ev, name, results), ref.frame)
+    return moved(_joined(ev, name, results, span), ref.frame)
 
 
-def joined(ev: Evaluator, name: str, results: list[tuple[Scope | None, Value]]) -> Value:
+def _joined(ev: Evaluator, name: str, results: list[tuple[Scope | None, Value]], span: Span | None) -> Value:
     """One value out of those of alternatives, in this environment's table."""
     if len(results) == 1 and isinstance(ref := results[0][1], Ref):  # with a frame of its own, still to be carried
         return replace(ref, branches=tuple(replace(b, scope=b.scope or results[0][0]) for b in ref.branches))
@@ -288,8 +293,20 @@ def joined(ev: Evaluator, name: str, results: list[tuple[Scope | None, Value]]) 
         return whole
     if len(results) == 1:
         return lift(ev, results[0][1], results[0][0])
+    refuse_repeats(ev.env.context, name, (value for _, value in results), span)
     parent, values = parted(results)
     return lift(ev, merged(parent, values), parent)
+
+
+def refuse_repeats(context: Draft, name: str, values: Iterable[Value], span: Span | None) -> None:
+    """Refuse to name the repeats of several alternatives as one: each has a table of its own."""
+    if span is not None and any(isinstance(value, Placed) for value in values):
+        raise context.error(
+            "many-elements",
+            span,
+            f"`{name}` is a different repeat in each alternative",
+            hint="name it under `when PART is TEMPLATE { }`, or let each template provide what is read: `out` and `let`",
+        )
 
 
 def parted(values: Sequence[tuple[Scope | None, K]]) -> tuple[Scope, list[tuple[Scope, K]]]:

@@ -12,7 +12,7 @@ from ...graph.expr import ONE, ZERO, Expr, Scope
 from ...graph.primitive import triple
 from ...graph.program import Pose
 from .faces import extent
-from .kinds import Box, Choice, Frame, Line, Lying, Plane, Ports, Ref, Surface, Value, Vec, alike
+from .kinds import Box, Choice, Frame, Line, Lying, Placed, Plane, Ports, Ref, Surface, Value, Vec, alike
 from .vectors import HERE, compose, direct, matrix, place, sole_axis, times, unit
 
 
@@ -156,6 +156,8 @@ def moved(value: Value, pose: Pose) -> Value:
             return Surface(tuple((s, part, compose(pose, outer), name) for s, part, outer, name in value.branches))
         case Ref():
             return replace(value, frame=compose(pose, value.frame) if value.frame is not HERE else pose)
+        case Placed():
+            return value.carried(pose)
         case _:
             return value
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from ...graph import expr as E
 from ...graph.expr import ONE, ZERO
@@ -13,6 +14,7 @@ from .vectors import (
     HERE,
     Matrix,
     columns,
+    compose,
     cross,
     direct,
     dot,
@@ -48,6 +50,13 @@ def face_of(box: Box, name: str) -> Face:
     out, up = unit(axis, sign), unit(0 if axis == 2 else 2)
     axes = frame_of(direct(box.pose, out), direct(box.pose, up))
     return Face(place(box.pose, triple(center)), axes, box.on, True, box, axis, sign)
+
+
+def carried_face(face: Face, pose: Pose) -> Face:
+    """A face in the outer frame that ``pose`` places it in, of a box whose faces keep their names there."""
+    box = None if face.box is None else replace(face.box, pose=compose(pose, face.box.pose))
+    inner = compose(pose, Pose(face.rotation, face.origin, ONE))
+    return replace(face, origin=inner.translation, rotation=inner.rotation, box=box)
 
 
 def edge_of(first: Face, name: str) -> Edge | None:

@@ -41,6 +41,16 @@ class Alternatives(ABC):
         """Whether it is that template, or one of that role."""
 
 
+class Placed(ABC):
+    """What stands for values of another table: they are fetched one by one, each carried from frame to frame as this is."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def carried(self, pose: Pose) -> Value:
+        """The same as it is named in the outer frame that ``pose`` places it in."""
+
+
 @dataclass(frozen=True, slots=True)
 class Vec:
     """Two or three scalars: a size or displacement, or (``point``) a place, which moves with its frame."""

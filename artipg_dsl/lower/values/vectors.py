@@ -144,11 +144,15 @@ def compose(outer: Pose, inner: Pose) -> Pose:
 
     A mirror in the outer frame is carried to the geometry: M (R x + t) = (M R M)(M x) + M t, M R M being proper.
     """
+    if outer is HERE or inner is HERE:
+        return inner if outer is HERE else outer
     rotation = _mirrored(inner.rotation, outer.mirror)
     return Pose(product(outer.rotation, rotation), place(outer, inner.translation), E.mul(outer.mirror, inner.mirror))
 
 
 def inverse(pose: Pose) -> Pose:
+    if pose is HERE:
+        return HERE
     return Pose(_mirrored(transpose(pose.rotation), pose.mirror), _unplace(pose, ORIGIN), pose.mirror)
 
 
