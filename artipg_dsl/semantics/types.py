@@ -286,7 +286,9 @@ def sort_of(kind: Type | None) -> object:
     match kind:
         case VecType(size=size):
             return VecType, size
-        case ScalarType() | PartType() | ElementType():
+        case ElementType(entry=entry):
+            return ElementType, id(entry)  # each repeat has elements of its own
+        case ScalarType() | PartType():
             return type(kind)
     return kind
 

@@ -18,6 +18,7 @@ from ..expressions.context import Abort, Draft, Unknown
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.extents import frame_in, union_of
+from ..expressions.members import refuse_repeats
 from ..values.carry import merged, moved, united
 from ..values.faces import centred
 from ..values.kinds import Box, Branch, Choice, Lying, Ports, Ref, Surface, Value, Vec
@@ -123,9 +124,11 @@ class Component:
             columns.append(E.col(column))
         return columns[0], columns[1], columns[2]
 
-    def member(self, name: str, own: bool = False, without: frozenset[Symbol] = frozenset()) -> Value | None:
+    def member(
+        self, name: str, own: bool = False, without: frozenset[Symbol] = frozenset(), span: Span | None = None
+    ) -> Value | None:
         """A declared member in the frame of its environment (``own``: in its own frame), of the alternatives ``without`` some."""
-        value = self.own(name, without)
+        value = self.own(name, without, span)
         if value is None:
             return None
         if isinstance(value, Ports):
@@ -150,7 +153,7 @@ class Component:
         alone = self.role is None and len(self.options) == 1  # then what it says is what is handed in
         return self.inputs.get(name) if alone or not said else None
 
-    def own(self, name: str, without: frozenset[Symbol] = frozenset()) -> Value | None:
+    def own(self, name: str, without: frozenset[Symbol] = frozenset(), span: Span | None = None) -> Value | None:
         """A declared member in the part's own frame, in the table of its environment where alternatives differ."""
         if (handed := self.handed(name)) is not None:
             return handed
@@ -164,7 +167,11 @@ class Component:
         home = self.env.scope
         if (whole := united(name, [(None if scope is home else scope, value) for scope, value in found])) is not None:
             return whole
-        return found[0][1] if len(found) == 1 and found[0][0] is home else merged(home, found)
+        if len(found) == 1 and found[0][0] is home:
+            return found[0][1]
+        if len(found) > 1:
+            refuse_repeats(self.context, name, (value for _, value in found), span)
+        return merged(home, found)
 
     def box(self) -> Box:
         """The box of the part in its own frame."""
