@@ -16,9 +16,9 @@ from ...source import Span
 from ...syntax import ast
 from ...syntax.walk import walk
 from ..values.carry import whichever
-from ..values.faces import FACES, extent, frame_of, squared
+from ..values.faces import FACES, frame_of, squared
 from ..values.kinds import Box, Frame, Line, Ports, Value, carriers_of
-from ..values.vectors import compose, dot, minus, normalized, times
+from ..values.vectors import compose, dot, minus, normalized, place, times, transpose
 from .arithmetic import applied
 from .env import Element, pose_between
 
@@ -68,11 +68,9 @@ def greatest(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
 def lowest(ev: Evaluator, node: ast.CallExpr, form: Form) -> Expr:
     """How far a box reaches along a direction."""
     given = bound(node, form)
-    outer, direction = extent(ev.box(given["part"])), ev.direction(given["direction"])
-    signs = (d.constant for d in direction)
-    corners = zip(signs, outer.low, outer.high, strict=True)
-    point = triple(low if sign is not None and sign < 0 else high for sign, low, high in corners)
-    return dot(times(direction, E.const(1.0)), point)
+    box, direction = squared(ev.box(given["part"])), normalized(ev.direction(given["direction"]))
+    along = triple(E.call("abs", dot(direction, axis)) for axis in transpose(box.pose.rotation))
+    return E.add(dot(direction, place(box.pose, box.center)), dot(along, times(box.size, E.const(0.5))))
 
 
 def numbers(ev: Evaluator, node: ast.CallExpr) -> list[Expr]:
