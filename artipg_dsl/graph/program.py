@@ -366,7 +366,7 @@ class Allowed:
     """``allow overlap`` and ``free``: two sets of nodes of the part tree whose links may overlap; ``allow floating``: one.
 
     Said in each row of ``scope``, of the parts of that row: elements of a repeat that it stands in are each on their own.
-    ``ranks``: of either, the elements of repeats that are meant, (name of the repeat, rank; -1 for the last).
+    ``ranks``: of either, the elements of repeats that are meant, (name of the table, rank; -1 for the last).
     """
 
     kind: str  # "overlap" | "free" | "floating"

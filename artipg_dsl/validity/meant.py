@@ -81,7 +81,7 @@ def _elements(batch: Batch, scope: Scope, ranks: Sequence[tuple[str, int]]) -> n
     keep = np.ones(batch.rowmap.rows(scope).size, dtype=bool)
     for repeat in scope.ancestors():
         for name, rank in ranks:
-            if repeat.kind == "repeat" and repeat.name.rpartition(".")[2] == name:
+            if repeat.kind == "repeat" and repeat.name == name:
                 rows = batch.rowmap.rows(repeat)
                 at = batch.rowmap.up(scope, repeat)
                 wanted = rows.count[rows.parent[at]] - 1 if rank < 0 else rank

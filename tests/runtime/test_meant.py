@@ -119,3 +119,44 @@ def test_parts_of_links_that_may_overlap_keep_their_distance(waits: str, allowed
     """
     (fault,) = faults(text).others
     assert fault.words.endswith("does not hold while slide moves")
+
+
+# a peg of each of two units side by side, 1 mm apart; whatever the repeat in the unit is called
+UNITS = """apg 1
+use primitives { Cuboid }
+template Unit {
+  part bar : Cuboid(size = [2cm, 4cm, 1cm])
+  repeat INNER[j] in 0 ..< 2 {
+    part peg : Cuboid(size = [1cm, 1cm, 1cm])
+    joint up : prismatic bar -> peg along z range 0 .. 1mm
+    align peg.bottom = bar.top + 1mm
+    align peg.center.y = -15mm + j * 3cm
+  }
+}
+category Case {
+  root part body : Cuboid(size = [1m, 1m, 2cm])
+  repeat row[i] in 0 ..< 2 {
+    part unit : Unit
+    joint pull : prismatic body -> unit along x range 0 .. 1cm
+    align unit.bottom = body.top + 1mm
+    align unit.center.y = i * 41mm
+  }
+  clear row[0].unit.FIRST from row[1].unit.SECOND by 2mm
+}
+"""
+
+
+@pytest.mark.parametrize("inner", ["hole", "row"])
+@pytest.mark.parametrize(
+    ("first", "second", "faulty"),
+    [
+        ("[1].peg", "[0].peg", True),
+        ("[0].peg", "[last].peg", False),
+        (".peg", ".peg", True),
+        ("[0].peg", ".peg", False),
+    ],
+)
+def test_a_number_is_of_the_repeat_that_it_stands_behind(inner: str, first: str, second: str, faulty: bool) -> None:
+    text = UNITS.replace("INNER", inner).replace("FIRST", inner + first).replace("SECOND", inner + second)
+    batch = Session.of_text(text).sampler.batch(np.arange(1), seed=1)
+    assert any("clear" in fault.words for fault in find_faults(batch).others) is faulty

@@ -213,23 +213,22 @@ def _is_one_link(links: Links, env: Env, nodes: Iterable[int]) -> bool:
 
 
 def indices(env: Env, node: ast.Expr) -> Iterator[tuple[str, int]]:
-    """The repeats of a path that have a number behind them: their names and that rank, -1 for `last`."""
+    """The repeats of a path that have a number behind them: the names of their tables and that rank, -1 for `last`."""
     if isinstance(node, ast.MemberExpr | ast.IndexExpr):
         yield from indices(env, node.obj)
     if isinstance(node, ast.IndexExpr):
         name = node.obj.name if isinstance(node.obj, ast.NameExpr | ast.MemberExpr) else ""
-        if isinstance(node.index, ast.NameExpr) and node.index.name == "last":
-            yield name, -1
-            return
-        rank = Evaluator(env).scalar(node.index).constant
-        if rank is None or rank < 0:
+        last = isinstance(node.index, ast.NameExpr) and node.index.name == "last"
+        rank = -1 if last else Evaluator(env).scalar(node.index).constant
+        if rank is None or rank < 0 and not last:
             raise env.context.error(
                 "wrong-kind",
                 node.index.span,
                 "this statement can name an element of a repeat only by its number or `last`",
                 hint=f"`{name}[0]`, `{name}[last]`; omit the number for all elements, or put the statement inside the repeat",
             )
-        yield name, int(rank)
+        repeats = (at.value.scope.name for at in paths.walk(env, node.obj) if isinstance(at.value, Element))
+        yield from ((repeat, int(rank)) for repeat in dict.fromkeys(repeats))
 
 
 def nodes(links: Links, env: Env, node: ast.Expr) -> tuple[int, ...]:
