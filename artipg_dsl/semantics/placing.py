@@ -86,10 +86,13 @@ def _begins(ck: Checker, ctx: Context, expr: ast.Expr, kind: Type) -> None:
         ck.error("wrong-type", expr.span, message, hint="connect a part in the body that declares it, by its own name")
 
 
+def _is_place(kind: Type) -> bool:
+    return isinstance(kind, Boxed) or kind in (UNKNOWN, FRAME, PLANE, EDGE, LINE, POINT, SURFACE, BASE, BOX)
+
+
 def _end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
     """One end of a connection: a part, or a port, face, edge or line of one."""
-    places = (UNKNOWN, FRAME, PLANE, EDGE, LINE, POINT, SURFACE, BASE, BOX)
-    if not isinstance(kind, Boxed) and kind not in places:
+    if not _is_place(kind):
         ck.unfit(
             expr,
             kind,
@@ -128,7 +131,7 @@ def _on_face(ck: Checker, node: ast.Attaching, expr: ast.Expr, kind: Type) -> No
         return
     target = node.on.value
     for end, found, face in ((expr, kind, "bottom"), (target, ck.types.get(id(target), UNKNOWN), "top")):
-        if found not in (PLANE, FRAME, UNKNOWN):
+        if _is_place(found) and found not in (PLANE, FRAME, UNKNOWN):
             boxed = isinstance(found, Boxed) or found == BOX
             hint = f"name one of its faces, as in `{end.span.words}.{face}`" if boxed else "name a face or a port"
             ck.unfit(end, found, "`on` lays a face on a face", hint=hint)

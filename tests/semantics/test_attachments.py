@@ -190,3 +190,8 @@ category Chest {{
 def test_styles_handed_to_templates(tmp_path, pull, statement, found):
     text = STYLE.format(pull=pull, statement=statement)
     assert codes(check_text(tmp_path, HEAD + text)[0]) == found
+
+
+@pytest.mark.parametrize("target", ["5cm", "(body.left + body.right) / 2", "body.size", "body", "body.center"])
+def test_what_is_no_face_is_told_once(tmp_path, target):
+    assert findings(tmp_path, f"connect lid.left on {target}", False) == ["wrong-type"]
