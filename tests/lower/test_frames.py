@@ -200,3 +200,43 @@ def test_the_axes_of_a_slot_are_those_of_its_template_whatever_it_binds() -> Non
         assert known.sum() > 10 and np.allclose(told[known], points.position[0][known, 0] - 0.18, atol=1e-6)
         said.append(np.ptp(told[known]))
     assert min(said) > 0.05
+
+
+TILTED = """part v : Cuboid(size = [20cm, 10cm, 2cm]) turned 30deg about y
+connect v to body
+align v.center = [1cm, 2cm, 40cm]
+"""
+LONG, HIGH = 0.05 * np.cos(np.pi / 6), 0.05 * np.sin(np.pi / 6)
+
+
+@pytest.mark.parametrize(
+    ("form", "apart"),
+    [
+        ("in 0 ..< 2 split v along x", [LONG, 0, -HIGH]),
+        ("in 0 ..< 2 spread v along x margin 5cm", [LONG, 0, -HIGH]),
+        ("fill v along x every 10cm margin 5cm", [LONG, 0, -HIGH]),
+        ("in 0 ..< 2 spread v along y margin 3cm", [0, 0.02, 0]),
+    ],
+)
+@pytest.mark.parametrize("placed", ["align b.center = s.center", ""])
+def test_elements_of_a_tilted_box_lie_along_it(form: str, apart: list[float], placed: str) -> None:
+    """Whether they are placed there, or left to be centred in their element."""
+    body = f"{TILTED}repeat s[i] {form} {{\npart b : {CUBE}\nconnect b to body\n{placed}\n}}"
+    found, middle = centres(body, "s.b"), np.array([0.01, 0.02, 0.4])
+    assert np.allclose(found, [middle - apart, middle + apart])
+
+
+@pytest.mark.parametrize(
+    "stated", ["connect b in v.box", "connect b.left on v.left fit top", "connect b in v.box fit back"]
+)
+def test_a_part_does_not_fit_into_a_tilted_box(stated: str) -> None:
+    text = f"{HEAD}category T {{\nroot part body : Cuboid(size = [30cm, 50cm, 20cm])\n{TILTED}part b : {CUBE}\n{stated}\n}}"
+    session = Session.of_text(text)
+    assert session.lowering is None and "plane-across-axes" in [d.code for d in session.report.diagnostics]
+
+
+def test_a_part_fits_between_the_faces_that_are_not_tilted() -> None:
+    body = f"{TILTED}part b : Cuboid(size = [1cm, _, 1cm])\nconnect b in v.box fit left, right gap 1cm\n"
+    parts = batch(body).parts()
+    b = parts.name.index("b")
+    assert parts.high[b, 1] - parts.low[b, 1] == pytest.approx(0.08) and centres(body, "b")[0, 1] == pytest.approx(0.02)

@@ -15,7 +15,7 @@ from ..expressions.context import Equation
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.members import At, in_element
-from ..values.faces import FACES, squared
+from ..values.faces import FACES, face_of, squared
 from ..values.kinds import Box, Frame, Plane, Ref, Value, Vec, carriers_of
 from ..values.vectors import AXES, place, sole_axis
 from .place import begins
@@ -157,11 +157,9 @@ def _target_box(ev: Evaluator, node: ast.Expr, span: Span) -> Box:
 
 
 def _match_faces(ev: Evaluator, own: Box, other: Box, name: str, span: Span, gap: E.Expr) -> None:
-    axis, sign = FACES[name]
-    mine, theirs = squared(own), squared(other)
-    a, b = (mine.high, theirs.high) if sign > 0 else (mine.low, theirs.low)
-    right = E.sub(b[axis], gap) if sign > 0 else E.add(b[axis], gap)
-    ev.env.equations.append(Equation(a[axis], right, span, f"fit {name}"))
+    a, b = (ev.plane(face_of(squared(box), name), span).coordinate for box in (own, other))
+    right = E.sub(b, gap) if FACES[name][1] > 0 else E.add(b, gap)
+    ev.env.equations.append(Equation(a, right, span, f"fit {name}"))
 
 
 def _middle_of(box: Box) -> Triple:

@@ -18,7 +18,7 @@ from ...syntax.walk import walk
 from ..values.carry import whichever
 from ..values.faces import FACES, frame_of, squared
 from ..values.kinds import Box, Frame, Line, Ports, Value, carriers_of
-from ..values.vectors import compose, dot, minus, normalized, place, times, transpose
+from ..values.vectors import HERE, compose, dot, minus, normalized, place, times, transpose
 from .arithmetic import applied
 from .env import Element, pose_between
 
@@ -105,6 +105,8 @@ def box(ev: Evaluator, node: ast.CallExpr, form: Form) -> Box:
     """``box(front = a, ...)``: faces that are left out are the template's own."""
     own = ev.own_box()
     own = squared(own) if own is not None else None
+    if own is not None and own.pose is not HERE:  # in a ring its faces have no coordinates
+        own = None
     low: list[Expr | None] = list(own.low) if own is not None else [None] * 3
     high: list[Expr | None] = list(own.high) if own is not None else [None] * 3
     on: tuple[Carrier, ...] = ()

@@ -10,7 +10,7 @@ from ..expressions.context import Draft, Equation, Unknown
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.faces import squared
-from ..values.vectors import turn
+from ..values.vectors import place, turn
 
 SMALL = E.const(1e-4)  # the least size of something that equations determine, in metres
 
@@ -97,7 +97,7 @@ def centred(unknown: Unknown) -> Expr:
     if around is None or around.box is None:
         return E.neg(offset)
     box = squared(Evaluator(part.env).here(around, around.box))
-    return E.sub(box.center[axis], offset)
+    return E.sub(place(box.pose, box.center)[axis], offset)
 
 
 def determined(env: Env, unknown: Unknown, guard: Expr) -> None:

@@ -121,7 +121,7 @@ class Box:
         """A box of its frame that goes from ``start`` to ``end`` along an axis, and as far as this one along the others."""
         low = triple(start if k == axis else c for k, c in enumerate(self.low))
         high = triple(end if k == axis else c for k, c in enumerate(self.high))
-        return Box(low, high, on=self.on, exists=exists)
+        return Box(low, high, self.pose, self.on, exists)
 
 
 @dataclass(frozen=True, slots=True)
