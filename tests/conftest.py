@@ -5,6 +5,7 @@ import shutil
 import signal
 import tempfile
 import zlib
+from collections import Counter
 from collections.abc import Iterator
 from functools import lru_cache
 
@@ -31,16 +32,30 @@ PASSES = [step for stage in lowering.STAGES for step in stage if step.gives]
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Without ``ARTIPG_EVERY=1`` long tests are left out, unless they are asked for by name. The shipped categories come first:
-    what is compiled there is in the cache for all others."""
+    """Without ``ARTIPG_EVERY=1`` long tests are left out, and two of three cases of others, unless they are asked for by name. The
+    shipped categories come first: what is compiled there is in the cache for all others."""
     if not os.environ.get("ARTIPG_EVERY") and not any("::" in name for name in config.args):
-        slow = [item for item in items if item.get_closest_marker("slow")]
-        config.hook.pytest_deselected(items=slow)
-        items[:] = [item for item in items if not item.get_closest_marker("slow")]
+        left = {item for item in items if item.get_closest_marker("slow")}
+        if not config.option.keyword:
+            left |= _two_of_three([item for item in items if item.get_closest_marker("some")])
+        config.hook.pytest_deselected(items=[item for item in items if item in left])
+        items[:] = [item for item in items if item not in left]
     first = [item for item in items if item.path.name == "test_shipped.py"]
     others = [item for item in items if item.path.name != "test_shipped.py"]
     workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))  # each begins with an equal stretch of the list
     items[:] = [item for k in range(workers) for part in (first, others) for item in _stretch(part, k, workers)]
+
+
+def _two_of_three(items: list[pytest.Item]) -> set[pytest.Item]:
+    """Of the cases of each test all but the first, the fourth and so on."""
+    counts: Counter[str] = Counter()
+    left = set()
+    for item in items:
+        test = item.nodeid.partition("[")[0]
+        if counts[test] % 3:
+            left.add(item)
+        counts[test] += 1
+    return left
 
 
 def _stretch(items: list[pytest.Item], number: int, count: int) -> list[pytest.Item]:
@@ -64,13 +79,14 @@ def update_golden(request: pytest.FixtureRequest) -> bool:
 def verified(step: lowering.Pass, done: lowering.Lowering) -> None:
     """What a pass leaves behind is a program: it is written and read back, which verifies it.
 
-    What the last one leaves, always; what another does in one test of four, which are other tests for each pass. With
-    ``ARTIPG_EVERY=1`` in all.
+    What the last one leaves, in every second test; what another does, in one test of twelve, which are other tests for each pass.
+    With ``ARTIPG_EVERY=1`` in all.
     """
     if not step.gives or done in LONG:
         return
     test = zlib.crc32(os.environ.get("PYTEST_CURRENT_TEST", "").encode())
-    if step is not PASSES[-1] and (test + PASSES.index(step)) % 4 and not os.environ.get("ARTIPG_EVERY"):
+    rare = 2 if step is PASSES[-1] else 12
+    if (test + PASSES.index(step)) % rare and not os.environ.get("ARTIPG_EVERY"):
         return
     if not done.context.report.failed and len(done.program.parts) < SMALL:
         text = to_text(done.program)

@@ -101,6 +101,7 @@ def test_all_of_the_surface_is_labelled(drawn: tuple[Batch, Statistics]) -> None
     assert (sample_points(batch, 128).semantic > 0).all()
 
 
+@pytest.mark.some
 def test_what_fingers_close_on_bears_the_label(session: Session) -> None:
     """Where a category declares a grasp, the surface under the fingers says so: ``affordance.grasp``."""
     batch = session.sampler.batch(np.arange(GRASPED), 5)
@@ -120,6 +121,7 @@ def test_what_fingers_close_on_bears_the_label(session: Session) -> None:
     assert not wrong, "\n".join(wrong)
 
 
+@pytest.mark.some
 def test_objects_weigh_about_what_real_ones_do(drawn: tuple[Batch, Statistics]) -> None:
     batch, _ = drawn
     low, high = MASSES.get(batch.program.name, (0.0, np.inf))

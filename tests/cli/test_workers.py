@@ -98,6 +98,7 @@ def test_the_same_files_where_others_go_on(
     assert tree(tmp_path / "auto") == tree(tmp_path / "one")
 
 
+@pytest.mark.slow
 def test_what_is_known_to_take_long_is_shared_at_once(
     apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, asked: list[int]
 ) -> None:

@@ -130,6 +130,7 @@ def test_what_is_right_stays_so(racks: tuple[Model, Candidates, Clouds]) -> None
     assert (model.structures(found.batch) == model.structures(true.batch)[found.target]).all()
 
 
+@pytest.mark.slow
 def test_each_is_put_together_as_it_would_be_alone(racks: tuple[Model, Candidates, Clouds]) -> None:
     model, true, clouds = racks
     columns = next(k for k in model.discrete if model.program.draws[k].column.name == "columns")

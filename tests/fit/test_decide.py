@@ -174,6 +174,7 @@ def test_what_stands_on_a_new_foot_stays(boards: apg.Samples) -> None:
     assert np.abs(better.placed.shift).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_changes_that_the_rest_does_not_fit_yet_are_developed(boards: apg.Samples) -> None:
     """A board as high as the true one with its cap has to become lower when it gets one."""
     model = Model(boards.job.sampler)
@@ -189,6 +190,7 @@ def test_changes_that_the_rest_does_not_fit_yet_are_developed(boards: apg.Sample
     assert right == [len(has), 0]
 
 
+@pytest.mark.slow
 def test_what_the_cloud_hides_does_not_speak_against_a_part() -> None:
     """A floor behind the plate of a tray, which the few points of a copy leave visible."""
     housings = apg.load(HOUSING, n=12, seed=1)

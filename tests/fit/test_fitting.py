@@ -59,6 +59,7 @@ def test_samples_are_found_again(model: Model) -> None:
     assert alone.values == found[1].values and alone.told == found[1].told
 
 
+@pytest.mark.slow
 def test_a_cloud_that_lies_is_set_upright(model: Model) -> None:
     """A file whose upward axis is y, read as others are; unless it is said that z is up."""
     samples = apg.load(LARGE_KNOBS, n=2, seed=5)

@@ -46,6 +46,7 @@ def as_candidates(model: Model, samples: apg.Samples) -> Candidates:
     return Candidates(model.assembled([(samples.batch, every)]), every, still(N), np.zeros(N))
 
 
+@pytest.mark.slow
 def test_what_least_squares_leave_is_found(footed: tuple[apg.Samples, Model]) -> None:
     samples, model = footed
     true, cloud = as_candidates(model, samples), clouds(samples)

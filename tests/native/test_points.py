@@ -29,6 +29,7 @@ def mixing(pools):
 @pytest.mark.parametrize(
     "name, per, objects", [("Microwave", "instance", 1), ("Kettle", "owner", 3), ("Lamp", "link", 3)]
 )
+@pytest.mark.some
 def test_points_of_pools(using, monkeypatch, name, per, objects, outside):
     """Pools with more points than fit a round, with few, and with none that can be seen."""
     batch, calls = Session.of(name).sampler.batch(np.arange(objects), 2), []

@@ -28,6 +28,7 @@ def frame(folder: Path, **turns: int) -> Path:
     ("name", "degrees", "turn"),
     [("Scissors", 180, QUARTER @ QUARTER), ("Scissors", -90, QUARTER.T), *((name, 90, QUARTER) for name in CATEGORIES)],
 )
+@pytest.mark.some
 def test_everything_is_turned_and_nothing_else_changes(
     name: str, degrees: int, turn: np.ndarray, tmp_path: Path
 ) -> None:

@@ -435,12 +435,14 @@ def as_in_the_data_set(category: str) -> list[dict[str, Any]]:
         ("Window", {"handle"}, 0.16),
     ],
 )
+@pytest.mark.some
 def test_parts_are_as_frequent_as_in_real_objects(category: str, words: set[str], wanted: float) -> None:
     there = [any(part["semantic"] in words for part in each["parts"]) for each in as_in_the_data_set(category)]
     assert close((sum(there) / OBJECTS, OBJECTS), wanted)
 
 
 @pytest.mark.parametrize(("category", "least"), [("StorageFurniture", 0.9), ("Table", 0.9), ("Bucket", 1.0)])
+@pytest.mark.some
 def test_nearly_all_have_something_that_moves_as_all_of_the_data_set_have(category: str, least: float) -> None:
     found = as_in_the_data_set(category)
     assert sum(any(joint["type"] != "fixed" for joint in each["joints"]) for each in found) >= least * OBJECTS

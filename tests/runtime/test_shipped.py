@@ -116,6 +116,7 @@ def test_both_sashes_of_a_pair_open() -> None:
         ("trash_can", "contain", "cavity", 2),
     ],
 )
+@pytest.mark.some
 def test_labels_of_parts_that_lie_along_an_axis_face_the_hand(name: str, word: str, on: str, axis: int) -> None:
     """Their own axes are turned: z is along them. However small a part is, it has its points."""
     batch = Session.of(name).sampler.batch(np.arange(60), 3)

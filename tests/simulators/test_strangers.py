@@ -65,6 +65,7 @@ def cases() -> Iterator[tuple[str, str]]:
 
 
 @pytest.mark.parametrize(("category", "way"), list(cases()))
+@pytest.mark.some
 def test_a_stranger_brings_joints_to_both_ends(category: str, way: str, tmp_path: Path) -> None:
     """Where the table tells so of all three objects."""
     moves = driven(robot(category), WAYS[way], tmp_path, MOST.get(category))

@@ -89,6 +89,7 @@ def parsers(folder):
     return [entry.path for entry in cache.entries(folder) if entry.kind == "grammar"]
 
 
+@pytest.mark.slow
 def test_parser_of_mistakes_is_kept(kept, monkeypatch):
     assert explains()
     (file,) = parsers(kept)
