@@ -36,6 +36,8 @@ def read_facts(
     SettingError."""
     if not isinstance(settings, Mapping):
         raise UsageError(f"set is {settings!r}", 'it maps names to values: {"leaves": 2}')
+    if not isinstance(given, str | Path | Mapping | None):
+        raise UsageError(f"facts is {given!r}", f"{_FORM}, or name a file of it")
     called, found = ("facts", given) if isinstance(given, Mapping) else _read(given)
     if not isinstance(found, Mapping):
         raise UserError(f"{called} is {show_value(found)}, and names no objects", _FORM)

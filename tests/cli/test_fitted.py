@@ -417,6 +417,7 @@ def test_what_is_wrong_is_told(place: Path, fitted: apg.Fitted) -> None:
         ({"map": ["Knob"]}, "map is"),
         ({"set": ["knobs"]}, "set is"),
         ({"set": {"knobs": 9}}, "what is set: `knobs` cannot be 9"),
+        ({"facts": ["knobs"]}, "facts is \\['knobs'\\]"),
         ({"facts": {"chest0": {"wood": "elm"}}}, "facts: chest0: `wood` cannot be `elm`"),
         ({"workers": 0}, "workers is 0"),
         ({"seed": 0.5}, "seed is 0.5"),
