@@ -17,7 +17,7 @@ from ..graph import expr as E
 from ..graph.reweigh import NothingLeft, exclude, keep_options, narrow, reweigh
 from ..shapes import show_value
 from .prior import Prior, require_objects
-from .settings import read_setting, unknown_name
+from .settings import find_draws, read_setting
 
 if TYPE_CHECKING:
     from ..graph.expr import Expr, Scope
@@ -72,24 +72,22 @@ def apply_facts(program: Program, facts: Facts, said: str) -> Program:
     """
     changed: dict[int, Draw] = {}
     for name, entry in facts.items():
-        named = [k for k, d in enumerate(program.draws) if name in (d.column.name, d.address)]
-        if not named:
-            wrong = unknown_name(program, name)
-            raise SettingError(f"{said}: {wrong.message}", wrong.hint)
-        able = False
+        held: dict[int, Draw] = {}
+        refused: list[SettingError] = []
+        try:
+            named = find_draws(program, name)
+        except SettingError as error:
+            raise SettingError(f"{said}: {error.message}", error.hint) from None
         for k in named:
             try:
-                changed |= _held(program, changed, k, entry)
-                able = True
+                held |= _held(program, {**changed, **held}, k, entry)
             except NothingLeft as error:
-                refused = SettingError(f"{said}: `{name}`: {error}")
+                refused.append(SettingError(f"{said}: `{name}`: {error}"))
             except SettingError as error:
-                refused = SettingError(f"{said}: {error.message}", error.hint)
-            else:
-                continue
-            changed[k] = exclude(program.draws[k])
-        if not able:
-            raise refused
+                refused.append(SettingError(f"{said}: {error.message}", error.hint))
+        if len(refused) == len(named):
+            raise refused[-1]
+        changed |= {k: exclude(program.draws[k]) for k in named} | held
     made = reweigh(program, changed)
     try:
         require_objects(made, Prior(facts, said))

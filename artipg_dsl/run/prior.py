@@ -20,7 +20,7 @@ from ..graph.feasible import find_conflicts
 from ..graph.reweigh import NothingLeft, reweigh
 from ..records import dataclass
 from ..shapes import Misfit, fit
-from .settings import unknown_name
+from .settings import find_draws
 from .weights import change_draw
 
 if TYPE_CHECKING:
@@ -142,11 +142,9 @@ def apply_prior(program: Program, prior: Prior) -> Program:
     changed = {}
     for name, entry in prior.draws.items():
         place = prior.places.get(name, prior.name)
-        named = [k for k, d in enumerate(program.draws) if d.column.name == name]
-        named = named or [k for k, d in enumerate(program.draws) if d.address == name]
+        named: list[int] = []
         try:
-            if not named:
-                raise unknown_name(program, name)
+            named = find_draws(program, name)
             for k in named:
                 if k in changed:
                     raise SettingError(

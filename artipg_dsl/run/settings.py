@@ -181,6 +181,15 @@ def _example(draw: Draw) -> str:
     return f"for example {draw.column.name}={shown}"
 
 
+def find_draws(program: Program, name: str) -> list[int]:
+    """The draws of a name, which several alternatives may share, or the one of an address. Raises SettingError where there is none."""
+    named = [k for k, draw in enumerate(program.draws) if draw.column.name == name]
+    named = named or [k for k, draw in enumerate(program.draws) if draw.address == name]
+    if not named:
+        raise unknown_name(program, name)
+    return named
+
+
 def unknown_name(program: Program, name: str) -> SettingError:
     """What is wrong with a name that no draw has, and what to write instead."""
     names = list(dict.fromkeys(d.column.name for d in program.draws))
