@@ -15,6 +15,7 @@ from functools import cache
 
 import numpy as np
 
+from ..native import backend, leaving
 from ..records import dataclass
 from . import mesh
 from .cells import Cells
@@ -51,7 +52,12 @@ class _Triangles:
     cell: np.ndarray
 
     def only(self, chosen: np.ndarray) -> _Triangles:
-        return _Triangles(self.face[:, chosen], self.normal[:, chosen], self.owner[chosen], self.cell[chosen])
+        face, normal = (np.take(array, chosen, axis=1) for array in (self.face, self.normal))
+        return _Triangles(face, normal, self.owner[chosen], self.cell[chosen])
+
+    def ends(self, objects: int) -> np.ndarray:
+        """(objects + 1,) int64: where those of each object begin, and the last end."""
+        return np.searchsorted(self.owner, np.arange(objects + 1))
 
 
 class Outlook:
@@ -93,7 +99,7 @@ class Outlook:
         order = np.argsort(owner, kind="stable")
         place = np.empty_like(order)
         place[order] = np.arange(len(order))
-        self.vertex, owner, face = np.concatenate(vertices, axis=1)[:, order], owner[order], place[face]
+        self.vertex, owner, face = np.take(np.concatenate(vertices, axis=1), order, axis=1), owner[order], place[face]
         self.many = np.bincount(owner, minlength=rows.objects)
         owner, corner = owner[face[0]], self.vertex[:, face]  # (axis, corner, T)
         a, b, c = (corner[:, k] for k in range(3))
@@ -151,11 +157,15 @@ class _Picture:
             self.scale.append(_BINS / (2.0 * half))
         self.objects = len(self.scale[0])
         there = self.among(owner)
+        self.flat, self.bins = np.empty(outlook.vertex[:2].shape), np.empty(outlook.vertex[:2].shape, dtype=np.int16)
+        if (machine := backend.machine()) is not None:
+            told = np.stack(self.frame[:2]), np.stack(self.origin), np.stack(self.scale), _BINS
+            leaving.lay_flat(machine, outlook.vertex, outlook.many, there, *told, self.flat, self.bins)
+            return
         first = np.cumsum(outlook.many) - outlook.many
         chosen = slice(None) if there.all() else runs(first[there], outlook.many[there])
         x, y, z = outlook.vertex[:, chosen]
         many = outlook.many * there
-        self.flat, self.bins = np.empty(outlook.vertex[:2].shape), np.empty(outlook.vertex[:2].shape, dtype=np.int16)
         for k, f in enumerate(self.frame[:2]):
             flat = f[0] * x
             flat += f[1] * y
@@ -178,9 +188,16 @@ class _Picture:
         if not len(owner):
             return out
         way, there = self.way, self.among(owner)
+        point = [f[0] * start[0] + f[1] * start[1] + f[2] * start[2] for f in self.frame]
+        across, up = (_bin(point[k], self.origin[k][owner], self.scale[k][owner]) for k in (0, 1))
+        place = (owner * _BINS + up) * _BINS + across
+        if (machine := backend.machine()) is not None:
+            many = triangles.face, triangles.cell, triangles.ends(self.objects), triangles.normal
+            seen = self.vertex, self.flat, self.bins, np.stack(self.frame), np.stack(self.scale)
+            return leaving.free(machine, many, seen, _BINS, (np.stack(point), place, own), there, _EDGE)
         some: slice | np.ndarray = slice(None)
         if not there.all():
-            ends = np.searchsorted(triangles.owner, np.arange(self.objects + 1))
+            ends = triangles.ends(self.objects)
             some = runs(ends[:-1][there], np.diff(ends)[there])
         slope = way[0] * triangles.normal[0][some]
         slope += way[1] * triangles.normal[1][some]
@@ -192,9 +209,6 @@ class _Picture:
         for bins in self.bins:
             a, b, c = bins[face]
             edges += [np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)]
-        point = [f[0] * start[0] + f[1] * start[1] + f[2] * start[2] for f in self.frame]
-        across, up = (_bin(point[k], self.origin[k][owner], self.scale[k][owner]) for k in (0, 1))
-        place = (owner * _BINS + up) * _BINS + across
         order = np.argsort(place, kind="stable")
         count = np.bincount(place, minlength=self.objects * _BINS * _BINS)
         near = _filled(count.reshape(-1, _BINS, _BINS), whose, *edges)

@@ -48,6 +48,8 @@ class Machine:
                 "in_frames",
                 "depth_pictures",
                 "depth_sides",
+                "leave",
+                "lay_flat",
                 "chain",
                 "cluster",
                 "place_shares",

@@ -34,6 +34,7 @@ _SOURCES = [
         "wrap.c",
         "points.c",
         "depths.c",
+        "leaving.c",
         "lots.c",
     )
 ]
