@@ -8,6 +8,7 @@ field holds what its annotation declares, and every place lies within the text.
 from __future__ import annotations
 
 from dataclasses import fields
+from functools import cache
 from types import NoneType, UnionType
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -22,6 +23,8 @@ KINDS: tuple[type[ast.Node], ...] = tuple(
     held for held in vars(ast).values() if isinstance(held, type) and issubclass(held, ast.Node)
 )
 
+_NUMBERS = {kind: number for number, kind in enumerate(KINDS)}
+
 
 class _Spoilt(ValueError):
     """Data that is no tree of the text."""
@@ -31,19 +34,20 @@ def to_data(tree: ast.Node) -> list[list[Any]]:
     """The rows of a tree, or of a piece of one."""
     rows: list[list[Any]] = []
     numbers: dict[int, int] = {}  # a node may stand in two places, as the ends of a range of one value do
-    kinds = {kind: number for number, kind in enumerate(KINDS)}
 
     def data(value: Any) -> Any:
-        if isinstance(value, ast.Node):
+        kind: Any = type(value)
+        if kind in _NUMBERS:
             number = numbers.get(id(value))
             if number is None:
-                row = [data(getattr(value, name)) for name, *_ in _shape(type(value))]
+                row = [_NUMBERS[kind], value.span.start, value.span.end]
+                row += [data(getattr(value, name)) for name in _names(kind)]
                 number = numbers[id(value)] = len(rows)
-                rows.append([kinds[type(value)], value.span.start, value.span.end, *row])
+                rows.append(row)
             return number
-        if isinstance(value, Span):
-            return [value.start, value.end]
-        return [data(item) for item in value] if isinstance(value, tuple) else value
+        if kind is tuple:
+            return [data(item) for item in value]
+        return [value.start, value.end] if kind is Span else value
 
     data(tree)
     return rows
@@ -111,6 +115,11 @@ def _shape(kind: type[ast.Node]) -> tuple[Field, ...]:
         hints = get_type_hints(kind)
         _shapes[kind] = tuple(_field(field.name, hints[field.name]) for field in fields(kind) if field.name != "span")
     return _shapes[kind]
+
+
+@cache
+def _names(kind: type[ast.Node]) -> tuple[str, ...]:
+    return tuple(name for name, *_ in _shape(kind))
 
 
 def _field(name: str, hint: Any) -> Field:

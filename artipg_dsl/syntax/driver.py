@@ -36,6 +36,7 @@ class Driver:
             (name, size, inner, single, single and size == 1 and not inner, _action(builder, action))
             for name, action, size, inner, single in tables["rules"]
         ]
+        self._leaps: dict[tuple[int, int, str], int] = {}
 
     def parse(self, text: str) -> Any:
         """What the builder makes of the whole; None where the text has a mistake."""
@@ -52,7 +53,7 @@ class Driver:
 
     def _reduce(self, kind: str, states: list[int], values: list[Any]) -> None:
         """Apply the rules that end before a token of this kind, until a state takes it. Raises _Mistake."""
-        table, rules = self.states, self.rules
+        table, rules, leaps = self.states, self.rules, self._leaps
         while True:
             to = table[states[-1]].get(kind)
             if to is None:
@@ -60,8 +61,12 @@ class Driver:
             if to >= 0:
                 return
             name, size, inner, single, same, action = rules[~to]
-            if same:  # most of the time: a level of an expression is the next one alone
-                states[-1] = table[states[-2]][name]
+            if same:
+                place = states[-2], states[-1], kind
+                leap = leaps.get(place)
+                if leap is None:
+                    leap = leaps[place] = self._leap(*place)
+                states[-1] = leap
                 continue
             found = values[-size:] if size else []
             if size:
@@ -72,6 +77,15 @@ class Driver:
             states.append(table[states[-1]][name])
             if kind is _END and states[-1] == self.last:
                 return
+
+    def _leap(self, below: int, state: int, kind: str) -> int:
+        """The state that follows ``state`` once all rules are applied by which a level of an expression is the next one alone: a dozen,
+        most of the time."""
+        while True:
+            to = self.states[state].get(kind, 0)
+            if to >= 0 or not self.rules[~to][4]:
+                return state
+            state = self.states[below][self.rules[~to][0]]
 
     def _tokens(self, text: str, states: list[int]) -> Iterator[Token]:
         """The tokens that the parser is given, one at a time: which they are depends on its state. Raises _Mistake."""
@@ -90,12 +104,11 @@ class Driver:
                 if kind not in takes and kind not in self.ignored and kind not in self.kept:
                     kind, end = self._other(text, at, takes)
                     value = text[at:end]
-            token = Token(kind, value, at, end)
-            at = end
+            start, at = at, end
             if kind not in self.ignored:
-                yield token
+                yield Token(kind, value, start, end)
             elif kind != "BLANK":
-                self.layout.comment(token)
+                self.layout.comment(Token(kind, value, start, end))
 
     def _other(self, text: str, at: int, takes: dict[str, int]) -> tuple[str, int]:
         """What else may stand at a place: the first terminal that the state takes, and its end."""
