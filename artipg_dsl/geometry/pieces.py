@@ -295,15 +295,26 @@ def _known(primitive: Primitive, number: int, index: int) -> tuple[_Hull, ...]:
     piece = primitive.pieces[number]
 
     def find() -> tuple[_Hull, ...]:
-        params = draw_trial(primitive)
-        counts = _counts(primitive, number, params)
-        if 0 < counts.max() <= index:
-            return _known(primitive, number, int(counts.max()) - 1)
-        rows = np.flatnonzero(counts > index)
-        (points,) = _points(primitive, (number,), np.full(len(rows), index), mesh.take(params, rows))
-        return _distinct(primitive, piece.name, points)
+        tested = _tested(primitive, number)
+        rows = np.flatnonzero(tested.index == index)
+        last = tested.index.max(initial=-1)
+        if 0 <= last < index:
+            return _known(primitive, number, int(last))
+        return _distinct(primitive, piece.name, tested.points[rows])
 
     return _kept(primitive, f"hulls {number} {index}", find, len(piece.points))
+
+
+def _tested(primitive: Primitive, number: int) -> Cloud:
+    """A declared piece at the test values."""
+    numbers = next(numbers for numbers in _alike(primitive) if number in numbers)
+    return _tested_together(primitive, numbers)[numbers.index(number)]
+
+
+@lru_cache(maxsize=8)
+def _tested_together(primitive: Primitive, numbers: tuple[int, ...]) -> list[Cloud]:
+    """Declared pieces that are alike at the test values: all steps of all of them are one call of their formulas."""
+    return _declared(primitive, numbers, draw_trial(primitive))
 
 
 @lru_cache(maxsize=512)
