@@ -20,6 +20,7 @@ from .errors import PrimitiveError
 from .patches import grid, position_split, surfaces, tangent_split
 from .split import Params
 from .trial import draw_trial, variants
+from .vectors import cross
 
 _TOLERANCE = 1e-9  # relative to the extent of the instance
 _PROBE = 1e-6  # how far off a surface the inside function is asked, relative too
@@ -258,7 +259,7 @@ def _straight(primitive: Primitive, patch: int, params: Params, scale: np.ndarra
     points = grid(position_split(primitive, patch), params, u, v) / scale[:, None, None, None]
     corners = points[:, ::8, ::8].reshape(len(points), 4, 3)
     edges = corners[:, 1:] - corners[:, :1]
-    twist = np.abs((np.cross(edges[:, 0], edges[:, 1]) * edges[:, 2]).sum(axis=1)).max()
+    twist = np.abs((cross(edges[:, 0], edges[:, 1]) * edges[:, 2]).sum(axis=1)).max()
     straight = np.empty(2, dtype=bool)
     for axis, lines in ((0, points), (1, points.transpose(0, 2, 1, 3))):
         chord = lines[:, :1] + _ALONG[None, :, None, None] * (lines[:, -1:] - lines[:, :1])
@@ -272,7 +273,7 @@ def _warped(primitive: Primitive, patch: int, params: Params) -> np.ndarray:
     """(2,) bool: whether the normal turns along lines of u, of v: facets along the whole of a line would face askew."""
     u, v = np.meshgrid(_ACROSS, _ACROSS, indexing="ij")
     tangent = grid(tangent_split(primitive, patch), params, u, v)
-    normal = np.cross(tangent[..., :3], tangent[..., 3:])
+    normal = cross(tangent[..., :3], tangent[..., 3:])
     length = np.sqrt((normal**2).sum(axis=-1, keepdims=True))
     normal = normal / np.maximum(length, 1e-300)
     turned = [np.abs(lines - lines[:, :1]).max() for lines in (normal, normal.transpose(0, 2, 1, 3))]
@@ -315,8 +316,8 @@ def _turned(tangents: np.ndarray) -> float:
     length = np.sqrt((tangents**2).sum(axis=-1))
     good = (length > 1e-9 * length.max()).all(axis=1)
     first, second = tangents[:, :-1], tangents[:, 1:]
-    cross = np.cross(first, second)
-    angles = np.arctan2(np.sqrt((cross**2).sum(axis=-1)), (first * second).sum(axis=-1)).sum(axis=1)
+    turned = cross(first, second)
+    angles = np.arctan2(np.sqrt((turned**2).sum(axis=-1)), (first * second).sum(axis=-1)).sum(axis=1)
     return float(np.where(good, angles, 0.0).max())
 
 
@@ -344,7 +345,7 @@ def _outwards(primitive: Primitive) -> np.ndarray:
         chosen = shown_rows(primitive, patch)
         point = grid(position_split(primitive, patch), chosen, u, v)
         tangent = grid(tangent_split(primitive, patch), chosen, u, v)
-        normal = np.cross(tangent[..., :3], tangent[..., 3:])
+        normal = cross(tangent[..., :3], tangent[..., 3:])
         length = np.sqrt((normal**2).sum(axis=-1, keepdims=True))
         normal = normal / np.maximum(length, 1e-300)
         scale = np.abs(point).max(axis=(1, 2))[:, None, None]
