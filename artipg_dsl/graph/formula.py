@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
+from itertools import count
 from math import prod
 from typing import Any
 
@@ -102,20 +103,20 @@ def _source(tape: Tape, name: str) -> str:
     return "\n".join([header, *lines, f"    return ({''.join(texts[k] + ', ' for k in tape.outputs)})"])
 
 
-def _steps(exprs: Sequence[Expr], given: Iterable[int] = ()) -> list[Expr]:
-    """All nodes, arguments before what is made of them; those ``given``, by identity, are left out."""
+def _steps(exprs: Sequence[Expr], given: Iterable[Expr] = ()) -> list[Expr]:
+    """All nodes, arguments before what is made of them; those ``given`` are left out."""
     order: list[Expr] = []
     seen = set(given)
 
     def visit(node: Expr) -> None:
-        seen.add(id(node))
+        seen.add(node)
         for arg in node.args:
-            if id(arg) not in seen:
+            if arg not in seen:
                 visit(arg)
         order.append(node)
 
     for expr in exprs:
-        if id(expr) not in seen:
+        if expr not in seen:
             visit(expr)
     return order
 
@@ -171,26 +172,23 @@ _stepwise = _quiet(Tape.stepwise)
 
 def tape(exprs: Sequence[Expr], names: Sequence[str], given: Sequence[Expr] = ()) -> Tape:
     """The expressions as operations on columns: the values of those ``given``, then ``names``, in this order."""
-    number = {id(node): place for place, node in enumerate(given)}
     known = {variable: place for place, variable in enumerate(names, len(given))}
-    order = _steps(exprs, number)
+    order = _steps(exprs, given)
     constants = [node for node in order if node.op == "const"]
-    columns = len(given) + len(names)
-    number |= {id(node): columns + place for place, node in enumerate(constants)}
-    operations: list[str] = []
-    arguments: list[int] = []
+    steps = [node for node in order if node.op not in ("const", "var")]
     for node in order:
-        if node.op == "var":
-            if node.value not in known:
-                raise ValueError(f"a formula reads {node.value}, which is not among its variables {sorted(known)}")
-            number[id(node)] = known[node.value]
-        elif node.op in NUMPY:
-            number[id(node)] = columns + len(constants) + len(operations)
-            operations.append(node.op)
-            arguments += [number[id(a)] for a in node.args]
-        elif node.op != "const":
+        if node.op == "var" and node.value not in known:
+            raise ValueError(f"a formula reads {node.value}, which is not among its variables {sorted(known)}")
+    for node in steps:
+        if node.op not in NUMPY:
             raise ValueError(f"{show(node)} is not a formula over variables")
-    return Tape(columns, [node.value for node in constants], operations, arguments, [number[id(e)] for e in exprs])
+    columns = len(given) + len(names)
+    number = {node: place for place, node in enumerate(given)}
+    number.update((node, known[node.value]) for node in order if node.op == "var")
+    number.update(zip([*constants, *steps], count(columns), strict=False))
+    arguments = [number[arg] for node in steps for arg in node.args]
+    operations = [node.op for node in steps]
+    return Tape(columns, [node.value for node in constants], operations, arguments, [number[e] for e in exprs])
 
 
 def compile_formula(exprs: Sequence[Expr], names: Sequence[str], given: Sequence[Expr] = ()) -> Formula:
