@@ -17,14 +17,13 @@ def substitute(root: Expr, mapping: dict[Expr, Expr]) -> Expr:
 def substitute_all(roots: Iterable[Expr], mapping: dict[Expr, Expr]) -> list[Expr]:
     """As ``substitute``, in several expressions; what they share is replaced once."""
     memo = replaced(*mapping, *mapping.values())
+    memo.update(mapping)
     sought = 0  # the variables to be replaced; -1 where other nodes are
     for key in mapping:
         sought |= key.reads if key.op == "var" else -1
 
     def visit(node: Expr) -> Expr:
-        if node in mapping:
-            return mapping[node]
-        if not node.args or sought >= 0 and not node.reads & sought:
+        if sought >= 0 and not node.reads & sought:
             return node
         done = memo.get(node)
         if done is None:
