@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import groupby
+from itertools import groupby, pairwise
 
 import numpy as np
 
@@ -54,9 +54,9 @@ def bay_pieces(seen: Probe, probe: Probe, group: Bays, name: str, sections: list
     counts = [c for c in (1, 2, 3, 4, 6, 8, 12, 16, 24, 48, 72, 96, 144, 192) if (3 if bent else 1) <= c <= most]
     for number, corners in enumerate(sections):
         corners = [c for k, c in enumerate(corners) if not seen.same(c, corners[k - 1])]
-        rings = Rings(probe, corners)
         middle = pair(E.div(E.total(c[k] for c in corners), E.const(float(len(corners)))) for k in (0, 1))
         narrow = _inradius(corners, middle)
+        rings = Rings(probe, corners, narrow)
         ring = zip(corners, [*corners[1:], corners[0]], strict=True)
         sign = ONE if bay.course is None else orientation(seen, tuple(Side(between("", a, b)) for a, b in ring))
         wide = E.maximum(*(E.call("hypot", *end) for end in ends)) if ends else ZERO
@@ -83,7 +83,7 @@ def _fitting(
     first of them, the count, and what each step of each loses beside what its formula tells (bays, steps)."""
     found: dict[int, tuple[int, np.ndarray]] = {}
     for count in counts:
-        lost = np.array([drawn.rings.change(drawn.narrow, k / count, (k + 1) / count, bays) for k in range(count)]).T
+        lost = np.array([drawn.rings.change(k, count, bays) for k in range(count)]).T
         share = probe(*(drawn.share(E.const(float(k)), count) for k in range(count))).max(axis=0).reshape(bays, -1)
         fits = ((share + lost.max(axis=1, keepdims=True)) <= most).mean(axis=1) > 0.98
         for bay in range(bays):
@@ -188,38 +188,47 @@ def _toward(a: Point, b: Point, share: float) -> Point:
 
 
 class Rings:
-    """The corners of a polygon at places along a bay, and their test values (rows, corners, 2): neighbours ask for the same ones."""
+    """The corners of a polygon at places along a bay, and its inradius; with their test values at the places where steps end, and in the
+    middle of steps: neighbours ask for the same ones, and all steps of a bay are one call of the formulas."""
 
-    def __init__(self, probe: Probe, corners: Sequence[Point]):
-        self.probe, self.corners = probe, corners
-        self.known: dict[float, np.ndarray] = {}
+    def __init__(self, probe: Probe, corners: Sequence[Point], narrow: Expr):
+        self.probe, self.corners, self.narrow = probe, corners, narrow
+        self.ends: dict[float, np.ndarray] = {}  # (rows, corners, 2)
+        self.least: dict[float, np.ndarray] = {}  # (rows,)
         self.even = not any(c.reads & BLEND.reads for corner in corners for c in corner)
         self.changes: dict[tuple[float, float], np.ndarray] = {}
 
     def at(self, v: Expr) -> list[Point]:
         return [swapped(corner, {BLEND: v}) for corner in self.corners]
 
-    def shown(self, v: float) -> np.ndarray:
-        if v not in self.known:
-            values = self.probe(*(c for corner in self.at(E.const(v)) for c in corner))
-            self.known[v] = values.T.reshape(values.shape[1], len(self.corners), 2)
-        return self.known[v]
-
-    def change(self, narrow: Expr, low: float, high: float, bays: int) -> np.ndarray:
-        """By what share a hull between two polygons must be drawn in to lie within the straight lines between partners, in each of the bays
-        over which the rows are spread.
+    def change(self, k: int, count: int, bays: int) -> np.ndarray:
+        """By what share the hull between two polygons, a step ``k`` of ``count``, must be drawn in to lie within the straight lines between
+        partners, in each of the bays over which the rows are spread.
 
         Halfway the hull is the polygon of all middles between a corner of one and a corner of the other.
         """
-        step = (0.0, 0.0) if self.even else (low, high)
+        step = (0.0, 0.0) if self.even else (k / count, (k + 1) / count)
         if step not in self.changes:
-            first, last = map(self.shown, step)
+            self._look(1 if self.even else count)
+            first, last = (self.ends[v] for v in step)
             half = (first + last) / 2
             pairs = (first[:, :, None] + last[:, None]).reshape(len(half), -1, 2) / 2
-            least = self.probe(substitute(narrow, {BLEND: E.const((low + high) / 2)}))[0]
+            least = self.least[0.5 if self.even else sum(step) / 2]
             share = (_beyond(half, pairs).max(axis=(1, 2)) / least).reshape(bays, -1).max(axis=1)
             self.changes[step] = np.where(share < 1e-7, 0.0, np.minimum(1.05 * share, 0.9))
         return self.changes[step]
+
+    def _look(self, count: int) -> None:
+        """Find the test values of all steps of so many."""
+        ends = [k / count for k in range(count + 1)]
+        middles = [(a + b) / 2 for a, b in pairwise(ends)]
+        if new := [v for v in ends if v not in self.ends]:
+            seen = self.probe.along([c for corner in self.corners for c in corner], new, BLEND)
+            self.ends.update(
+                (v, values.T.reshape(-1, len(self.corners), 2)) for v, values in zip(new, seen, strict=True)
+            )
+        if new := [v for v in middles if v not in self.least]:
+            self.least.update(zip(new, self.probe.along([self.narrow], new, BLEND)[:, 0], strict=True))
 
 
 def _beyond(ring: np.ndarray, points: np.ndarray) -> np.ndarray:
