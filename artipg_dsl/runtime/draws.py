@@ -15,14 +15,18 @@ from .kernels import Kept, Rows, State, full
 from .laws import (
     TOLERANCE,
     density,
+    fits,
     gaps_of,
     in_gap,
     is_empty,
+    is_listed,
     measure,
     move_out_of_gaps,
     spread,
     spread_between,
+    step_along,
     support_of,
+    values_of,
 )
 
 Gaps = tuple[np.ndarray, np.ndarray]  # where gaps begin and end: (gaps, rows) each
@@ -70,12 +74,20 @@ def _require_value(
     distribution: str,
     arguments: tuple[Any, ...],
 ) -> None:
-    """Rows that are left none of the values of their law fail, unless their value is kept."""
-    if distribution in ("normal", "lognormal") or not arguments:
-        return  # these have some density everywhere
+    """Rows that are left none of the values of their law fail, unless their value is kept and fits."""
+    if not _is_confined(distribution, arguments):
+        return
     empty = is_empty(*ends, gaps, distribution, arguments)
-    held = state.kept[number].find(rows)[0] if number in state.kept else np.zeros(rows.size, dtype=bool)
-    _no_room(state, rows, number, empty & ~bad & ~held)
+    if number in state.kept:
+        known, at = state.kept[number].find(rows)
+        if known.any():
+            empty &= ~(known & fits(state.kept[number].value[at], *ends, gaps))
+    _no_room(state, rows, number, empty & ~bad)
+
+
+def _is_confined(distribution: str, arguments: tuple[Any, ...]) -> bool:
+    """Whether a law says where its values lie; others have some density everywhere."""
+    return bool(arguments) and distribution not in ("normal", "lognormal")
 
 
 def _given(
@@ -120,12 +132,15 @@ def draw_real(
         elif (held := _unmoved(state, rows, number)) is not None:
             found = np.minimum(np.maximum(held, low), top)
             found = found + 0.0 if gaps is None else move_out_of_gaps(found, low, top, gaps)  # -0.0 is 0.0
+            if _is_confined(distribution, arguments) and (found != held).any():
+                found = _near(state.kept[number], rows, found, low, top, found, gaps, distribution, arguments)
+                _require_value(state, rows, number, bad, (low, top), gaps, distribution, arguments)
         else:
             unit = _lot(state, rows, address)
             found = _spread(unit, low, top, gaps, distribution, arguments)
             _require_value(state, rows, number, bad, (low, top), gaps, distribution, arguments)
             if number in state.kept:
-                found = _near(state.kept[number], rows, unit, low, top, found, gaps)
+                found = _near(state.kept[number], rows, unit, low, top, found, gaps, distribution, arguments)
         if gaps is not None:
             _no_room(state, rows, number, in_gap(found, gaps) & ~bad)
     if state.weigh and domain is not None:
@@ -181,15 +196,30 @@ def _note(state: State, rows: Rows, part: np.ndarray, whole: np.ndarray, dense: 
 
 
 def _near(
-    kept: Kept, rows: Rows, unit: np.ndarray, low: np.ndarray, high: np.ndarray, fresh: np.ndarray, gaps: Gaps | None
+    kept: Kept,
+    rows: Rows,
+    unit: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    fresh: np.ndarray,
+    gaps: Gaps | None,
+    distribution: str,
+    arguments: tuple[Any, ...],
 ) -> np.ndarray:
-    """Within reach of the value kept, as far as the bounds allow; the fresh value for rows that are new."""
+    """Within reach of the value kept, as far as the bounds and the law allow; the fresh value for rows that are new."""
     known, at = kept.find(rows)
     if not known.any():
         return fresh
-    old = kept.value[at]
-    first = np.minimum(np.maximum(old - kept.reach[at], low), high)
-    last = np.minimum(np.maximum(old + kept.reach[at], low), high)
+    old, reach = kept.value[at], kept.reach[at]
+    if is_listed(distribution):
+        values = values_of(distribution, arguments)
+        return np.where(known, step_along(unit, old, reach, kept.swap[at], low, high, gaps, values), fresh)
+    if _is_confined(distribution, arguments):  # a value that stays may lie elsewhere, as one that was given
+        stays = (reach == 0.0) & fits(old, low, high, gaps)
+        tight = support_of(low, high, distribution, arguments)
+        low, high = np.where(stays, low, tight[0]), np.where(stays, high, tight[1])
+    first = np.minimum(np.maximum(old - reach, low), high)
+    last = np.minimum(np.maximum(old + reach, low), high)
     if gaps is not None:
         room = first < last
         near = np.where(room, spread_between(unit, first, last, gaps, "uniform", ()), first) if room.any() else first
@@ -215,11 +245,12 @@ def draw_count(
     first, last = np.ceil(low - TOLERANCE), np.floor(high + TOLERANCE)
     found = _given(state, rows, number, first, last, gaps)
     if found is None:
-        bad = ~(first <= last)
+        bad, moved = ~(first <= last), False
         _no_room(state, rows, number, bad)
         last = np.maximum(first, last)
         if (held := _unmoved(state, rows, number)) is not None:
             found = np.minimum(np.maximum(held, first), last)
+            moved = _is_confined(distribution, arguments) and bool((found != held).any())
         elif state.defaults and default is not None:
             found = np.minimum(np.maximum(full(rows, default).astype(np.float64), first), last)
         elif distribution == "uniform" and gaps is None:
@@ -230,17 +261,19 @@ def draw_count(
             one, two = _whole(first, last, distribution, arguments)
             law = () if distribution == "uniform" else arguments
             wide = _spread(_lot(state, rows, address), one - 0.5, two + 0.5, gaps, distribution, law)
-            found = np.minimum(np.maximum(np.floor(wide + 0.5), one), two)
-        if held is None and not (state.defaults and default is not None):
+            found = np.floor(wide + 0.5)
+            found = found if is_listed(distribution) else np.minimum(np.maximum(found, one), two)
+        if moved or (held is None and not (state.defaults and default is not None)):
             _require_value(
                 state, rows, number, bad, (first, last), gaps, distribution, _rounded(distribution, arguments)
             )
-        if held is None and number in state.kept:
-            found = _other_count(state.kept[number], rows, _lot(state, rows, address), first, last, found)
+        if moved or (held is None and number in state.kept):
+            unit = _lot(state, rows, address)
+            found = _other_count(state.kept[number], rows, unit, first, last, found, gaps, distribution, arguments)
         if gaps is not None:
             found = (
                 np.floor(move_out_of_gaps(found, first - 0.5, last + 0.5, gaps) + 0.5)
-                if state.defaults or state.kept
+                if state.defaults or (state.kept and not is_listed(distribution))
                 else found
             )
             _no_room(state, rows, number, in_gap(found, gaps) & ~bad)
@@ -272,16 +305,32 @@ def _rounded(distribution: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 def _other_count(
-    kept: Kept, rows: Rows, unit: np.ndarray, first: np.ndarray, last: np.ndarray, fresh: np.ndarray
+    kept: Kept,
+    rows: Rows,
+    unit: np.ndarray,
+    first: np.ndarray,
+    last: np.ndarray,
+    fresh: np.ndarray,
+    gaps: Gaps | None,
+    distribution: str,
+    arguments: tuple[Any, ...],
 ) -> np.ndarray:
-    """The count kept, moved into the range; another one where that is asked for and there is one."""
+    """The count kept, moved into the range; another one of its law where that is asked for and there is one."""
     known, at = kept.find(rows)
     if not known.any():
         return fresh
-    old = np.minimum(np.maximum(kept.value[at], first), last)
+    value, swap = kept.value[at], kept.swap[at]
+    if is_listed(distribution):
+        reach, values = np.where(swap, np.inf, 0.0), values_of(distribution, arguments)
+        return np.where(known, step_along(unit, value, reach, swap, first, last, gaps, values), fresh)
+    if _is_confined(distribution, arguments):
+        stays = ~swap & fits(value, first, last, None)
+        tight = _whole(first, last, distribution, arguments)
+        first, last = np.where(stays, first, tight[0]), np.where(stays, last, tight[1])
+    old = np.minimum(np.maximum(value, first), last)
     other = np.minimum(first + np.floor(unit * (last - first)), last)
     other = np.where(other >= old, np.minimum(other + 1.0, last), other)
-    return np.where(known, np.where(kept.swap[at] & (last > first), other, old), fresh)
+    return np.where(known, np.where(swap & (last > first), other, old), fresh)
 
 
 def draw_choice(

@@ -62,10 +62,7 @@ def _among(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The values (values, rows), and which of them lie within the bounds and in no gap."""
     table = np.stack([np.broadcast_to(np.asarray(v, dtype=np.float64), low.shape) for v in values])
-    within = (table >= low - TOLERANCE) & (table <= high + TOLERANCE)
-    if gaps is not None:
-        within &= ~np.stack([in_gap(row, gaps) for row in table])
-    return table, within
+    return table, np.stack([fits(row, low, high, gaps) for row in table])
 
 
 def _pick(
@@ -76,7 +73,7 @@ def _pick(
     arguments: tuple[Any, ...],
     gaps: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> np.ndarray:
-    """One of the values that lie within the bounds, by their weights; the nearest bound when none does, which is refused."""
+    """One of the values that lie within the bounds, by their weights; the first when none does, which is refused."""
     if distribution == "weighted":
         values, weights = _halves(arguments)
         table, within = _among(low, high, values, gaps)
@@ -84,19 +81,66 @@ def _pick(
         last = len(values) - 1 - np.argmax(within[::-1], axis=0)
         at = np.minimum((levels <= unit * levels[-1]).sum(axis=0), last)
         found = np.take_along_axis(table, at[None], axis=0)[0]
-        return np.where(within.any(axis=0), found, np.minimum(np.maximum(table[0], low), high))
+        return np.where(within.any(axis=0), found, table[0])
     table, within = _among(low, high, arguments, gaps)
     count = within.sum(axis=0)
     wanted = np.minimum((unit * np.maximum(count, 1)).astype(np.int64), np.maximum(count - 1, 0))
     seen = np.cumsum(within, axis=0) - 1
     chosen = np.where(within & (seen == wanted), table, -np.inf).max(axis=0)
-    return np.where(count > 0, chosen, np.minimum(np.maximum(table[0], low), high))
+    return np.where(count > 0, chosen, table[0])
 
 
 def _halves(arguments: tuple[Any, ...]) -> tuple[tuple[Any, ...], np.ndarray]:
     """The values and the weights (values, 1) of a weighted law; all weights are above 0."""
     half = len(arguments) // 2
     return arguments[:half], np.array(arguments[half:], dtype=np.float64)[:, None]
+
+
+def is_listed(distribution: str) -> bool:
+    """Whether a law is a list of values."""
+    return distribution in _DISCRETE
+
+
+def values_of(distribution: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The values of a law that is a list."""
+    return arguments[: len(arguments) // 2] if distribution == "weighted" else arguments
+
+
+def step_along(
+    unit: np.ndarray,
+    old: np.ndarray,
+    reach: np.ndarray,
+    swap: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    gaps: tuple[np.ndarray, np.ndarray] | None,
+    values: tuple[Any, ...],
+) -> np.ndarray:
+    """From old values (rows,) to some of a list: one within ``reach``; with ``swap`` another one, a neighbour at least.
+
+    Where there is none, the old one stays if it fits or none does, and else gives way to the nearest that does.
+    """
+    table, within = _among(low, high, values, gaps)
+    away = np.abs(table - old)
+    other = within & (away > TOLERANCE)
+    above, below = (np.where(other & side, away, np.inf).min(axis=0) for side in (table > old, table < old))
+    beside = other & (away <= np.where(table > old, above, below) + TOLERANCE)
+    near = within & (away <= reach + TOLERANCE) & (reach > 0.0)
+    able = np.where(swap & other.any(axis=0), other & (near | beside), near)
+    count = able.sum(axis=0)
+    wanted = np.minimum((unit * np.maximum(count, 1)).astype(np.int64), np.maximum(count - 1, 0))
+    place = np.argmax(able & (np.cumsum(able, axis=0) - 1 == wanted), axis=0)
+    place = np.where(count > 0, place, np.argmin(np.where(within, away, np.inf), axis=0))
+    found = np.take_along_axis(table, place[None], axis=0)[0]
+    return np.where((count == 0) & (fits(old, low, high, gaps) | ~within.any(axis=0)), old, found)
+
+
+def fits(
+    value: np.ndarray, low: np.ndarray, high: np.ndarray, gaps: tuple[np.ndarray, np.ndarray] | None
+) -> np.ndarray:
+    """Which values lie within the bounds and in no gap, but for rounding."""
+    found = (value >= low - TOLERANCE) & (value <= high + TOLERANCE)
+    return found if gaps is None else found & ~in_gap(value, gaps)
 
 
 def is_empty(
@@ -109,8 +153,7 @@ def is_empty(
     """Whether a law that states its values, or where they lie, has none there (rows,)."""
     if distribution not in _DISCRETE:
         return np.logical_not(np.maximum(arguments[0], low) <= np.minimum(arguments[1], high) + TOLERANCE)
-    values = arguments if distribution == "values" else _halves(arguments)[0]
-    return np.logical_not(_among(low, high, values, gaps)[1].any(axis=0))
+    return np.logical_not(_among(low, high, values_of(distribution, arguments), gaps)[1].any(axis=0))
 
 
 # ---------------------------------------------------------------- ranges with gaps

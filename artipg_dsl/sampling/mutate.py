@@ -21,6 +21,7 @@ from ..random import key, uniform
 from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
+from ..runtime.laws import is_listed, values_of
 from ..runtime.repairs import Repairs
 from .clips import CLIPPED, Asked, Blame, log_moved
 from .known import evaluate_again, find_differing, keep_draw, make_batch, rows_of_draw
@@ -178,10 +179,13 @@ class _Step:
         return self.batch.rowmap.rows(draw.column.scope).owner
 
     def can_change(self, draw: Draw) -> np.ndarray | bool:
-        """A count of one possible value cannot."""
+        """A number of one possible value cannot."""
         if draw.kind == "choice":
             return len(draw.options) > 1
         low, high = self.batch.read(draw.ends, draw.column.scope)
+        if is_listed(draw.distribution):
+            values = self.batch.read(values_of(draw.distribution, draw.arguments), draw.column.scope)
+            low, high = np.maximum(low, np.minimum.reduce(values)), np.minimum(high, np.maximum.reduce(values))
         return np.asarray(high) > np.asarray(low)
 
     def lots(self) -> list[np.ndarray]:
@@ -309,7 +313,8 @@ class _Step:
         return make_batch(self.batch.program, self.batch.plan, state, self.batch.numbers[objects])
 
     def keep_values(self, number: int, objects: np.ndarray, reach: np.ndarray) -> Kept:
-        return keep_draw(self.batch, number, objects, reach, self.swaps[number])
+        """A number of a list that is to change takes another one of them, however short the step."""
+        return keep_draw(self.batch, number, objects, reach, self.swaps[number] | (self.reaches[number] > 0.0))
 
     def giving(self, number: int, attempt: np.ndarray) -> np.ndarray:
         """The reach of each row, and after many attempts that failed, a little for all that is kept."""

@@ -22,6 +22,7 @@ from ..random import mix
 from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept
+from ..runtime.laws import is_listed
 from ..runtime.needs import pose_cells
 from ..runtime.repairs import Cause, Repairs, find_yielding
 from ..validity.faults import find_faults
@@ -183,7 +184,10 @@ def _target(batch: Batch, number: int, asked: np.ndarray) -> np.ndarray:
     within = np.minimum(np.maximum(asked, low), high)
     if batch.program.draws[number].kind == "count":
         within = np.minimum(np.maximum(np.round(within), np.ceil(low)), np.floor(high))
-    return np.where(np.isnan(asked), drawn, within)
+    lost = np.isnan(asked)
+    if is_listed(batch.program.draws[number].distribution):
+        lost |= within != asked  # the ends of a domain need not be in the list
+    return np.where(lost, drawn, within)
 
 
 class Handler:

@@ -1,9 +1,9 @@
 """The search of a repair: values tried around those that an object should have, many candidates of all objects at once.
 
 A candidate is an evaluation with every value kept but some. First each value alone takes steps of 1/64 to the whole of its
-domain both ways (a count its neighbours and ends, a choice its other options), then several move together within a
-growing reach. Of the candidates that leave least at fault, the one that changes least is taken, and then brought back
-towards the old values as far as it stays valid. What is tried for an object depends on that object alone.
+domain both ways (a count its neighbours and ends, a choice its other options, a number of a list the others), then
+several move together within a growing reach. Of the candidates that leave least at fault, the one that changes least is
+taken, and then brought back towards the old values as far as it stays valid. What is tried for an object depends on that object alone.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from ..random import key, mix, uniform
 from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
+from ..runtime.laws import is_listed, values_of
 from .known import make_batch
 
 _STEPS = 2.0 ** -np.arange(6, -1, -1)  # of the width of a domain, for a value that moves alone
@@ -124,7 +125,9 @@ class Search:
             sound,
         )
         self.rows = [batch.rowmap.rows(d.column.scope) for d in batch.program.draws]
-        self.real = np.array([d.kind == "real" for d in batch.program.draws], dtype=bool)
+        self.real = np.array(
+            [d.kind == "real" and not is_listed(d.distribution) for d in batch.program.draws], dtype=bool
+        )
         self.targets = np.concatenate([np.zeros(0), *self.target])  # of all draws, one behind the other
         self.first = np.cumsum([0, *map(len, self.target)])
         self.low, self.high, self.width = [], [], []
@@ -148,6 +151,10 @@ class Search:
             draw = self.batch.program.draws[number]
             if draw.kind == "choice":
                 value = np.broadcast_to(np.arange(len(draw.options), dtype=np.float64), (len(row), len(draw.options)))
+            elif is_listed(draw.distribution):
+                read = self.batch.read(values_of(draw.distribution, draw.arguments), draw.column.scope)
+                value = np.stack([full(self.rows[number], v).astype(np.float64)[row] for v in read], axis=1)
+                value = np.where((value >= low) & (value <= high), value, old)
             elif draw.kind == "count":
                 value = np.concatenate([old + np.array([-1.0, 1.0, -2.0, 2.0]), low, high], axis=1)
                 value = np.minimum(np.maximum(value, np.ceil(low)), np.floor(high))
@@ -313,7 +320,7 @@ class Search:
         return self._back(moves, before + step)
 
     def _back(self, moves: Moves, share: np.ndarray) -> Moves:
-        """Candidates with so much (C,) of their way from the target; counts and choices go all of it."""
+        """Candidates with so much (C,) of their way from the target; counts, choices and numbers of a list go all of it."""
         old, way = self.targets[self.first[moves.draw] + moves.row], share[moves.candidate]
         value = np.where(self.real[moves.draw] & (way < 1.0), old + way * (moves.value - old), moves.value)
         return Moves(moves.place, moves.candidate, moves.draw, moves.row, value)

@@ -71,6 +71,49 @@ def test_cpa_stays_within_the_declared_step(microwave, batch):
     assert np.abs(half - before).max() < 0.15 * np.abs(after - before).max()
 
 
+LISTED = """apg 1
+use primitives { Cuboid }
+category Board {
+  param deep : length in 1cm .. 10cm
+  param wide : length in 1cm .. 20cm ~ values(2cm, 3cm, 3cm, 6cm, 15cm)
+  param high : length in 1cm .. deep ~ values(2cm, 4cm, 6cm) vary 1%
+  param rim  : length in 1cm .. 10cm ~ uniform(2cm, 3cm) vary 3cm
+  count rows in 1 .. 6 ~ values(1, 2, 4, 6)
+  count bars in 1 .. 6 ~ uniform(3, 5)
+  require wide + high <= 16cm repair wide
+  root part body : Cuboid(size = [deep, wide, high])
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def listed(tmp_path_factory):
+    path = tmp_path_factory.mktemp("listed") / "board.apg"
+    path.write_text(LISTED)
+    return Session.of(str(path)).sampler
+
+
+@pytest.mark.parametrize("one", [False, True])
+@pytest.mark.parametrize("strength", [0.01, 1.0, 5.0])
+def test_numbers_of_a_list_stay_in_it(listed, strength, one):
+    """Also where `deep` leaves `high` none of its values, and where a sum is to be put right."""
+    batch = listed.batch(np.arange(200), seed=1)
+    found = mutate(listed, batch, operations=("dpa", "cpa"), strength=strength, one=one).values()
+    lists = {"wide": (0.02, 0.03, 0.06, 0.15), "high": (0.02, 0.04, 0.06), "rows": (1, 2, 4, 6), "bars": (3, 4, 5)}
+    for name, values in lists.items():
+        assert np.isin(found[name].round(9), values).all(), name
+    assert (found["rim"] >= 0.02).all() and (found["rim"] <= 0.03).all()
+
+
+def test_a_small_step_moves_along_a_list_to_a_neighbour(listed):
+    batch = listed.batch(np.arange(200), seed=1)
+    mutant = mutate(listed, batch, operations=("cpa",), strength=0.01, only="wide", one=True)
+    order = {0.02: 0, 0.03: 1, 0.06: 2}  # 15 cm are too wide beside any `high`
+    places = [np.array([order[v] for v in b.values()["wide"].round(9)]) for b in (batch, mutant)]
+    assert (np.abs(places[1] - places[0]) == 1).all()
+    assert all([s.path for s in steps if s.how == "changed"] == ["wide"] for steps in trace_objects(mutant))
+
+
 def test_mutants_are_valid_in_their_own_right(microwave, batch):
     statistics = Statistics()
     mutant = mutate(microwave, batch, statistics=statistics)
