@@ -228,6 +228,22 @@ def test_each_keeps_elements_within_limits() -> None:
     np.testing.assert_allclose(size.sum(axis=1), value(batch, "w") - 0.03)
 
 
+@pytest.mark.parametrize("weight", ["exp(i / 2)", "(1 if i == 0 else 0)"])
+def test_elements_of_very_unequal_weights_fill_their_box(weight: str) -> None:
+    """So many elements meet `hi` one after the other that rounds of sharing do not end, and weights of 0 take part in none."""
+    batch = sampled(
+        category(
+            f"  repeat row[i] in 0 ..< 30 split body along z weight {weight} each 2mm .. (w / 30) * 1.001 {{\n"
+            "    part plate : Cuboid\n    connect plate in row\n  }\n"
+        ),
+        4,
+    )
+    low, high = box(batch, "row.plate")
+    size = (high - low)[:, 2].reshape(4, 30)
+    np.testing.assert_allclose(size.sum(axis=1), value(batch, "w"), rtol=1e-12)
+    assert (size <= value(batch, "w")[:, None] / 30 * 1.001 + 1e-9).all() and (size >= 0.002).all()
+
+
 def test_gap_is_the_box_before_an_element() -> None:
     batch = sampled(
         category(

@@ -15,7 +15,7 @@ from ..values.kinds import Box
 from ..values.vectors import signed_axis
 from .ranges import ROOM, SIZE, WEIGHT, WEIGHTS, Quantity
 
-_ROUNDS = 8
+_ROUNDS = 6
 
 
 def split(
@@ -80,7 +80,10 @@ def total(scope: Scope, value: Expr, count: Expr) -> Expr:
 
 
 def _limit_shares(scope: Scope, room: Expr, weight: Expr, count: Expr, low: Expr, high: Expr) -> Expr:
-    """Every element gets ``low``, the rest is shared by weight, and what exceeds ``high`` is shared again."""
+    """Every element gets ``low``, the rest is shared by weight, and what exceeds ``high`` is shared again.
+
+    What many elements of very unequal weights still leave after the last round goes to all in proportion to their room.
+    """
     rest = E.sub(room, E.mul(count, low))
     span = E.sub(high, low)
     if weight.scope is not scope:
@@ -91,7 +94,9 @@ def _limit_shares(scope: Scope, room: Expr, weight: Expr, count: Expr, low: Expr
         left = E.sub(rest, E.reduce("sum", scope, share))
         step = E.div(E.mul(left, free), E.maximum(E.reduce("sum", scope, free), E.const(1e-12)))
         share = E.minimum(E.add(share, step), span)
-    return E.add(low, share)
+    left, space = E.sub(rest, E.reduce("sum", scope, share)), E.sub(span, share)
+    step = E.div(E.mul(left, space), E.maximum(E.reduce("sum", scope, space), E.const(1e-12)))
+    return E.add(low, E.add(share, step))
 
 
 def axis_of(ev: Evaluator, statement: ast.RepeatStmt) -> int:
