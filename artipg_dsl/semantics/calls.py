@@ -7,13 +7,13 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import any_of, did_you_mean, given
-from ..language import FUNCTIONS, METHODS, Form, Parameter
+from ..language import FACES, FUNCTIONS, METHODS, Form, Parameter
 from ..syntax import ast
 from ..syntax.walk import walk
 from . import paths
 from .fold import is_unitless
 from .guards import consistent
-from .meanings import BuiltIn, Declared, Global
+from .meanings import BuiltIn, Declared, Global, Inner
 from .remedies import instead
 from .scope import Entry
 from .types import (
@@ -30,6 +30,7 @@ from .types import (
     Boxed,
     ElementType,
     JointType,
+    PartType,
     ScalarType,
     SlotType,
     Type,
@@ -422,9 +423,14 @@ RULES: dict[str, Callable[[Checker, Context, ast.CallExpr, Form, Bound], Type]] 
 
 
 def _method(ck: Checker, ctx: Context, expr: ast.CallExpr, function: ast.MemberExpr) -> Type:
-    """``body.wall.at(u, z = h)``: a frame on a curved surface."""
-    obj = ck.infer(ctx, function.obj)
-    form = METHODS.get(function.name)
+    """``body.wall.at(u, z = h)``: a frame on a surface."""
+    form, named = METHODS.get(function.name), function.obj
+    if isinstance(named, ast.MemberExpr) and named.name in FACES:
+        ck.meanings.pop(id(named), None)  # of a function that is called again
+    obj = ck.infer(ctx, named)
+    if obj == PLANE and form is not None and isinstance(named, ast.MemberExpr) and _all_have_surface(ck, named):
+        ck.mean(named, Inner(named.name))  # the surface of that name, not the face of the box
+        obj = SURFACE
     if obj == UNKNOWN or form is None or not (obj == SURFACE or isinstance(obj, SlotType)):
         for argument in expr.arguments:
             ck.infer(ctx, argument.value)
@@ -433,7 +439,9 @@ def _method(ck: Checker, ctx: Context, expr: ast.CallExpr, function: ast.MemberE
         hint = (
             "parts and values have no functions: write `f(a)`, or leave the arguments out"
             if form is None
-            else f"`{form.name}` is a function of curved surfaces: `body.wall.at(0.25turn, z = h)`"
+            else "this is a face of a box: write `at` behind it, as in `to body.front at y = 2cm, z = 1cm`"
+            if obj == PLANE
+            else f"`{form.name}` is a function of surfaces of primitives: `body.wall.at(0.25turn, z = h)`"
         )
         return ck.error("unknown-function", function.name_span, f"{obj} has no function `{function.name}`", hint=hint)
     bound = _bound(ck, expr, form)
@@ -446,6 +454,16 @@ def _method(ck: Checker, ctx: Context, expr: ast.CallExpr, function: ast.MemberE
         )
     ck.mean(function, BuiltIn(form))
     return _typed(ck, ctx, expr, form, bound or [])
+
+
+def _all_have_surface(ck: Checker, face: ast.MemberExpr) -> bool:
+    """Whether whatever a part is made of has a surface that is called like this face of its box."""
+    part = ck.types.get(id(face.obj))
+    return isinstance(part, PartType) and all(
+        v.symbol is not None
+        and any(entry.kind == "surface" for entry in ck.scope_of(v.symbol).table.get(face.name, ()))
+        for v in part.variants
+    )
 
 
 def chain(ck: Checker, ctx: Context, expr: ast.ChainExpr) -> Type:

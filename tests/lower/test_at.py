@@ -71,3 +71,41 @@ def test_a_coordinate_that_the_plane_determines_is_refused(places: str) -> None:
 def test_a_gap_beside_a_sum_is_on_the_side_of_its_face(stated: str, center: list[float]) -> None:
     at = foot(f"let beneath = body.bottom - 1cm\n{CUBE}\nconnect {stated}")
     assert (at + [0, 0, 0.005]).tolist() == pytest.approx(center)
+
+
+@pytest.mark.parametrize(
+    ("shape", "place", "at", "out"),
+    [
+        ("Cuboid(size = [10cm, 10cm, 10cm])", "front.at(0.25, 0.75)", [0.05, -0.025, 0.025], [1, 0, 0]),
+        ("Cuboid(size = [10cm, 10cm, 10cm])", "bottom.at(0.25, 0.75)", [-0.025, -0.025, -0.05], [0, 0, -1]),
+        ("Wedge(size = [8cm, 10cm, 10cm], lip = 2cm)", "top.at(0.5, 0.5)", [0, 0, 0.01], [1, 0, 1]),
+        (
+            "Capsule(radius = 2cm, height = 10cm)",
+            "top.at(0, 0.125turn)",
+            [0.02 / 2**0.5, 0, 0.03 + 0.02 / 2**0.5],
+            [1, 0, 1],
+        ),
+    ],
+)
+def test_a_surface_with_the_name_of_a_face_has_places(
+    shape: str, place: str, at: list[float], out: list[float]
+) -> None:
+    body = f"root part body : {shape}\npart a : Cuboid(size = [1cm, 1cm, 1cm])\nconnect a.bottom to body.{place}"
+    uses = "use primitives { Cuboid }\nuse solids { Wedge }\nuse rounds { Capsule }"
+    batch = Session.of_text(f"apg 1\n{uses}\ncategory T {{\n{body}\n}}\n").sampler.batch(np.arange(1), seed=1)
+    parts = batch.parts()
+    turn = parts.rotation[1]
+    foot = turn @ [0, 0, -0.005] + parts.translation[1] - parts.translation[0]
+    np.testing.assert_allclose(foot, at, atol=1e-12)
+    np.testing.assert_allclose(turn[:, 2], np.array(out) / np.linalg.norm(out), atol=1e-12)
+
+
+def test_a_surface_of_another_element_is_told() -> None:
+    """Its formulas are those of its own row; a `let` there carries the place."""
+    row = "repeat r[i] in 0 ..< 2 split body along y {{\npart p : Cuboid(size = [1cm, 1cm, 5cm])\nconnect p.bottom on body.top\n{let}\n}}"
+    far = session(f"{row.format(let='')}\n{CUBE}\nconnect a.bottom to r[last].p.front.at(0.5, 0.5)").examine()
+    assert [d.code for d in far.diagnostics if d.severity == "error"] == ["many-elements"]
+    told = row.format(let="let spot = p.front.at(0.5, 0.5)")
+    np.testing.assert_allclose(
+        foot(f"{told}\n{CUBE}\nconnect a.bottom to r[last].spot"), [0.005, 0.125, 0.125], atol=1e-12
+    )

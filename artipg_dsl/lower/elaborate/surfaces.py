@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 
 
 def frame_on(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
-    """The frame at (u, v) of a surface, or at u and a given coordinate: out = outward normal, up = z.
+    """The frame at (u, v) of a surface, or at u and a given coordinate: out = outward normal, up = z (x where the surface
+    is square to z).
 
     Of several alternatives each is evaluated in the table of the statement, and the one that exists is taken.
     """
@@ -48,18 +49,32 @@ def frame_on(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
             patch = next((p for p in patches if p.name == name), None)
             if patch is None or instance.solid is None:
                 continue
+            _refuse_other_elements(ev, node, instance.scope)
             mapping = {k: lifted(e, scope) for k, e in instance.solid.mapping(instance).items()}
             v = ev.scalar(arguments["v"]) if "v" in arguments else _solve_v(ev, node, arguments, patch, mapping, u)
             values: dict[Expr, Expr] = {**mapping, E.var("u"): u, E.var("v"): v}
             position = triple(substitute(c, values) for c in patch.position)
             du, dv = (triple(substitute(derive(c, name), values) for c in patch.position) for name in ("u", "v"))
-            frame = Frame(position, frame_of(normalized(cross(du, dv)), unit(2)), (part,))
+            out = cross(du, dv)
+            level = out[0] is E.ZERO and out[1] is E.ZERO
+            frame = Frame(position, frame_of(normalized(out), unit(0 if level else 2)), (part,))
             pose = mapped_pose(outer, lambda e: lifted(e, scope))
             found.append((has_row(instance.scope, scope), moved(frame, pose)))
     if not found:
         raise ev.env.context.internal(node.span, "none of the alternatives has this surface")
     carriers = tuple(dict.fromkeys(p for _, f in found for p in f.on))
     return moved(replace(whichever(found), on=carriers), ev.pose)
+
+
+def _refuse_other_elements(ev: Evaluator, node: ast.CallExpr, home: Scope) -> None:
+    """The formulas of a surface are those of its own row: another element's are out of reach."""
+    if any(s.kind == "repeat" and not ev.env.scope.within(s) for s in home.ancestors()):
+        raise ev.env.context.error(
+            "many-elements",
+            node.span,
+            "`at` reads surfaces in the same element of a repeat alone",
+            hint="name the place in the repeat, `let spot = peg.side.at(...)`, and then `row[last].spot`",
+        )
 
 
 def _solve_v(

@@ -14,7 +14,6 @@ from ...records import dataclass
 from ...source import Span
 from ..expressions.context import Bend
 from ..values.carry import mapped
-from ..values.faces import FACES
 from ..values.handed import Handed
 from ..values.kinds import Box, Choice, Surface, Value, Vec
 from ..values.vectors import HERE
@@ -85,8 +84,6 @@ class Lowered:
             mapping = self.mapping(instance)
             return mapped(self.ports[name], lambda e: substitute(e, mapping))
         if name in self.primitive.surfaces:
-            if name in FACES:
-                return None  # the face of the box is the same plane, and a frame
             return Surface(((None, instance.part, HERE, name),))
         return None
 
