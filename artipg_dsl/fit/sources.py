@@ -12,14 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ..details.dressing import SUMMARY
 from ..errors import UserError
 from ..export.containers import npz_bytes
 from ..records import dataclass
 from .reading import Cloud, Solid, check_cloud, parts_of, read_cloud
 
 MEMORY = "<memory>"  # the source of what is in no file
-_NO_NAME = Path(SUMMARY).stem  # the summary of details lies beside the record of each object
 _LONGEST = 200  # bytes of a name: of a file 255, with what is written beside it
 
 
@@ -143,10 +141,10 @@ def name_files(paths: Sequence[Path]) -> list[Item]:
 
 
 def own_name(plain: str, taken: set[str]) -> str:
-    """A name that none of those ``taken`` is, nor one that files cannot have; it is taken then. Of a long one the end is left."""
+    """A name that none of those ``taken`` is; it is taken then. Of a long one the end is left."""
     plain = _in_unicode(plain).encode()[-_LONGEST:].decode(errors="ignore")
     name, number = plain, 1
-    while name in taken or name == _NO_NAME:
+    while name in taken:
         number += 1
         name = f"{plain}-{number}"
     taken.add(name)

@@ -29,6 +29,7 @@ from .sharing import share
 from .sources import seen_from, seen_here
 from .workers import map_each
 
+_RECORDS = "records"  # of the objects, in the folder; they lay beside its summary before
 _NAMED = 3  # files that a message names
 _HINT = "apgc fit CATEGORY FILES -o fitted writes such a folder"
 _AGAIN = "the command that fitted these objects writes it anew, and fits only what is missing"
@@ -66,7 +67,8 @@ def bind_into(
     """Bind what the folder ``out`` does not have yet, and write it; what its summary says, and the records of all objects. ``fitted``: the
     summary of their fit. ``progress(done, total)`` hears of each that is finished. Raises UserError."""
     _require_own(out)
-    sweep_unfinished(ensure_folder(out))
+    for folder in (out, out / _RECORDS):
+        sweep_unfinished(ensure_folder(folder))
     options = asked.plain(job.program.hash)
     if not force:
         _refuse_others(out, work)
@@ -78,7 +80,7 @@ def bind_into(
         done += 1
         if progress:
             progress(done, len(work))
-    read = (read_record(out / f"{one.name}.json") for one in work)
+    read = (read_kept(out, one.name) for one in work)
     records = [seen_here(out, found) for found in read if found is not None]
     told = summarize(fitted["category"], options, records, fitted["objects"])
     _tell(out, told, {one.name for one in work})
@@ -97,13 +99,20 @@ def read_bound(out: Path, record: Record) -> Arrays | None:
         raise UserError(f"{path} cannot be read: {wrong}", "remove it, and bind again") from None
 
 
+def read_kept(out: Path, name: str) -> Record | None:
+    """The record of an object in a folder of details, also of one that has it beside its summary."""
+    found, before = read_record(out / _RECORDS / f"{name}.json"), _beside(out, name)
+    return read_record(before) if found is None and before is not None else found
+
+
 def save_bindings(
     out: Path, told: Record, bound: Sequence[tuple[Record, Arrays | None]], *, force: bool = False
 ) -> None:
     """Write the folder of details that are bound already; ``told``: what its summary says. Raises UserError."""
     _require_own(out)
     refuse_other(out / BOUND, told, force)
-    sweep_unfinished(ensure_folder(out))
+    for folder in (out, out / _RECORDS):
+        sweep_unfinished(ensure_folder(folder))
     for record, arrays in bound:
         _write(out, record, arrays)
     _tell(out, told, {record["name"] for record, _ in bound})
@@ -196,7 +205,7 @@ def _refuse_others(out: Path, work: Sequence[Fit]) -> None:
     sources = {one.real.path.resolve() for one in work if isinstance(one.real, File)}
     others = []
     for one in list_objects(read_record(out / BOUND), "name"):
-        record = seen_here(out, read_record(out / f"{one['name']}.json") or {})
+        record = seen_here(out, read_kept(out, one["name"]) or {})
         source = str(record.get("source", ""))
         path = Path(source)
         if record.get("file") in files or (source != MEMORY and (path.resolve() in sources or not path.is_file())):
@@ -267,7 +276,14 @@ def _write(out: Path, record: Record, arrays: Arrays | None) -> None:
         path.unlink(missing_ok=True)
     else:
         write_bytes(path, npz_bytes(arrays), force=True)
-    write_bytes(out / f"{record['name']}.json", to_text(seen_from(out, record)), force=True)
+    write_bytes(out / _RECORDS / f"{record['name']}.json", to_text(seen_from(out, record)), force=True)
+    if (before := _beside(out, record["name"])) is not None:
+        before.unlink(missing_ok=True)
+
+
+def _beside(out: Path, name: str) -> Path | None:
+    """Where the record of an object lay before; of none that is called like the summary."""
+    return None if f"{name}.json" == BOUND else out / f"{name}.json"
 
 
 def _tell(out: Path, told: Record, names: Collection[str]) -> None:
@@ -278,13 +294,14 @@ def _tell(out: Path, told: Record, names: Collection[str]) -> None:
     ]
     write_bytes(out / BOUND, to_text(told), force=True)
     for name in listed:
-        if name not in names and Path(name).name == name and f"{name}.json" != BOUND:  # should it have been edited
-            (out / f"{name}.json").unlink(missing_ok=True)
-            (out / f"{name}.npz").unlink(missing_ok=True)
+        if name not in names and Path(name).name == name:  # should it have been edited
+            for path in (out / _RECORDS / f"{name}.json", _beside(out, name), out / f"{name}.npz"):
+                if path is not None:
+                    path.unlink(missing_ok=True)
 
 
 def _done(out: Path, options: Mapping[str, Any], one: Fit) -> bool:
-    found = read_record(out / f"{one.name}.json")
+    found = read_kept(out, one.name)
     if found is None or "failed" in found or found.get("options") != options or found.get("object") != one.number:
         return False
     whole = isinstance(found.get("figures"), dict) and {"points", "completed"} <= found.keys()

@@ -10,6 +10,7 @@ from typing import Any
 from ..details.dressing import SUMMARY, Dressing
 from ..details.store import read_dressing, require_donors
 from ..errors import UserError
+from .bindings import read_kept
 from .fits import list_objects, read_record
 from .job import Job
 from .params import read_values
@@ -34,7 +35,7 @@ def dress(job: Job, folder: str | Path, strength: float) -> Dressing:
 def _read_drawn(folder: Path) -> Drawn:
     """The values of the objects that the details in a folder are bound to, as far as its records have them."""
     objects = list_objects(read_record(folder / SUMMARY), "name")
-    return {one["object"]: (read_record(folder / f"{one['name']}.json") or {}).get("drawn") for one in objects}
+    return {one["object"]: (read_kept(folder, one["name"]) or {}).get("drawn") for one in objects}
 
 
 def _has(job: Job, drawn: Drawn) -> bool:

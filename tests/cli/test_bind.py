@@ -49,7 +49,33 @@ def test_details_that_force_leaves_out_leave_no_files(apgc: Apgc, tmp_path: Path
     assert apgc("bind", one, *asked)[0] == 0
     (out / "notes.json").write_text("{}")  # somebody's own
     assert apgc("bind", other, *asked, "--force")[0] == 0
-    assert sorted(path.name for path in out.iterdir()) == ["bind.json", "notes.json", "second.json", "second.npz"]
+    assert set(tree(out)) == {"bind.json", "notes.json", "records/second.json", "second.npz"}
+
+
+@pytest.mark.parametrize("name", ["bind", "records", "details"])
+def test_objects_may_be_called_like_what_lies_beside_them(apgc: Apgc, tmp_path: Path, name: str) -> None:
+    one, other, out = fit_one(tmp_path / "one", 0, name), fit_one(tmp_path / "other", 1), tmp_path / "bound"
+    asked = ("-o", out, "--points", 500)
+    assert apgc("bind", one, *asked)[0] == 0
+    assert json.loads((out / "bind.json").read_text())["objects"][0]["name"] == name
+    before = tree(out)
+    assert set(before) == {"bind.json", f"{name}.npz", f"records/{name}.json"}
+    assert apgc("bind", one, *asked)[0] == 0 and tree(out) == before
+    assert apgc("bind", other, *asked, "--force")[0] == 0
+    assert len(tree(out)) == 3 and not (out / f"{name}.npz").exists()
+
+
+def test_records_beside_the_summary_are_read(apgc: Apgc, tmp_path: Path) -> None:
+    """So they lay once: nothing is bound again, and what is takes its place in the folder of records."""
+    one, out = fit_one(tmp_path / "one", 0), tmp_path / "bound"
+    assert apgc("bind", one, "-o", out, "--points", 500)[0] == 0
+    (out / "records" / "object.json").rename(out / "object.json")
+    (out / "records").rmdir()
+    before, made = tree(out), (out / "object.npz").stat().st_mtime_ns
+    assert apgc("bind", one, "-o", out, "--points", 500)[0] == 0
+    assert tree(out) == before and (out / "object.npz").stat().st_mtime_ns == made
+    assert apgc("bind", one, "-o", out, "--points", 500, "--force")[0] == 0
+    assert set(tree(out)) == {"bind.json", "object.npz", "records/object.json"}
 
 
 def test_details_of_other_objects_are_not_lost(apgc: Apgc, tmp_path: Path) -> None:

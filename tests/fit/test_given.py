@@ -159,7 +159,6 @@ def test_what_has_no_shape_is_told_when_it_is_read(given: Any, told: str) -> Non
         ({"vertices": BOX.vertices, "faces": BOX.faces, **LABELS}, r"one of \(12,\) is needed, as of the faces"),
         ({"a/b": BOX}, "'a/b' is no name of an object"),
         ({3: BOX}, "3 is no name of an object"),
-        ({"bind": BOX}, "no object can be called 'bind'"),
         ({"a" * 300: BOX}, "no object can be called 'aaa"),
         ({"a": "."}, "a is to be one object, and . is a folder"),
         ({"a": "nowhere.obj"}, "there is no file or folder nowhere.obj"),
