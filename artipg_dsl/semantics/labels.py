@@ -86,7 +86,7 @@ def check(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
                     )
             _twice(ck, ctx, stmt, "keypoint")
         case ast.SymmetryStmt(target=at, turn=turn, direction=direction):
-            target(ck, ctx, at, "a symmetry belongs to")
+            target(ck, ctx, at, "a symmetry belongs to", alone=True)
             if turn is not None:
                 ck.expect(ctx, turn, COUNT, "the turns of a symmetry")
                 if (turns := constant(turn, ctx.module)) is not None and turns < 2:
@@ -131,8 +131,11 @@ def _place(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
     return kind, ctx.given(*noted)
 
 
-def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str) -> Context:
-    """What a label lies on: parts, slots and surfaces, also through repeats."""
+def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str, alone: bool = False) -> Context:
+    """What a label lies on: parts, slots and surfaces, also through repeats. ``alone``: the statement takes one of them."""
+    if isinstance(expr, ast.BinaryExpr) and expr.op in ("and", "or"):
+        _refuse_joined(ck, ctx, expr, alone)
+        return ctx
     kind, ctx = _place(ck, ctx, expr)
     if not isinstance(kind, Boxed) and kind not in (UNKNOWN, PLANE, SURFACE):
         ck.unfit(
@@ -152,6 +155,23 @@ def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str) -> Context:
         )
     not_previous(ck, expr)
     return ctx
+
+
+def _refuse_joined(ck: Checker, ctx: Context, expr: ast.BinaryExpr, alone: bool) -> None:
+    """Reports ``body and lid`` as a target."""
+    named: list[ast.Expr] = [expr]
+    while isinstance(last := named[0], ast.BinaryExpr) and last.op in ("and", "or"):
+        named[:1] = [last.left, last.right]
+    paths = [one for one in named if isinstance(one, ast.NameExpr | ast.MemberExpr | ast.IndexExpr)]
+    for one in paths:
+        _place(ck, ctx, one)
+    if alone:
+        said, hint = "this takes one target", f"state it of each by itself, first of `{named[0].span.words}`"
+    elif len(paths) == len(named):
+        said, hint = "targets are separated by commas", f"write `{', '.join(one.span.words for one in named)}`"
+    else:
+        said, hint = "a condition follows `where`", f"for example `on {named[0].span.words} where n.z > 0.5`"
+    ck.error("wrong-type", expr.span, f"`{expr.op}` joins conditions; {said}", hint=hint)
 
 
 def _is_surface(ck: Checker, expr: ast.MemberExpr) -> bool:
@@ -312,7 +332,7 @@ def _is_length(unit: str) -> bool:
 
 
 def _grasp(ck: Checker, ctx: Context, stmt: ast.GraspStmt) -> None:
-    ctx = target(ck, ctx, stmt.target, "a grasp lies on")
+    ctx = target(ck, ctx, stmt.target, "a grasp lies on", alone=True)
     _twice(ck, ctx, stmt, "grasp")
     place = formula(ctx)
     if stmt.range is not None and stmt.parameter is not None:

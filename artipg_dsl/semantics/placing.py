@@ -59,6 +59,11 @@ def subject(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
 
 
 def check_connect(ck: Checker, ctx: Context, node: ast.ConnectStmt) -> None:
+    if isinstance(node.subject, ast.BinaryExpr) and node.subject.op in ("and", "or"):
+        said = f"`{node.subject.op}` joins conditions; what is connected is one part"
+        hint = "write one `connect` for each part; further faces of one follow `fit` or are equations of `align`"
+        ck.error("wrong-type", node.subject.span, said, hint=hint)
+        return
     kind, ctx = subject(ck, ctx, node.subject)
     _end(ck, node.subject, kind, "what is connected")
     _begins(ck, ctx, node.subject, kind)
@@ -168,6 +173,7 @@ def _placing(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) -> No
     for value in ast.value_of(node.fit) or ():
         if not isinstance(value, ast.NameExpr) or value.name not in FACES:
             near = did_you_mean(value.name, FACES) if isinstance(value, ast.NameExpr) else None
+            near = "separate them by commas: `fit left, right`" if isinstance(value, ast.BinaryExpr) else near
             ck.error(
                 "wrong-type", value.span, "`fit` takes the names of faces", hint=near or f"there are {', '.join(FACES)}"
             )

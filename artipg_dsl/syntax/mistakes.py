@@ -365,7 +365,20 @@ MISTAKES = (
     Mistake(
         "the options of a choice are separated by `|`",
         "for example `param kind : choice round | square`",
-        ("param x : choice a, b", "param x : choice a or b", "param x : choice a / b", "param x : choice a b"),
+        (
+            "param x : choice a, b",
+            "param x : choice a or b",
+            "param x : choice a and b",
+            "param x : choice a / b",
+            "param x : choice a b",
+            "param x : choice a | b or c",
+            "param x : choice a | b, c",
+        ),
+    ),
+    Mistake(
+        "the options of a choice stand without brackets",
+        "for example `param kind : choice round | square`",
+        ("param x : choice (a | b)", "param x : choice [a, b]", "param x : choice { a, b }"),
     ),
     Mistake(
         "a point is written in square brackets",
