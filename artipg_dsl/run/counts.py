@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import NotRequired, TypedDict
 
 import numpy as np
@@ -80,11 +80,16 @@ def count_in_words(program: Program, counted: Mapping[Cause, int]) -> dict[str, 
 
 
 def explain_exhausted(
-    program: Program, error: Exhausted, given: Mapping[int, float], settings: Mapping[str, Value]
+    program: Program,
+    error: Exhausted,
+    given: Mapping[int, float],
+    settings: Mapping[str, Value],
+    without: Callable[[Collection[str]], float],
 ) -> NoObject:
     """Why there is no valid object: what failed most, and which settings take part in it.
 
-    ``given``: the values that were set, by the index of their draw; ``settings``: the same by name, for words.
+    ``given``: the values that were set, by the index of their draw; ``settings``: the same by name, for words. ``without``
+    tells which share of the objects is valid where some settings are left out.
     """
     fixed = bool(settings)
     numbers = np.unique(error.numbers).tolist()  # mutants are told by their originals, which may have several
@@ -105,15 +110,39 @@ def explain_exhausted(
         )
         + "what failed most:\n"
         + "\n".join(lines),
-        _TURNED if not fixed and " collide while " in lines[0] else _blame(program, error.statistics, given, settings),
+        _advise(program, error.statistics, given, settings, without, lines[0]),
     )
 
 
-def _blame(program: Program, made: Statistics, given: Mapping[int, float], settings: Mapping[str, Value]) -> str:
-    """What to try: other values for the settings that what failed most depends on, or else wider ranges."""
+def _advise(
+    program: Program,
+    made: Statistics,
+    given: Mapping[int, float],
+    settings: Mapping[str, Value],
+    without: Callable[[Collection[str]], float],
+    first: str,
+) -> str:
+    """What to try: other values for the settings that what failed most depends on, or else wider ranges; ``first``: what did."""
     worst = sorted(made.failures().items(), key=lambda item: -item[1])[:3]
-    if not settings:
-        return _SHOWN if worst and all(kind in ("collision", "solid") for (kind, _), _ in worst) else _NARROW
+    solids = bool(worst) and all(kind in ("collision", "solid") for (kind, _), _ in worst)
+    if settings and not solids:
+        return _blame(program, worst, given, settings)
+    if settings and without(settings) > 0.0:  # solids depend on nearly all values: only a trial tells which matter
+        shares = {name: share for name in settings if (share := without([name])) > 0.0}
+        if not shares:
+            return "set other values: no single setting is to blame"
+        shown = any_of([f"{name}={_text(program, name, settings[name])}" for name in shares])
+        tell = "choose another value" + ("" if len(shares) == 1 else " for one of them")
+        return f"without {shown}, {100 * max(shares.values()):.0f} % of the first attempts are valid: {tell}"
+    if " collide while " in first:
+        return _TURNED
+    return _SHOWN if solids else _NARROW
+
+
+def _blame(
+    program: Program, worst: Sequence[tuple[Cause, int]], given: Mapping[int, float], settings: Mapping[str, Value]
+) -> str:
+    """The settings that what failed most depends on."""
     behind = {k for cause, _ in worst for k in _draws_of(program, cause) if k in given}
     names = dict.fromkeys(program.draws[k].column.name for k in sorted(behind))
     if not names:
@@ -125,7 +154,7 @@ def _blame(program: Program, made: Statistics, given: Mapping[int, float], setti
 
 
 def _draws_of(program: Program, cause: Cause) -> list[int]:
-    """The draws that a failure depends on; none of collisions and faults of solids, which depend on nearly all."""
+    """The draws that a failure depends on; none of collisions and faults of solids, which are tried out."""
     kind, about = cause
     if kind == "requirement":
         one = program.requirements[about]

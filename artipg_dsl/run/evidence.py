@@ -65,7 +65,7 @@ class _Task:
                 stage(4, _LATER[1])
                 seen = check_meshes(batch, self.states)
         except NoObject as error:
-            why = error.message
+            why = error.message + (f"\n  = help: {error.hint}" if error.hint else "")
         made = job.statistics
         return _Seen(drawn, delivered, seen, why, (made.objects, made.first_valid, made.attempts))
 

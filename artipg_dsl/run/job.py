@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,7 +29,7 @@ from .params import read_values
 from .prior import apply_prior
 from .request import Request, is_file
 from .schema import to_runs
-from .settings import resolve_settings
+from .settings import find_draws, resolve_settings
 from .tables import Tables
 
 if TYPE_CHECKING:
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from ..runtime.batch import Batch
 
 _TOGETHER = 256  # objects that are made only to be counted, at a time
+_TRIED = 16  # objects that tell whether settings are to blame
 
 
 class ProgramChanged(UserError):
@@ -93,9 +94,17 @@ class Job:
             prove(made)
             return made
         except Exhausted as error:
-            raise explain_exhausted(self.program, error, self.given, self.request.settings) from None
+            raise explain_exhausted(
+                self.program, error, self.given, self.request.settings, self._valid_without
+            ) from None
         except TooMany as error:
             raise UserError(f"{self.program.name}: {error}", "bound the counts of its repeats") from None
+
+    def _valid_without(self, names: Collection[str]) -> float:
+        """The share of valid first attempts at some objects where the settings of these names are left out."""
+        left = {k for name in names for k in find_draws(self.program, name)}
+        given = {k: value for k, value in self.given.items() if k not in left}
+        return self.sampler.count_valid(np.arange(_TRIED), self.request.seed, given, self.request.checked) / _TRIED
 
     def _made(
         self,

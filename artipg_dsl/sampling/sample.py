@@ -97,6 +97,11 @@ class Sampler:
         delivered = trials.made(numbers, attempt)[1]
         return delivered if mended is None else mended.within(delivered)
 
+    def count_valid(self, numbers: np.ndarray, seed: int, given: dict[int, float], checked: bool) -> int:
+        """How many of the first attempts at some objects are valid."""
+        trials = _Trials(self, seed, given, False, checked, Statistics())
+        return int((~trials.run(numbers, np.zeros(len(numbers), dtype=np.int64), True)[0]).sum())
+
 
 def _hopeless(program: Program, given: dict[int, float]) -> bool:
     """Whether the values given leave no valid object at all, whatever else is drawn."""

@@ -347,3 +347,33 @@ def test_values_are_looked_through_before_the_run(apgc: Apgc, tmp_path: Path) ->
     code, _, err = apgc("sample", program, "--params", file, "-o", tmp_path / "o", *SMALL)
     assert code == 1 and f"{file}: object 300 gives 3 values of `row.edge`, but has 2" in err
     assert not (tmp_path / "o").exists()
+
+
+CANS = """apg 1
+use primitives { Cuboid }
+category Cans {
+  param gap : length in 1cm .. 10cm
+  param high : length in 1cm .. 3cm
+  root part body : Cuboid(size = [10cm, 4cm, 4cm])
+  part first : Cuboid(size = [6cm, 4cm, high])
+  part second : Cuboid(size = [6cm, 4cm, 4cm])
+  joint one : prismatic body.top -> first.bottom at center gap 1mm along x range 0 .. 1cm
+  joint two : prismatic body.top -> second.bottom gap 1mm at y = PLACE, x = 0 along x range 0 .. 1cm
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("place", "told"),
+    [
+        ("gap", "without `gap=2cm`, 19 % of the first attempts are valid: choose another value"),
+        ("1cm", "leave a gap between links"),  # whatever is set
+    ],
+)
+@pytest.mark.parametrize("command", ["sample", "validate"])
+def test_settings_that_make_parts_collide_are_told(apgc, tmp_path, place, told, command):
+    program = tmp_path / "cans.apg"
+    program.write_text(CANS.replace("PLACE", place))
+    where = ("-o", tmp_path / "o") if command == "sample" else ()
+    code, out, err = apgc(command, program, "-n", 3, "--set", "gap=2cm", "--set", "high=2cm", *where)
+    assert code == 1 and told in out + err and "first and second collide" in out + err
