@@ -10,8 +10,9 @@ from ..syntax import ast
 from ..syntax.walk import path_root, walk
 from . import alternatives, conditions, declarations, labels, names, placing, primitives, roles, twice
 from .entries import of_reference, port_context
-from .guards import Not, consistent
+from .guards import TRUE, Condition, Not, conjunction, consistent
 from .mimic import sole_kind
+from .presence import excludes
 from .remedies import instead
 from .scope import BodyScope, Guards
 from .symbols import NAMED, names_of
@@ -186,6 +187,8 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             ):
                 wanted = LENGTH if row.slides else ANGLE
             placing.motion_range(ck, inside, interval, wanted)
+            if isinstance(kind, JointType):
+                _require_there(ck, ctx, joint)
             if isinstance(kind, JointType) and kind.kind is None:
                 ends = (ck.types.get(id(end)) for end in (interval.low, interval.high))
                 ck.measured.update((id(joint), end) for end in ends if end in (LENGTH, ANGLE))
@@ -303,6 +306,29 @@ def _output(ck: Checker, ctx: Context, stmt: ast.ParamDecl | ast.LetDecl, name: 
                 f"the output `{name}` is {wanted} in the role, but {own} here",
                 hint="declare it as in the role",
             )
+
+
+def _require_there(ck: Checker, ctx: Context, joint: ast.Expr) -> None:
+    """Reports a joint of this body that is never there under the guards around, since what it moves is not."""
+    if not isinstance(joint, ast.NameExpr) or ctx.scope is None or ctx.condition == TRUE:
+        return
+    child: ast.Expr | None = None
+    for entry in ctx.scope.find(joint.name):
+        if not isinstance(entry.node, ast.JointDecl) or entry.node.child is None:
+            return
+        noted: list[Condition] = []
+        child = entry.node.child
+        ck.infer(ck.context(entry.scope).but(lenient=noted, ends=True, subject=True), child)
+        if not excludes(ctx.condition, conjunction((ck.entry_condition(entry), *noted))):
+            return
+    if child is not None:
+        ck.error(
+            "optional-outside-when",
+            joint.span,
+            f"`{joint.name}` never exists here: the guard around this statement excludes `{path_root(child).span.words}`",
+            hint="move this to where the joint exists, or change the guard",
+            notes=((child.span, "what it moves"),),
+        )
 
 
 def _member(ck: Checker, ctx: Context, stmt: ast.SlotDecl | ast.PortDecl | ast.JointDecl) -> None:
