@@ -14,6 +14,7 @@ import numpy as np
 
 from ..annotate.frames import place
 from ..geometry import mesh
+from ..geometry.patches import inside_split
 from ..geometry.pieces import fit_all
 from ..geometry.resolution import FINEST, STANDARD, Resolution, measure_bends, within_budget
 from ..geometry.topology import topology
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from ..geometry.sites import SiteTable
 
 _SIDE = 2 * np.pi / 12 + 1e-6  # radians: what has longer sides than a bar of 12 steps is a prism
+_FINE = 2 * np.pi / STANDARD.steps + 1e-6  # radians: sides that lie no further off a circle than those of its mesh
 
 
 @dataclass(frozen=True)
@@ -157,7 +159,9 @@ def build_pieces(tables: list[SiteTable]) -> list[ShapedPieces]:
         for fit in fit_all(table.clouds):
             is_box, size, center = match_box(fit.corners)
             center = _place_points(table, fit.rows, center[:, None])[:, 0]
-            columns = _place_points(table, fit.rows, fit.corners), is_box, size, center, match_round(fit.corners)
+            bars = match_round(fit.corners)
+            bars[_find_prisms(table, fit.rows, fit.corners, bars[:, 0])] = 0.0
+            columns = _place_points(table, fit.rows, fit.corners), is_box, size, center, bars
             for sign in (1.0, -1.0):
                 c = np.flatnonzero(table.mirror[fit.rows] == sign)
                 if len(c):
@@ -211,7 +215,7 @@ def match_round(vertices: np.ndarray) -> np.ndarray:
     at = np.flatnonzero(cylinder | capsule)
     x, y, _ = np.moveaxis(local[at], -1, 0)
     angle = np.where(across[at] > near[at, None], np.arctan2(y, x), np.nan)
-    angular = at[_widest_gap(angle) > _SIDE]
+    angular = at[_widest_gap(angle)[0] > _SIDE]
     cylinder[angular] = capsule[angular] = False
     found[:, 0] = np.where(cylinder | capsule, radius, 0.0)
     found[:, 1] = np.where(
@@ -221,14 +225,38 @@ def match_round(vertices: np.ndarray) -> np.ndarray:
     return found
 
 
-def _widest_gap(angles: np.ndarray) -> np.ndarray:
-    """The widest gap (k,) between neighbours among angles (k, P) of a full turn, radians; nan counts for none."""
+def _find_prisms(table: SiteTable, rows: np.ndarray, vertices: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Which of the points (k, P, 3) of round pieces (``radius`` (k,), else nought) are corners of flat sides.
+
+    From 24 sides on, a prism is off a cylinder by no more than the mesh of one is, 0.9 % of the radius. Of fewer, the solid
+    tells whether it is round: by the middle between side and circle where the sides are longest.
+    """
+    at = np.flatnonzero(radius > 0)
+    low, high = extent(vertices[at])
+    middle = (low + high) / 2
+    local = vertices[at] - middle[:, None]
+    across = np.sqrt(local[..., 0] ** 2 + local[..., 1] ** 2)
+    angle = np.where(across > 1e-6 * radius[at, None], np.arctan2(local[..., 1], local[..., 0]), np.nan)
+    gap, between = _widest_gap(angle)
+    wide = np.flatnonzero(gap > _FINE)
+    if not len(wide):
+        return wide
+    reach = radius[at[wide]] * (1 + np.cos(gap[wide] / 2)) / 2
+    points = middle[wide] + np.stack([np.cos(between[wide]), np.sin(between[wide]), 0 * reach], axis=1) * reach[:, None]
+    split = inside_split(table.primitive)
+    known = [value[rows[at[wide]]] for value in split.rows(table.params)]
+    return at[wide[np.broadcast_to(split.points(known, *points.T)[0], len(wide)) > 0]]
+
+
+def _widest_gap(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The widest gap (k,) between neighbours among angles (k, P) of a full turn, and its middle (k,), radians; nan counts for none."""
     ordered = np.sort(angles, axis=1)
-    gaps = np.diff(ordered, axis=1, append=ordered[:, :1] + 2 * np.pi)
-    last = 2 * np.pi - (
-        np.nanmax(ordered, axis=1, initial=-np.pi) - ordered[:, 0]
-    )  # behind it are those that count for none
-    return np.maximum(np.nanmax(gaps[:, :-1], axis=1, initial=0.0), last)
+    last = np.nanmax(ordered, axis=1, initial=-np.pi)  # behind it are those that count for none
+    ordered = np.concatenate([np.where(np.isnan(ordered), last[:, None], ordered), ordered[:, :1] + 2 * np.pi], axis=1)
+    gaps = np.diff(ordered, axis=1)
+    at = np.nanargmax(gaps, axis=1)[:, None] if len(gaps) else np.zeros((0, 1), dtype=np.int64)
+    widest, first = (np.take_along_axis(found, at, axis=1)[:, 0] for found in (gaps, ordered))
+    return widest, first + widest / 2
 
 
 def group_by_object(groups: list[Group], n_objects: int) -> list[list[Item[Group]]]:

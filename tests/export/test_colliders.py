@@ -147,6 +147,32 @@ def test_prisms_of_few_sides_are_no_cylinders() -> None:
         )
 
 
+def prism(sides: int) -> str:
+    """A primitive of so many flat sides, with corners on the axes."""
+    turn = 2 * np.pi * np.arange(sides) / sides
+    corners = ", ".join(f"[r * {x:.15f}, r * {y:.15f}]" for x, y in zip(np.cos(turn), np.sin(turn), strict=True))
+    return (
+        f"primitive Prism{sides} {{\n  param r : length > 0  test 1cm .. 50cm\n  param h : length > 0  test 1cm .. 1m\n"
+        f"  curve edge = polygon({corners})\n  solid = extrude(edge) along z from -h / 2 to h / 2\n}}\n"
+    )
+
+
+def test_prisms_are_cylinders_from_24_sides_on() -> None:
+    """Then they are off by no more than the mesh of a cylinder. Of fewer corners, only what is round is one, as a bar of 12."""
+    parts = {"Prism12": "", "Prism16": "", "Prism24": "cylinder", "Prism32": "cylinder", "Tube": "cylinder"}
+    body = "root part body : Cuboid(size = [1cm, 1cm, 1cm])\n"
+    for number, name in enumerate(parts):
+        body += f"part p{number} : {name}(r = 20cm, h = 1cm)\nconnect p{number}.bottom on body.top\n"
+    round_bar = (
+        "primitive Tube {\n  param r : length > 0  test 1cm .. 50cm\n  param h : length > 0  test 1cm .. 1m\n"
+        "  curve path = from([0, 0, 0], z) line(h)\n  solid = sweep(circle(r)) along path up y\n}\n"
+    )
+    text = "apg 1\nuse primitives { Cuboid }\n" + "".join(map(prism, (12, 16, 24, 32))) + round_bar
+    batch = Session.of_text(f"{text}category C {{\n{body}}}\n").sampler.batch(np.arange(1), 0)
+    found = Robots(batch).robot(0).links[0].colliders
+    assert [c.bar.kind if c.bar else "" for c in found[1:]] == list(parts.values())
+
+
 TEXT = """apg 1
 use primitives { Cuboid, Cylinder }
 use rounds { Capsule }
