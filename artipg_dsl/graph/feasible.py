@@ -235,9 +235,21 @@ def _is_same(condition: Expr) -> bool:
     return condition.op in ("eq", "le") and condition.args[0] is condition.args[1]
 
 
+class _Listed(Intervals):
+    """Of numbers of a list from the least to the greatest of them: what is set or fitted may be another."""
+
+    def column(self, column: Column) -> Interval:
+        low, high = super().column(column)
+        draw = self.draws.get(column)
+        if draw is None or draw.distribution != "values" or not draw.arguments:
+            return low, high
+        ends = [self.of(value) for value in draw.arguments]
+        return max(low, min(e[0] for e in ends)), min(high, max(e[1] for e in ends))
+
+
 def find_settled(program: Program) -> list[tuple[int, bool]]:
     """The preferences that all objects meet, or none does, whatever is drawn: (number, whether they are met)."""
-    intervals = Intervals(program.draws, program.definitions)
+    intervals = _Listed(program.draws, program.definitions)
     found = []
     for number, preference in enumerate(program.preferences):
         low, high = intervals.of(preference.condition)

@@ -197,6 +197,8 @@ def _drawn(ck: Checker, ctx: Context, node: ast.ParamDecl | ast.CountDecl, kind:
         _distribution(ck, ctx, node.distribution, kind, node.domain)
         if node.distribution.name == "values" and isinstance(kind, ChoiceType):
             _left_out(ck, ctx, node.distribution, kind, what.strip("`"))
+        elif node.distribution.name == "values" and kind == COUNT and node.domain is not None:
+            _ends_left_out(ck, ctx, node.distribution, node.domain, what.strip("`"))
 
 
 def _left_out(ck: Checker, ctx: Context, law: ast.Distribution, kind: ChoiceType, name: str) -> None:
@@ -210,6 +212,25 @@ def _left_out(ck: Checker, ctx: Context, law: ast.Distribution, kind: ChoiceType
         it = "it" if len(left) == 1 else "them"
         said = f"`{name}` is never {any_of(left)}: `{law.span.words}` leaves {it} out"
         ck.warning("excluded-value", law.span, said, hint=f"list {it}, or leave {it} out of the options")
+
+
+def _ends_left_out(ck: Checker, ctx: Context, law: ast.Distribution, domain: ast.RangeExpr, name: str) -> None:
+    """Warns of ends of a range that `values` does not list, and that no argument of the file hands to a template."""
+    low, high = constant(domain.low, ctx.module), constant(domain.high, ctx.module)
+    listed = [constant(argument.value, ctx.module) for argument in law.arguments]
+    known = [value for value in listed if value is not None]
+    if ctx.scope is None or len(known) < len(listed) or not known or any(value % 1.0 for value in known):
+        return
+    if any(isinstance(node, ast.Argument) and node.name == name for node in walk(ctx.module.tree.declarations)):
+        return
+    least, most = min(known), max(known)
+    if (low is not None and least < low) or (high is not None and most > high):
+        return  # what is wrong is reported
+    left = [f"{end:g}" for end, near in ((low, least), (high, most)) if end is not None and end != near]
+    if left:
+        it = "it" if len(left) == 1 else "them"
+        said = f"`{name}` is never {any_of(left)}: `{law.span.words}` leaves {it} out"
+        ck.warning("excluded-value", law.span, said, hint=f"list {it}, or write the range `{least:g} .. {most:g}`")
 
 
 def _handed(ctx: Context) -> set[str]:

@@ -38,9 +38,32 @@ def _conjuncts(node: ast.Expr) -> Iterator[ast.Expr]:
 
 
 def _compared(node: ast.Expr) -> tuple[str, ...]:
-    """The words of a condition; `b > a` is `a < b`."""
-    if isinstance(node, ast.BinaryExpr) and node.op in _TURNED:
-        return node.right.span.words, _TURNED[node.op], node.left.span.words
-    if isinstance(node, ast.BinaryExpr) and node.op in _TURNED.values():
-        return node.left.span.words, node.op, node.right.span.words
+    """The words of a condition; `b > a` is `a < b`, and `b == a` is `a == b`."""
+    if not isinstance(node, ast.BinaryExpr):
+        return (node.span.words,)
+    left, right = _ordered(node.left), _ordered(node.right)
+    if node.op in _TURNED:
+        return right, _TURNED[node.op], left
+    if node.op in _TURNED.values():
+        return left, node.op, right
+    if node.op in ("==", "!="):
+        return min(left, right), node.op, max(left, right)
     return (node.span.words,)
+
+
+def _ordered(node: ast.Expr) -> str:
+    """The words of a number, the terms of a sum and the factors of a product in one order."""
+    if not isinstance(node, ast.BinaryExpr) or node.op not in ("+", "-", "*"):
+        return node.span.words
+    same = ("*",) if node.op == "*" else ("+", "-")
+    terms: list[str] = []
+    sign = same[0]
+    rest: ast.Expr = node
+    while isinstance(rest, ast.BinaryExpr) and rest.op in same:
+        terms.append(f"{rest.op} {_grouped(rest.right)}")
+        rest = rest.left
+    return " ".join(sorted([*terms, f"{sign} {_grouped(rest)}"]))
+
+
+def _grouped(node: ast.Expr) -> str:
+    return f"({_ordered(node)})" if isinstance(node, ast.BinaryExpr) and node.op in ("+", "-") else _ordered(node)

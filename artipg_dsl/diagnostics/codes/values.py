@@ -297,8 +297,8 @@ VALUES = (
         because a requirement fails wherever it has, or leaves it no room. So every object is valid and the variety is
         less than the text says, as where `when legs == 3 { require ... }` can hardly hold. `apgc check` sees it in 256
         attempts, judged by the requirements alone. Widen the ranges of what is required; for an equation write `align`,
-        as drawn numbers are never equal by chance. If the value is not meant, leave it out. Options of a choice that
-        `values` does not list are told, too.
+        as drawn numbers are never equal by chance. If the value is not meant, leave it out. Options of a choice and ends
+        of the range of a count that `values` does not list are told, too.
         """,
         """
         apg 1
