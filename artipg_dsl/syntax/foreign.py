@@ -36,6 +36,10 @@ STATEMENTS_ELSEWHERE = {
     "int": "a whole number is written `count n in 1 .. 4`",
     "apg": "`apg 1` must be the first line of a file",
     "variable": "to name a value, write `let x = ...`",
+    **dict.fromkeys(
+        "union difference intersection translate rotate scale cube sphere cylinder box add place".split(),
+        "a shape is a part: `part post : Cylinder(radius = 1cm, height = 8cm)`, placed by `connect`, `joint` or `align`",
+    ),
     "link": "links are derived from joints: declare parts, and joints between them",
 }
 CHARACTERS = {
@@ -74,6 +78,11 @@ MICROMETRES = ("\u00b5m", "\u03bcm")  # with the micro sign, and with the letter
 _PLACED = "place a part by `connect` or `align`, in a separate statement"
 CLAUSES_ELSEWHERE = {
     **{("part", word): _PLACED for word in ("at", "on", "to", "in", "fit")},
+    **{
+        ("part", word): "write `turned 90deg about x`, or `along x` to lay its z along x"
+        for word in ("rotate", "rotated", "rotation", "turn")
+    },
+    ("part", "optional"): "write `| none` behind the last alternative",
     ("part", "mirror"): "for a mirrored pair, write `repeat x mirror across y { ... }`",
     ("param", "|"): _CHOICE,
     ("param", ".."): "a range follows `in`, and `=` gives the default: `param x : length in 1cm .. 2cm = 15mm`",
@@ -86,7 +95,11 @@ CLAUSES_ELSEWHERE = {
     ("require", "weight"): "for a condition that may be broken, use `prefer`",
     ("prefer", "else"): "for a condition with a message, use `require`",
     ("joint", "spring"): "a spring back to `rest` is told by `stiffness 200N/m`, of a hinge by `stiffness 2Nm/rad`",
-    ("joint", "limit"): "write `range low .. high`",
+    **{("joint", word): "write `range low .. high`" for word in ("limit", "limits", "between")},
+    **{
+        ("joint", word): "a joint turns `about` an edge or a line and slides `along` a direction"
+        for word in ("axis", "around")
+    },
     ("joint", "ratio"): "a joint that follows another is told by `mimic lead * other`",
     ("limit", "range"): "put the range right after the joint: `limit lid.open 0deg .. 20deg`",
 }

@@ -247,6 +247,11 @@ def _by_history(
     statement = next(
         (t for t in reversed(history) if t.type in statement_words() | file_words() | {"WHERE", "IF"}), None
     )
+    if token.type in ("COMMA", "ARROW") and statement is not None and statement.type == "JOINT":
+        bracket = _open_bracket(history)
+        if bracket is not None and all(t.type != "ARROW" for t in history[history.index(statement) :]):
+            message = "a joint names its parts without brackets"
+            return found(message, "for example `joint open : revolute body -> door about door.left.back`")
     arrow = last.type == "MINUS" and token.type == "MORE" and last.end_pos == token.start_pos
     if arrow and statement is not None and statement.type == "JOINT":
         return found(
@@ -256,6 +261,15 @@ def _by_history(
         return found(f"`={token.value}` is no comparison", f"write `{token.value}=`")
     if values and token.type == "DOT" and text[span.end : span.end + 1].isdigit():
         return found("a number must begin with a digit", "write `0.5`")
+    if last.type in ("AND", "OR") and token.type in COMPARISONS:
+        return found(
+            f"a value is missing between `{last.value}` and {_quoted(token)}",
+            f"each comparison names both of its sides: `a > b {last.value} a {token.value} c`",
+        )
+    if last.type == "ON" and token.type == "STAR":
+        return found(
+            "`*` stands for nothing here", "name what is meant: `on body, door`; a part stands for all within it"
+        )
     if (
         values
         and token.type in OPERATORS | {"_NL", "RPAR", "RSQB", "BAR", "RBRACE", "LBRACE"}

@@ -33,7 +33,7 @@ MISTAKES = (
     Mistake(
         "a style gives a role behind `:`, and its templates behind `=`",
         "for example `style pull : Handle = BarHandle | BowHandle`; for one template without a role, `style leg : Leg = Leg`; "
-        "for several, write the alternatives at the part",
+        "for several, write the alternatives at the part; for materials, `style look : material = oak | steel`",
         ("style x = A", "style x : A(b = 1)", "style x : A | B", "style x : A weight 2", "style x : A\n"),
     ),
     Mistake(
@@ -118,7 +118,12 @@ MISTAKES = (
     Mistake(
         "`is` takes the name of a role or template",
         "for example `when handle is BarHandle { ... }`",
-        ("when a is 5 {", "when a is not B {", "require a is not B", "require a is (B)", "when a is none {"),
+        ("when a is 5 {", "when a is not B {", "require a is not B", "require a is (B)"),
+    ),
+    Mistake(
+        "`none` is no template: what it leaves is absent",
+        "a part by itself tells whether it is there: `when handle { }`, `when not handle { }`",
+        ("when a is none {",),
     ),
     Mistake(
         "elements must be counted with `..<`",
@@ -128,7 +133,16 @@ MISTAKES = (
     Mistake(
         "the elements of a repeat must be given as `in 0 ..< n`",
         "for example `repeat shelf[k] in 0 ..< shelves { ... }`",
-        ("repeat x in 5 { }", "repeat x[i] in n { }", "repeat x in n split box along x { }"),
+        (
+            "repeat x 5 { }",
+            "repeat x[i] 5 { }",
+            "repeat x[i] n { }",
+            "repeat x[i], 5 { }",
+            "repeat x[i] = 5 { }",
+            "repeat x in 5 { }",
+            "repeat x[i] in n { }",
+            "repeat x in n split box along x { }",
+        ),
     ),
     Mistake(
         "the brackets hold the index alone",
@@ -171,11 +185,41 @@ MISTAKES = (
         (
             "part x : A or B",
             "part x : A, B",
+            "part x : A(b = 1) or none",
+            "part x : A(b = 1), none",
             "part x : R = A or B",
             "part x : R = A, B",
             "style s : R = A or B",
             "style s : R = A, B",
         ),
+    ),
+    Mistake(
+        "`?` only marks what a role leaves optional",
+        "a part that may be absent has the alternative `none`: `part lid : Lid | none`",
+        ("part x : A?", "part x : A(b = 1)?", "part x?", "part x : R = A?", "part x : R = A | B?"),
+    ),
+    Mistake(
+        "a property is followed by its value alone",
+        "for example `colour [0.6, 0.4, 0.2]`, with a space between",
+        (
+            "top:material a { colour = [1, 0, 0] }",
+            "top:material a { colour : [1, 0, 0] }",
+            "top:material a { density 5 colour = 1 }",
+        ),
+    ),
+    Mistake(
+        "properties stand side by side, without commas",
+        "for example `roughness 0.5  metalness 0`, or each on a line of its own",
+        (
+            "top:material a { roughness 0.5, metalness 0 }",
+            "top:material a { density 5kg/m3, metalness 0 }",
+            "top:material a { colour [1, 0, 0], metalness 0 }",
+        ),
+    ),
+    Mistake(
+        "a word of a vocabulary stands without quotes",
+        "for example `label semantic.door on door`",
+        ('label "a" on b', 'label a."b" on c', 'label a "b" on c'),
     ),
     Mistake(
         "a template or `none` is missing",
