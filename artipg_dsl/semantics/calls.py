@@ -10,7 +10,7 @@ from ..diagnostics.suggest import any_of, did_you_mean, given
 from ..language import FACES, FUNCTIONS, METHODS, Form, Parameter
 from ..syntax import ast
 from ..syntax.walk import walk
-from . import paths
+from . import foreign, paths
 from .fold import is_unitless
 from .guards import consistent
 from .meanings import BuiltIn, Declared, Global, Inner
@@ -89,7 +89,9 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
         "unknown-function",
         expr.function.span,
         f"there is no function `{word}`",
-        hint=did_you_mean(word, [*FUNCTIONS, *ctx.names()]) or f"declare it: `let {word}(a) = ...`",
+        hint=foreign.FUNCTIONS.get(word.lower())
+        or did_you_mean(word, [*FUNCTIONS, *ctx.names()])
+        or f"declare it: `let {word}(a) = ...`",
     )
 
 
@@ -259,7 +261,7 @@ def _one(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound
     angle_zero = wanted == ANGLE and isinstance(kind, ScalarType) and kind.zero
     if not isinstance(kind, ScalarType) or not (wanted is None or angle_zero or kind.dimension == dimension_of(wanted)):
         hint = (
-            "an angle needs a unit: multiply by 1rad or 1turn"
+            _angle(argument.value)
             if wanted == ANGLE and kind in (RATIO, COUNT)
             else instead(argument.value, kind, wanted or RATIO)
         )
@@ -269,6 +271,13 @@ def _one(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound
     if form.gives == "root":
         return ScalarType(power(kind.dimension, Fraction(1, 2)))
     return kind if form.gives == "number" else named(form.gives)
+
+
+def _angle(value: ast.Expr) -> str:
+    """How a number without a unit becomes an angle."""
+    if isinstance(value, ast.NumberExpr):
+        return f"an angle needs a unit: write {value.span.words}deg or {value.span.words}rad"
+    return "an angle needs a unit: multiply by 1deg, 1rad or 1turn"
 
 
 def _alike(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound) -> Type:

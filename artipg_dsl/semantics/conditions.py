@@ -40,6 +40,9 @@ def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
     if wanted is None or wanted.kind not in TEMPLATES:
         message = f"there is no role or template `{expr.type_name}` here"
         hint = missing(expr.type_name, ctx.module.named(*TEMPLATES), *TEMPLATES)
+        if isinstance(subject, ChoiceType) and expr.type_name in subject.values:
+            written = f"{expr.subject.span.words} == {expr.type_name}"
+            hint = f"`is` tests a part or a style; an option is compared: `{written}`"
         ck.unknown(ctx.module, expr.type_name, "unknown-template", expr.type_span, message, hint)
         return BOOL
     ck.mean(expr, Global(wanted))

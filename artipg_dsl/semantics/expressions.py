@@ -50,7 +50,7 @@ def infer(ck: Checker, ctx: Context, expr: ast.Expr) -> Type:
     """The type of an expression where it stands."""
     match expr:
         case ast.NumberExpr():
-            return _number(ck, expr)
+            return _number(ck, ctx, expr)
         case ast.StringExpr():
             return STRING
         case ast.NameExpr():
@@ -100,14 +100,16 @@ def infer(ck: Checker, ctx: Context, expr: ast.Expr) -> Type:
     raise TypeError(f"no rule for {type(expr).__name__}")
 
 
-def _number(ck: Checker, expr: ast.NumberExpr) -> Type:
+def _number(ck: Checker, ctx: Context, expr: ast.NumberExpr) -> Type:
     if expr.unit:
         if expr.unit not in UNITS:
+            times = f"a unit follows a number directly; to multiply, write `{expr.value:g} * {expr.unit}`"
             return ck.error(
                 "unknown-unit",
                 expr.span,
                 f"there is no unit `{expr.unit}`",
-                hint=foreign.UNITS.get(expr.unit.lower())
+                hint=(times if expr.unit in ctx.names() else None)
+                or foreign.UNITS.get(expr.unit.lower())
                 or did_you_mean(expr.unit, UNITS)
                 or "use mm, cm or m for lengths, deg, rad or turn for angles",
             )

@@ -37,6 +37,19 @@ TYPES = {
     **_each("distance width height size metre meter", "did you mean `length`?"),
 }
 
+_DRAWN = "a value is drawn by a parameter: `param lip : length in 1cm .. 2cm`, with `~ normal(15mm, 2mm)` if it is not uniform"
+
+FUNCTIONS = {
+    **_each("random rand uniform normal gauss gaussian choose pick sample", _DRAWN),
+    **_each("clamp clip limit", "write `min(max(a, low), high)`"),
+    **_each("lerp mix interpolate", "write `a + t * (b - a)`"),
+    **_each("len length_of size count_of", "`number(row)` counts the elements of a repeat; a number has no length"),
+    **_each("radians degrees deg rad", "an angle is a number with its unit, such as `30deg`, or a number times `1deg`"),
+    **_each("pow power", "a power is written with `^`: `r ^ 2`"),
+    **_each("average mean", "write `sum(row.wide) / number(row)`"),
+    **_each("vec vec3 point vector", "a vector is written in square brackets: `[x, y, z]`"),
+}
+
 JOINTS = {
     **_each("hinge hinged rotary rotate turn swing pivot", "revolute"),
     **_each("slide slider sliding linear translate drawer", "prismatic"),

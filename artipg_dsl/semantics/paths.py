@@ -457,13 +457,15 @@ def index(ck: Checker, ctx: Context, expr: ast.IndexExpr) -> Type:
     if isinstance(obj, PartType) and obj.many and rest and "[" not in first:
         element = f"`{first}[{expr.index.span.words}].{rest}`"
         return ck.unfit(expr, obj, "only repeats and indexed ports take an index", f"the repeat takes it: {element}")
-    hint = f"surfaces of a family are named together; a formula chooses among them: `on {whole} where n.x > 0.5`"
-    return ck.unfit(
-        expr,
-        obj,
-        "only repeats and indexed ports take an index",
-        hint if obj == SURFACE else f"leave the index out: `{whole}`",
-    )
+    hint = f"leave the index out: `{whole}`"
+    if obj == SURFACE:
+        hint = f"surfaces of a family are named together; a formula chooses among them: `on {whole} where n.x > 0.5`"
+    elif obj == POINT or isinstance(obj, VecType):
+        rank = constant(expr.index, ctx.module)
+        names = "xyz"[: obj.size if isinstance(obj, VecType) else 3]
+        named = names[int(rank)] if rank is not None and rank in range(len(names)) else names[0]
+        hint = f"components have names: `{whole}.{named}`"
+    return ck.unfit(expr, obj, "only repeats and indexed ports take an index", hint)
 
 
 def _refuse_missing(ck: Checker, ctx: Context, obj: ElementType, expr: ast.IndexExpr) -> None:

@@ -233,6 +233,8 @@ class Draft:
         if error.first.within(error.second):
             message = f"each element of {first} has a value of its own here, but the target lies outside"
             hint = "name a part of the repeat, in its body without an index, or reduce the values to one with sum, min or max"
+            if f"{error.first.name}[" in span.words:
+                hint = f"within the repeat, `{error.first.name}` alone is this element, and `previous` the one before"
         elif "guard" in (error.first.kind, error.second.kind):
             hint = (
                 "write it separately in each `when` or template, or use what all alternatives share: ports and `size`"
