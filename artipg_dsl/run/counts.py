@@ -19,6 +19,7 @@ from .settings import Value
 
 _NARROW = "widen the ranges, or state what one value leaves to the next"
 _SHOWN = "leave a gap between links, and let each come near what holds it; `apgc render --unchecked` draws objects as they are"
+_KEPT = "a mutant keeps what its operations do not change: let them change more by --ops and --parts, or state what a value leaves to the next"
 _TURNED = "leave room where it turns or slides, or turn its axis round: `lid.back.bottom` for `lid.bottom.back`"
 
 
@@ -110,7 +111,7 @@ def explain_exhausted(
         )
         + "what failed most:\n"
         + "\n".join(lines),
-        _advise(program, error.statistics, given, settings, without, lines[0]),
+        _KEPT if error.mutants else _advise(program, error.statistics, given, settings, without, lines[0]),
     )
 
 

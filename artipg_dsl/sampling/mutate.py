@@ -3,8 +3,8 @@
 Each operation is the sampler's own evaluation with most draws kept, and takes the object that the one before has made:
 the inputs of a role outlive a swap, elements of a repeat keep their values by rank, new rows and new templates are drawn
 in their conditional range, determined parameters follow, and what no longer fits is moved as little as possible. An
-object that fails a requirement or collides is repaired, or tried again where that finds nothing; after several attempts what
-is kept may give way, too.
+object that fails a requirement or collides is repaired, or tried again where that finds nothing; after several attempts the
+numbers that are kept may give way, too, and other templates and counts are changed, and fewer.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ from .sample import Sampler, find_faulty, is_examined
 from .statistics import ATTEMPTS, Exhausted, Statistics
 
 OPERATIONS = ("apa", "dpa", "cpa")
-_PATIENCE = 6  # attempts before what is kept may give way, a little more with each further one
+_PATIENCE = 6  # attempts before what is kept may give way, a little more with each further one, and others are swapped
+_FEWER = 0.9  # of the share that is swapped, with each further one
 _TRIALS = 40  # attempts to change one value alone, each but the first few with a shorter step
 SHARE = 0.5
 _KIND = {"apa": "choice", "dpa": "count", "cpa": "real"}
@@ -188,12 +189,14 @@ class _Step:
             low, high = np.maximum(low, np.minimum.reduce(values)), np.minimum(high, np.maximum.reduce(values))
         return np.asarray(high) > np.asarray(low)
 
-    def lots(self) -> list[np.ndarray]:
-        """A number in 0 .. 1 for each row that may change, 2 for the others."""
+    def lots(self, late: np.ndarray | None = None) -> list[np.ndarray]:
+        """A number in 0 .. 1 for each row that may change, 2 for the others; another one for each ``late`` attempt (B,)."""
+        late = np.zeros(len(self.batch), dtype=np.int64) if late is None else late
         found = []
         for draw, meant in zip(self.batch.program.draws, self.meant, strict=True):
             rows = self.batch.rowmap.rows(draw.column.scope)
-            lot = uniform(key(self.batch.seed, draw.address, self.salt, "which"), rows.address, self.lane[rows.owner])
+            which = key(self.batch.seed, draw.address, self.salt, "which")
+            lot = uniform(which, rows.address, self.lane[rows.owner], late[rows.owner])
             found.append(np.where(meant, lot, 2.0))
         return found
 
@@ -229,12 +232,8 @@ class _Step:
 
     def run(self, statistics: Statistics, checked: bool) -> tuple[Batch, np.ndarray]:
         """The operation on every object, and how many attempts of each failed. Raises Exhausted."""
-        lots = self.lots()
-        if self.operation != "cpa":
-            lowest = self.lowest(lots)
-            for number, (draw, lot) in enumerate(zip(self.batch.program.draws, lots, strict=True)):
-                self.swaps[number] = (lot < 1.0) & ((lot < self.share) | (lot == lowest[self.owner(draw)]))
         attempt = np.zeros(len(self.batch), dtype=np.int64)
+        self.choose(attempt)
         left, first = self.concerned(), True
         touched = left
         while len(left):
@@ -245,11 +244,25 @@ class _Step:
             left, first = left[bad], False
             attempt[left] += 1
             if len(left) and attempt.max() >= ATTEMPTS:
-                raise Exhausted(self.batch.numbers[left], statistics, ATTEMPTS)
+                raise Exhausted(self.batch.numbers[left], statistics, ATTEMPTS, mutants=True)
+            if len(left) and attempt.max() > _PATIENCE:
+                self.choose(attempt)
         if not len(touched):
             return self.batch, attempt
         found = self.trial(np.arange(len(self.batch)), attempt, self.giving)
         return join_solved(found, [(m.batch, m.places) for m in self.mended]), attempt
+
+    def choose(self, attempt: np.ndarray) -> None:
+        """The templates and counts to swap: the same in the first attempts at an object, then others and fewer, as what is kept
+        may leave the only other value of one no valid object."""
+        if self.operation == "cpa":
+            return
+        late = np.maximum(attempt - _PATIENCE, 0)
+        lots, share = self.lots(late), self.share * _FEWER**late
+        lowest = self.lowest(lots)
+        for number, (draw, lot) in enumerate(zip(self.batch.program.draws, lots, strict=True)):
+            owner = self.owner(draw)
+            self.swaps[number] = (lot < 1.0) & ((lot < share[owner]) | (lot == lowest[owner]))
 
     def mend(self, trial: Batch, objects: np.ndarray, bad: np.ndarray, statistics: Statistics, checked: bool) -> None:
         """Put attempts right that failed, by their numbers: templates and counts are what the operation is about."""

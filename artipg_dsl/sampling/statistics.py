@@ -115,9 +115,13 @@ def _sum(total: dict[Any, int], new: Mapping[Any, int]) -> None:
 
 
 class Exhausted(Exception):
-    """Objects for which none of ``attempts`` was valid; ``statistics`` says what failed how often."""
+    """Objects for which none of ``attempts`` was valid; ``statistics`` says what failed how often. ``mutants``: they are made
+    from others, of which they keep values."""
 
-    def __init__(self, numbers: np.ndarray, statistics: Statistics, attempts: int, hopeless: bool = False):
+    def __init__(
+        self, numbers: np.ndarray, statistics: Statistics, attempts: int, hopeless: bool = False, mutants: bool = False
+    ):
         super().__init__(f"no valid object after {attempts} attempts for {len(numbers)} objects")
         self.numbers, self.statistics, self.attempts = numbers, statistics, attempts
+        self.mutants = mutants
         self.hopeless = hopeless  # the values given leave nothing, whatever else is drawn

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from artipg_dsl.export.materials import draw_colours
+from artipg_dsl.run.counts import explain_exhausted
 from artipg_dsl.sampling.correspondence import NONE, REPLICA, SAME, SLOT, find_correspondence
 from artipg_dsl.sampling.known import evaluate_again
 from artipg_dsl.sampling.mutate import Names, find_structural, mutate
-from artipg_dsl.sampling.statistics import Statistics
+from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.sampling.trace import compare_batches, replay, trace_lines, trace_objects
 from artipg_dsl.session import Session
 
@@ -316,3 +317,43 @@ def test_everything_is_no_unknown_name_where_nothing_is_drawn():
     assert Names.unknown("*, lid", sampler.program) == ["lid"]
     batch = sampler.batch(np.arange(2), seed=0)
     assert mutate(sampler, batch).drawn(1) == batch.drawn(1) == {}
+
+
+LOCKED = """apg 1
+use primitives { Cuboid, Cylinder }
+category Rack {
+  root part body : Cuboid(size = [30cm, 60cm, 10cm])
+  count n in 1 .. 6
+  repeat s[i] in 0 ..< n spread body along y margin 3cm {
+    param col : choice red | blue
+    count knobs in 1 .. 2
+    part p : Cylinder(radius = 1cm, height = 2cm if col == red else 3cm)
+    connect p.bottom on body.top at x = 0, y = s.center.y
+    when knobs == 2 { require col == red }
+  }
+}
+"""
+
+
+def test_a_count_that_cannot_change_stays_and_others_are_changed():
+    """Of an element that is blue, the only other number of knobs is no valid one: every attempt asked for it again."""
+    sampler = Session.of_text(LOCKED).sampler
+    batch = sampler.batch(np.arange(40), seed=0)
+    mutant = mutate(sampler, batch, operations=("dpa",), checked=True)
+    assert not mutant.state.failed.any()
+    made = trace_objects(mutant)
+    assert all(("dpa", "changed") in kinds(steps) for steps in made)
+    few = np.array([3, 17, 39])
+    part = mutate(sampler, evaluate_again(batch, few), operations=("dpa",), checked=True)
+    assert trace_objects(part) == [made[k] for k in few.tolist()]  # on any size of batch
+    records = [json.loads(line) for line in trace_lines(mutant).decode().splitlines()]
+    again = replay(batch, records)
+    assert not any(compare_batches(mutant, again))
+
+
+def test_what_a_mutant_keeps_is_to_blame_where_none_is_valid():
+    sampler = Session.of_text(LOCKED.replace("require col == red", "require col == red and n < 3")).sampler
+    batch = sampler.batch(np.arange(40), seed=0)
+    with pytest.raises(Exhausted) as found:
+        mutate(sampler, batch, operations=("dpa",), only="s.knobs", checked=True)
+    assert "a mutant keeps" in str(explain_exhausted(sampler.program, found.value, {}, {}, lambda _: 0.0).hint)
