@@ -11,7 +11,7 @@ import numpy as np
 from .ancsh import LEAST, Frame, Subject, object_names, subjects
 from .clouds import norms, similarity_error
 from .entry import SPLITS, Entry
-from .findings import Findings, read_vertices
+from .findings import Findings, read_vertices, read_xml
 from .hdf5 import read_h5
 from .pth import read_plain_pickle
 
@@ -60,7 +60,7 @@ def _check_urdf(place: str, folder: Path, subject: Subject, found: Findings) -> 
     """As loaders read it: by names; they take the number of files beside the URDF for that of links."""
     beside = len(list(folder.iterdir())) - 1
     found.of(place, beside == len(subject.links), f"{beside} files beside the URDF, not one for each link")
-    root = ET.parse(folder / "syn.urdf").getroot()
+    root = read_xml(folder / "syn.urdf")
     links = {0 if e.attrib["name"] == "base_link" else int(e.attrib["name"]): e for e in root.iter("link")}
     if not found.of(place, sorted(links) == list(range(len(subject.links))), "links are not base_link, 1, 2 ..."):
         return

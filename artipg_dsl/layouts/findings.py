@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from dataclasses import field
 from pathlib import Path
 
@@ -48,6 +49,14 @@ def read_table(path: Path, kind: type[np.generic]) -> np.ndarray:
     try:
         return np.loadtxt(path, dtype=kind)
     except ValueError as wrong:
+        raise ValueError(f"{path}: {wrong}") from None
+
+
+def read_xml(path: Path) -> ET.Element:
+    """The root of a text in XML. Raises OSError, ValueError, which names it."""
+    try:
+        return ET.parse(path).getroot()
+    except ET.ParseError as wrong:
         raise ValueError(f"{path}: {wrong}") from None
 
 

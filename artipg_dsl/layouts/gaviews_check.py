@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from .clouds import norms
 from .entry import Entry
-from .findings import Findings, read_vertices
+from .findings import Findings, read_vertices, read_xml
 from .gaviews import DATASET, LISTED, RENDERED, TARGETS, Subject, View, views
 from .pictures import turn_points
 from .pth import read_plain_pickle
@@ -41,7 +40,7 @@ def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings)
 def _check_urdf(place: str, own: Path, found: Findings) -> dict[str, tuple[np.ndarray, np.ndarray | None]]:
     """The annotated URDF: of each link what is seen of it, in the world, and the axis of the joint that moves it, None for
     none. A joint without an origin gets that of the one before it from the tools."""
-    root, links = ET.parse(own / _URDF).getroot(), {}
+    root, links = read_xml(own / _URDF), {}
     above = {}
     for joint in root.iter("joint"):
         child, axis = joint.find("child"), joint.find("axis")

@@ -13,7 +13,7 @@ import numpy as np
 from ..export.partnet_mobility import folder_frame, folder_order
 from ..export.robot import RobotJoint, Robots
 from .entry import Entry
-from .findings import Findings, read_vertices
+from .findings import Findings, read_vertices, read_xml
 from .maniskill import DATASET, LISTS, list_name, subjects, urdf_type
 from .pictures import turn_points
 
@@ -45,7 +45,7 @@ def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings)
 
 def _urdf(own: Path) -> ET.Element:
     path = next((own / name for name in _URDFS if (own / name).exists()), own / _URDFS[0])
-    return ET.parse(path).getroot()
+    return read_xml(path)
 
 
 def _visuals(link: ET.Element) -> Iterator[tuple[str, str]]:

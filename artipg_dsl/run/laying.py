@@ -19,6 +19,7 @@ from ..errors import UserError
 from ..export.write import ExportError, ensure_folder, replacing_file, write_bytes
 from ..layouts.entry import SPLITS, USUAL, Entry, Shares
 from ..layouts.findings import Findings
+from ..layouts.hdf5 import open_h5
 from ..layouts.registry import LAYOUTS, Layout, require
 from ..layouts.words import require_map
 from ..records import dataclass
@@ -202,7 +203,33 @@ def check_layout(folder: Path | str, progress: Progress | None = None) -> Findin
             done += len(numbers)
             if progress:
                 progress(done, total)
+    for entry in known:
+        for name in _names(folder / _RECORDS / f"{entry.category}.files"):
+            found.of(name, (folder / name).exists(), "the file is missing")
+    for name in dict.fromkeys(record["layout"] for record in records):
+        own = [entry for record, entry in zip(records, known, strict=True) if record["layout"] == name]
+        _check_lists(folder, LAYOUTS[name], own, found)
     return found
+
+
+def _check_lists(folder: Path, layout: Layout, known: list[Entry], found: Findings) -> None:
+    """Whether the lists of all categories are there and say what they would if they were written now."""
+    try:
+        lists = _index(layout, known, folder)
+    except UserError as wrong:
+        found.of(_RECORDS, False, str(wrong).replace(f"{folder} is damaged: ", ""))
+        return
+    for name, data in lists.items():
+        path = folder / name
+        if name.endswith("/"):
+            found.of(name, path.is_dir(), "the folder is missing")
+        elif found.of(name, path.is_file(), "the file is missing") and isinstance(data, bytes):
+            found.of(name, path.read_bytes() == data, "does not list what its categories have")
+        elif path.suffix == ".h5":
+            try:
+                open_h5(path).close()
+            except OSError as wrong:
+                found.of(name, False, str(wrong).replace(f"{path} ", ""))
 
 
 @dataclass(frozen=True, slots=True)

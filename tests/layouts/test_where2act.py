@@ -109,7 +109,9 @@ def test_what_is_wrong_is_found(trials: Path, tmp_path: Path) -> None:
     found = " ".join(faults(folder))
     assert f"train/{one}: where the point comes to" in found and f"train/{one}: gripper_direction differ" in found
     assert "pixels of the mask differ" in found and "rgb.png is missing" in found
-    assert f"train/{fourth}: not in data_tuple_list.txt" in found and found.count("train/") == 5
+    assert f"train/{fourth}: not in data_tuple_list.txt" in found
+    assert f"train/{third}/rgb.png: the file is missing" in found
+    assert "train/data_tuple_list.txt: does not list" in found and found.count("train/") == 7
 
 
 def test_what_it_cannot_hold_is_refused(lay: Lay, monkeypatch: pytest.MonkeyPatch) -> None:
