@@ -8,7 +8,7 @@ from ..diagnostics.suggest import any_of, did_you_mean
 from ..language import JOINTS, REPEATS
 from ..syntax import ast
 from ..syntax.walk import path_root, walk
-from . import alternatives, conditions, declarations, labels, names, placing, primitives, roles, twice
+from . import alternatives, conditions, declarations, joints, labels, names, placing, primitives, roles, twice
 from .entries import of_reference, port_context
 from .guards import TRUE, Condition, Not, conjunction, consistent
 from .mimic import sole_kind
@@ -186,7 +186,7 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
                 and row.moves
             ):
                 wanted = LENGTH if row.slides else ANGLE
-            placing.motion_range(ck, inside, interval, wanted)
+            joints.motion_range(ck, inside, interval, wanted)
             if isinstance(kind, JointType):
                 _require_there(ck, ctx, joint)
             if isinstance(kind, JointType) and kind.kind is None:
@@ -345,7 +345,7 @@ def _member(ck: Checker, ctx: Context, stmt: ast.SlotDecl | ast.PortDecl | ast.J
             _port(ck, ctx, stmt)
         case ast.JointDecl():
             bound = stmt.kind is not None
-            placing.check_joint(ck, ctx, stmt)
+            joints.check_joint(ck, ctx, stmt)
     if role and bound:
         said = f"a role only names its {word}s: each template says what they are"
         ck.error("misplaced-statement", stmt.span, said, hint=f"write `{word} {stmt.name}`")
@@ -489,6 +489,6 @@ def _repeat(ck: Checker, ctx: Context, stmt: ast.RepeatStmt) -> None:
     if stmt.each is not None:
         declarations.check_range(ck, ctx, stmt.each.value, LENGTH, "the `each`")
     if stmt.about is not None:
-        placing.axis_value(ck, "about", stmt.about.value, ck.infer(ctx, stmt.about.value))
+        joints.axis_value(ck, "about", stmt.about.value, ck.infer(ctx, stmt.about.value))
     if stmt.weight is not None:
         ck.expect(ck.context(ctx.scope.inner[id(stmt)]), stmt.weight.value, RATIO, "the `weight`")
