@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import did_you_mean
 from ..syntax import ast
 from ..units import UNITS
-from . import calls, conditions, foreign, paths
+from . import calls, conditions, foreign, members, paths
 from .fold import constant, is_unitless
 from .guards import Not
 from .meanings import Global
@@ -56,9 +56,9 @@ def infer(ck: Checker, ctx: Context, expr: ast.Expr) -> Type:
         case ast.NameExpr():
             return paths.name(ck, ctx, expr)
         case ast.MemberExpr():
-            return paths.member(ck, ctx, expr)
+            return members.member(ck, ctx, expr)
         case ast.IndexExpr():
-            return paths.index(ck, ctx, expr)
+            return members.index(ck, ctx, expr)
         case ast.CallExpr():
             return calls.call(ck, ctx, expr)
         case ast.ChainExpr():
