@@ -25,7 +25,7 @@ class Parameter:
 class Form:
     """One form of a function: what it takes and ``gives`` (a type; ``number``: the dimension of what it takes).
 
-    ``more``: the last parameter may be given again and again. ``rule`` names the rule of types (``semantics.calls``), ``meaning`` what
+    ``more``: the last parameter may be given again and again. ``rule`` names the rule of types (``semantics.functions``), ``meaning`` what
     lowering makes of a call (``lower.expressions.builtins``; curves are made where solids are).
     """
 

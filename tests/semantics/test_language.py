@@ -11,7 +11,7 @@ from artipg_dsl.lower import program
 from artipg_dsl.lower.elaborate.drives import FORCES
 from artipg_dsl.lower.solids.curves import OUTLINES
 from artipg_dsl.lower.solids.paths import KINDS
-from artipg_dsl.semantics.calls import RULES
+from artipg_dsl.semantics.functions import RULES
 from artipg_dsl.semantics.meanings import BuiltIn
 from artipg_dsl.semantics.types import DIMENSIONS, PLACES, named
 from artipg_dsl.session import Session
