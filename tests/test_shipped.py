@@ -95,6 +95,7 @@ def test_checks_without_error_or_warning(session: Session) -> None:
     assert [d.message for d in session.examine().diagnostics] == []
 
 
+@pytest.mark.some
 def test_all_of_the_surface_is_labelled(drawn: tuple[Batch, Statistics]) -> None:
     batch, _ = drawn
     assert [batch.program.sites[bare.number].path for bare in find_unlabelled(batch.program)] == []

@@ -85,6 +85,7 @@ def carries(category, angle, shift, count):
         assert tips[1] == pytest.approx(tips[0] @ turn.T + np.array(shift), abs=1e-9)
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("angle, shift", [(0.7, (0.3, -0.2, 1.5)), (2.9, (-4.0, 2.0, 0.1))])
 def test_labels_and_poses_move_with_the_object(angle, shift):
     carries("Microwave", angle, shift, 24)

@@ -144,6 +144,7 @@ def follows(name: str) -> None:
         assert after == pytest.approx(carried(owner, before), abs=1e-9)
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("name", [name for name in SHAPES if name in ALWAYS or EVERY and name not in WITHIN])
 def test_a_shape_carries_what_is_said_of_it(name: str) -> None:
     follows(name)

@@ -75,6 +75,7 @@ def test_what_was_not_fitted_is_no_object_and_is_in_no_way(apgc: Apgc, real: Pat
     assert "0 objects in" in err and "1 object not among them: without a valid fit" in err
 
 
+@pytest.mark.slow
 def test_what_is_known_of_each(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     out, known = tmp_path / "fitted", tmp_path / "known.json"
 

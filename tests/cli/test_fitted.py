@@ -136,6 +136,7 @@ def test_folders_are_opened_and_saved(place: Path, fitted: apg.Fitted, tmp_path:
     assert tree(tmp_path / "same") == before
 
 
+@pytest.mark.slow
 def test_what_was_fitted_from_memory_is_kept(
     fitted: apg.Fitted, bound: apg.Bound, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -175,6 +176,7 @@ def test_arrays_that_have_changed_are_not_kept(place: Path, tmp_path: Path) -> N
         fitted.save(tmp_path / "out")
 
 
+@pytest.mark.slow
 def test_what_is_known_is_as_on_the_command_line(place: Path, tmp_path: Path) -> None:
     chests = {name: place / "real" / f"{name}.npz" for name in ("chest0", "chest1")}
     facts = {"chest0": {"knobs": np.int64(3)}, "chest1": {"knobs": "1 .. 2", "wood": "oak"}}
@@ -229,6 +231,7 @@ def test_bound_points(fitted: apg.Fitted, bound: apg.Bound) -> None:
         bound.points(7)
 
 
+@pytest.mark.slow
 def test_mutants_wear_their_own(place: Path, bound: apg.Bound, fitted: apg.Fitted, tmp_path: Path) -> None:
     again = apg.open_fitted(place / "fitted")
     mutants, details = again.mutate("cpa", n=2), again.bind(MANY)
@@ -310,6 +313,7 @@ def test_others_borrow(place: Path, ours: apg.Bound, tmp_path: Path) -> None:
         apg.load(BOARD).points(8, details=ours)
 
 
+@pytest.mark.slow
 def test_files_that_have_moved_are_named(place: Path, fitted: apg.Fitted, tmp_path: Path) -> None:
     real = tmp_path / "real"
     real.mkdir()
@@ -444,6 +448,7 @@ def test_what_is_wrong_is_told(place: Path, fitted: apg.Fitted) -> None:
         apg.open_fitted(place / "real")
 
 
+@pytest.mark.slow
 def test_several_processes_give_the_same(place: Path) -> None:
     fitted = apg.open_fitted(place / "fitted")
     one, two = (fitted.bind(300, workers=workers) for workers in (1, 2))

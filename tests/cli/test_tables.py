@@ -47,6 +47,7 @@ def folders(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     return out / "tables", out / "whole"
 
 
+@pytest.mark.some
 def test_all_files_come_from_the_values(folders: tuple[Path, Path], tmp_path: Path, undrawn: None) -> None:
     tables, whole = folders
     made = ["--points", 64, "--states", "rest,open", "--format", "points,glb"]

@@ -289,6 +289,7 @@ def test_meshes_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     assert tree(tmp_path / "first" / "objects") == tree(tmp_path / "second" / "objects")
 
 
+@pytest.mark.slow
 def test_pictures_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     fitted, bound = raise_surfaces(fitted, fitted.with_name(f"{tmp_path.name}-raised")), tmp_path / "bound"
     assert apgc("bind", fitted, "-o", bound, "--points", 3000)[0] == 0
@@ -302,6 +303,7 @@ def test_pictures_wear_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None
     assert code == 2 and "scales details" in err
 
 
+@pytest.mark.slow
 def test_fits_are_bound_from_anywhere_and_moved_with_their_files(
     apgc: Apgc, fitted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

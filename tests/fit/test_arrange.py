@@ -102,6 +102,7 @@ def test_elements_keep_what_they_hold_where_they_are_put(racks: tuple[Model, Can
         assert np.array_equal(turned[above][before], made.rowmap.rows(column.scope).rank[now])
 
 
+@pytest.mark.slow
 def test_rows_of_several_columns_are_found_at_once(racks: tuple[Model, Candidates, Clouds]) -> None:
     """Each of five columns begins with one row; at least four of them get their three or four, with what is in their cells."""
     model, true, clouds = racks

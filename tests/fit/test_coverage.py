@@ -43,6 +43,7 @@ def losses(model: Model, samples: apg.Samples, cloud: Clouds) -> np.ndarray:
     return np.array(found)
 
 
+@pytest.mark.slow
 def test_a_hole_says_little_of_what_lies_in_it(
     model: Model, samples: apg.Samples, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -32,6 +32,7 @@ def pcn(lay: Lay) -> Path:
     return lay("pcn", "Microwave", "Laptop", n=3, shares=(1, 1, 1))
 
 
+@pytest.mark.some
 def test_pcn_has_what_its_readers_ask_for(pcn: Path) -> None:
     assert not faults(pcn)
     classes = json.loads((pcn / "PCN.json").read_text())

@@ -32,6 +32,7 @@ def trials(lay: Lay) -> Path:
         return lay("where2act-foretold", "Microwave", n=2, shares=(1, 0, 1))
 
 
+@pytest.mark.some
 def test_the_folder_is_read_back(trials: Path) -> None:
     found = results(trials)
     assert len(found) == 24 and not faults(trials)
@@ -39,6 +40,7 @@ def test_the_folder_is_read_back(trials: Path) -> None:
     assert 4 <= sum(way > 0.01 for way in gone) < 24
 
 
+@pytest.mark.slow
 def test_it_is_what_physics_makes_of_the_same_trials(trials: Path, lay: Lay) -> None:
     pytest.importorskip("sapien", reason="SAPIEN is not installed: pip install 'artipg_dsl[sim]'")
     told, came = results(trials), results(lay("where2act", "Microwave", n=2, shares=(1, 0, 1)))

@@ -48,6 +48,7 @@ def points(folder: Path, image: dict[str, Any], mask: np.ndarray) -> np.ndarray:
     return (seen @ np.reshape(image["camera"]["extrinsic"]["matrix"], (4, 4)))[:, :3]
 
 
+@pytest.mark.some
 def test_the_folder_is_read_back(opd: Path) -> None:
     assert not faults(opd)
     names = {path.relative_to(opd).as_posix() for path in opd.rglob("*.*") if path.is_file()}

@@ -58,6 +58,7 @@ def succeeds(result: dict[str, Any], primitive: str) -> bool:
     return primitive == "pushing" or bool(meant @ way > 0.5 * np.sqrt(way @ way))
 
 
+@pytest.mark.some
 def test_the_folder_is_read_back(trials: Path) -> None:
     assert not faults(trials)
     assert listed(trials, "val") == []

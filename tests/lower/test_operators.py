@@ -79,6 +79,7 @@ def test_an_end_of_a_path_may_be_nearer_than_a_foot_beside_it():
     assert found == pytest.approx(expected, rel=1e-3)
 
 
+@pytest.mark.some
 @pytest.mark.parametrize(
     "text",
     [CHANNEL, PLINTH, BEND, DUCT, HORN, HOOK, BALUSTER, SHOULDER, HANDLE, SLAB, VASE, COLUMN],
@@ -125,6 +126,7 @@ primitive Pot {{
     assert check_primitive(lowered(solid).primitive, samples=1) == []
 
 
+@pytest.mark.some
 @pytest.mark.parametrize(
     ("text", "groups"),
     [(VASE, 1), (BALUSTER, 1), (SHOULDER, 1), (COLUMN, 3)],

@@ -51,6 +51,7 @@ def test_pieces_that_are_no_numbers_have_no_extreme_points(machine):
     assert made.tolist() == [0] * 5, "nothing reaches from them"
 
 
+@pytest.mark.some
 @needs_compiler
 @pytest.mark.parametrize("name, objects", [("Kettle", 1), ("Foldingrack", 3), ("Keyboard", 3)])
 def test_what_is_put_together(name, objects, using):

@@ -10,6 +10,7 @@ from .machine import bits, needs_compiler
 pytestmark = needs_compiler
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("category", ["Microwave", "Kettle"])
 def test_the_same_is_seen(using, monkeypatch, category):
     free, calls, found = leaving.free, [], []

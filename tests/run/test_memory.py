@@ -210,6 +210,7 @@ def test_memory_does_not_grow_with_the_run(tmp_path: Path) -> None:
 FORMATS_OF_OBJECTS = ("urdf", "mjcf", "usd", "glb", "obj", "partnet-mobility")
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("category", ["Microwave", "Foldingrack", "StorageFurniture", "Safe"])
 def test_a_batch_goes_with_its_last_use(category: str, tmp_path: Path) -> None:
     """It is in no circle, which would keep hundreds of megabytes until garbage is collected; nor is what formats make of it."""

@@ -32,6 +32,7 @@ def test_what_costs_is_found_by_its_name() -> None:
     assert counts["plans"] <= 1  # of the batch that tries again
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("category", ["Microwave", "Table"])
 def test_a_loop_in_plain_floats_gives_the_tables(category: str) -> None:
     plain = benchmark("plain")

@@ -151,6 +151,7 @@ def meetings(batch, beyond: float) -> list[int]:
     return sorted(found)
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("text", [ARMS, CRATE, CRATE + LEVER])
 def test_whatever_else_is_open_nothing_meets_and_not_much_farther_it_does(text: str) -> None:
     batch = program(text).batch(np.arange(4), 0)

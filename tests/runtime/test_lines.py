@@ -23,6 +23,7 @@ def _values(function, count: int, attempt: int):
     return [(np.asarray(v).dtype.kind, np.shape(v), np.asarray(v).tobytes()) for v in values], [t.size for t in tables]
 
 
+@pytest.mark.some
 def test_tapes_give_the_bits_of_the_code_that_is_shown(plan) -> None:
     namespace = {**vars(kernels), **vars(draws), "solve_roots": newton.solve_roots}
     exec(plan.source, namespace)

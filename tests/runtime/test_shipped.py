@@ -29,6 +29,7 @@ def chosen(sampler: Sampler, name: str, option: int) -> dict[int, float]:
     return {number: float(option)}
 
 
+@pytest.mark.some
 @pytest.mark.parametrize(("place", "part"), [(1, "end.boss"), (2, "side.ear")])
 def test_the_handle_of_a_kettle_hangs_on_both_sides(place: int, part: str) -> None:
     sampler = Session.of("kettle").sampler
@@ -60,6 +61,7 @@ def test_the_arms_of_scissors_reach_around_the_pin() -> None:
     assert not len(find_faults(batch).objects())
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("name", ["door", "doorhandle"])
 def test_levers_go_down_when_they_are_operated(name: str) -> None:
     """On both faces of a leaf, whichever way they point."""

@@ -92,6 +92,7 @@ SOME_GRIPS = [("storage_furniture", 1), ("kettle", 7), ("usb", 7)]  # handles; a
 MORE_GRIPS = [("usb", 5), ("usb", 0), ("knife", 3)]  # a cap that swivels; a plug that slides in; half of a hilt
 
 
+@pytest.mark.some
 @pytest.mark.parametrize(("category", "number"), SOME_GRIPS + (MORE_GRIPS if EVERY else []))
 def test_a_gripper_that_closes_holds(category: str, number: int) -> None:
     from .closing import grips
