@@ -71,7 +71,7 @@ def write_layout(
     _clear(out, layout, entry.category, others)
     try:
         _carry_out(job, layout, entry, out, progress, workers)
-        lists = _index(layout, [*others, entry], out)
+        lists = _index(layout, sorted([*others, entry], key=lambda one: one.category), out)
     except UserError:
         _clear(out, layout, entry.category, others)
         if not there and out.is_dir() and not any(out.iterdir()):
