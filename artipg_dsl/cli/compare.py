@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _refuse_early(options: argparse.Namespace) -> Path | None:
     """The file that a prior goes to, if any. Raises ExportError, UsageError."""
-    from ..export.write import refuse_existing
+    from ..export.write import require_place
 
     if options.prior_out is None:
         if options.force:
@@ -70,7 +70,7 @@ def _refuse_early(options: argparse.Namespace) -> Path | None:
     if options.map is None:
         raise UsageError("--prior-out reads labels, and nothing says what they mean", "add --map FILE")
     out = Path(options.prior_out)
-    refuse_existing(out, options.force)
+    require_place(out, options.force)
     return out
 
 

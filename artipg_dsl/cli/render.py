@@ -12,11 +12,11 @@ from .wanted import choose_details, open_wanted
 
 
 def run(options: argparse.Namespace) -> int:
-    from ..export.write import refuse_existing
+    from ..export.write import require_place
     from ..run.painting import paint_with
     from ..view.sheet import read_direction, write_sheet
 
-    refuse_existing(Path(options.out), options.force)
+    require_place(Path(options.out), options.force)
     read_direction(options.view)
     job = open_wanted(options)
     details = choose_details(options, job)

@@ -29,7 +29,7 @@ PICTURED, COLUMNS, TILE = 12, 6, 160  # objects on the picture of a page
 def run(options: argparse.Namespace) -> int:
     from ..diagnostics.suggest import did_you_mean
     from ..export.strict import require_manifold
-    from ..export.write import refuse_existing, write_bytes
+    from ..export.write import require_place, write_bytes
     from ..quality.sizes import read_reference
     from ..quality.text import card_text, markdown_table
     from ..run.sharing import LONG, share
@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
             "name a file for the page",
         )
     if options.html is not None and not alone:
-        refuse_existing(Path(options.html), options.force)
+        require_place(Path(options.html), options.force)
     if options.meshes:
         require_manifold()
     tasks = [_Task(options, name, known) for name in names]

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..diagnostics import CompileError
 from ..errors import UsageError, UserError
-from ..export.write import refuse_existing
+from ..export.write import require_place
 from ..resources import library_dir
 from .compile import of_text
 from .messages import error, findings, plural, say
@@ -26,7 +26,7 @@ Seen = dict[Path, tuple[int, int, int]]
 
 def run(options: argparse.Namespace) -> int:
     if options.out is not None:
-        refuse_existing(Path(options.out), options.force)
+        require_place(Path(options.out), options.force)
     elif (
         options.number
         or options.only

@@ -74,6 +74,20 @@ def refuse_existing(path: Place, force: bool) -> None:
         raise ExportError(f"{path} exists", "remove it, choose another name, or use --force to replace it")
 
 
+def require_place(path: Path, force: bool) -> None:
+    """Raises ExportError, before the work, where its result could not be written: a file that is there, or a folder that takes none."""
+    if _stream_like(path):
+        return
+    refuse_existing(path, force)
+    if path.is_dir():
+        raise explain(OSError(errno.EISDIR, ""), path)
+    folder = next(place for place in Path(os.path.realpath(path)).parents if place.exists())
+    if not folder.is_dir():
+        raise explain(OSError(errno.ENOTDIR, ""), folder)
+    if not os.access(folder, os.W_OK):
+        raise explain(OSError(errno.EACCES, ""), path)
+
+
 def _stream_like(path: Path) -> bool:
     """Whether a path is a device or a pipe, which is written to and cannot be replaced."""
     return path.exists() and not path.is_file() and not path.is_dir()
@@ -92,7 +106,7 @@ def replacing_file(path: Path | str, *, force: bool = False) -> Iterator[BinaryI
         return
     refuse_existing(path, force)
     if path.is_dir():
-        raise ExportError(f"{path} is a folder, but a file is to be written", "choose another output name")
+        raise explain(OSError(errno.EISDIR, ""), path)
     ensure_folder(path.parent)
     path = Path(os.path.realpath(path))  # a link stays one: what it points to is replaced
     partial = _beside(path)

@@ -10,7 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from artipg_dsl.export.write import ExportError, replacing_file, replacing_folder, sweep_unfinished, write_bytes
+from artipg_dsl.export.write import (
+    ExportError,
+    replacing_file,
+    replacing_folder,
+    require_place,
+    sweep_unfinished,
+    write_bytes,
+)
 
 
 def names(folder: Path) -> list[str]:
@@ -65,6 +72,20 @@ def test_a_folder_without_permission_is_named(tmp_path: Path) -> None:
     with pytest.raises(ExportError) as caught:
         write_bytes(tmp_path / "closed" / "a.bin", b"")
     assert "no permission" in caught.value.message and "partial" not in caught.value.message
+
+
+def test_a_place_that_takes_no_file_is_told_before_the_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_bytes(b"x")
+    for place, words in (("file", "exists"), ("file/deep/a.png", "file is in the way"), (".", "is a folder")):
+        with pytest.raises(ExportError) as caught:
+            require_place(tmp_path / place, force=place == ".")
+        assert words in caught.value.message
+    require_place(tmp_path / "new" / "deep" / "a.png", force=False)
+    require_place(Path("/dev/null"), force=False)
+    monkeypatch.setattr(os, "access", lambda place, mode: place != tmp_path.resolve())
+    with pytest.raises(ExportError) as caught:
+        require_place(tmp_path / "new" / "a.png", force=False)
+    assert "no permission" in caught.value.message and names(tmp_path) == ["file"]
 
 
 def test_permission_and_space_are_told_in_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
