@@ -415,8 +415,8 @@ class _Looked:
                 "untested-values",
                 self._of(wrong.part) or self.span,
                 f"{what}`{wrong.part}` reaches {1000 * wrong.reach:.3g} mm out of its box: here `{wrong.parameter}` of `{wrong.primitive}` "
-                f"is {wrong.value:.4g}, and its `test` range is {low:.4g} .. {high:.4g} (metres, radians)",
-                hint=f"widen the `test` range of `{wrong.parameter}` in `{wrong.primitive}`: its box is made for the values tested",
+                f"is {wrong.value:.4g}, and its `test` range is {low:.4g} .. {high:.4g} (a length in metres, an angle in radians)",
+                hint=f"its box is made for the values tested: in `{wrong.primitive}`, state a wider `test low .. high` of `{wrong.parameter}`",
             )
 
     def _of(self, path: str) -> Span | None:
