@@ -24,9 +24,9 @@ from .search import Effort, search, taken, united
 from .states import Moved, carried, moved, tables
 
 TOGETHER = 6  # objects that are searched as one batch
-_NEARER = 0.8  # joints are moved where the distance becomes that of rest times this, or less
-_LIES = 1.25  # percent: what is farther off once it has been searched may lie otherwise than its format has it,
-_UPRIGHT = 0.5  # and does where the distance becomes that times this, or less
+_ODD = 1.25  # percent: what is farther off once it has been searched may lie otherwise than its format has it, or not be at rest,
+_UPRIGHT = 0.5  # and does lie otherwise where the distance becomes that times this, or less
+_NEARER = 0.8  # its joints are moved where the distance becomes that of rest times this, or less
 _HOPELESS = 120.0 * FAR  # percent: what is farther off once it has been searched is not looked into further
 _FINELY = 6144  # points of a cloud by which numbers are refined at last
 _USUAL = 256  # drawn objects that tell how large those of a category are
@@ -67,8 +67,8 @@ def fit(
 ) -> list[Fitted]:
     """The objects of a program that come nearest to some clouds, in their order. ``checked``: without links that collide.
     ``words``: which word of the vocabulary ``semantic`` a name of a cloud's labels means; points of different words do not belong
-    together. ``opened``: a model of the same program with joints anywhere, for clouds that nothing at rest fits. Where no
-    upward axis was given, clouds that fit less well than is usual are looked at with others."""
+    together. Clouds that fit less well than is usual are looked at with other upward axes, where none was given, and with ``opened``: a
+    model of the same program with joints anywhere, unless their noise tells why."""
     effort = effort or Effort()
 
     def look(model: Model, asked: dict[int, Posed]) -> dict[int, _Look]:
@@ -79,9 +79,9 @@ def fit(
         return {k: one for k, one in look(model, asked).items() if one.off < share * at_rest[k].off}
 
     at_rest = look(model, dict(enumerate(several)))
-    lying = [k for k, one in at_rest.items() if one.off > _LIES and several[k].others]
+    lying = [k for k, one in at_rest.items() if one.off > _ODD and several[k].others]
     at_rest |= nearer(model, {k: replace(several[k], turns=several[k].others) for k in lying}, _UPRIGHT)
-    rough = [k for k, one in at_rest.items() if verdict(one.off) != verdict(0.0)]
+    rough = [k for k, one in at_rest.items() if one.beyond_noise > _ODD]
     moving = nearer(opened, {k: at_rest[k].posed for k in rough}, _NEARER) if opened else {}
     found = _all_finished(moving, checked, effort)
     still = {k: one for k, one in at_rest.items() if k not in found or not found[k].told["valid"]}
@@ -114,6 +114,12 @@ class _Look:
     @property
     def off(self) -> float:
         return float(self.searched.off[self.row])
+
+    @property
+    def beyond_noise(self) -> float:
+        """The same without what the noise of the cloud makes of it."""
+        one = self.searched
+        return self.off - 100.0 * float(one.asked.noise[one.found.target[self.row]])
 
     @property
     def posed(self) -> Posed:

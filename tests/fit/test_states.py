@@ -75,6 +75,13 @@ def test_an_open_lid_is_found(models: tuple[Model, Model]) -> None:
     assert one.told["valid"] and set(one.values) == {"wide", "deep", "high"}
 
 
+def test_a_lid_that_is_ajar_is_found_though_a_closed_one_fits(models: tuple[Model, Model]) -> None:
+    _, posed = seen(0.3)
+    (at_rest,) = fit(models[0], [posed], effort=LITTLE)
+    (one,) = fit(models[0], [posed], effort=LITTLE, opened=models[1])
+    assert at_rest.told["verdict"] == "fits" and one.told["joints"]["open"] == pytest.approx(0.3, abs=0.02)
+
+
 def test_what_fits_at_rest_is_left_there(models: tuple[Model, Model]) -> None:
     _, posed = seen(0.0)
     (one,) = fit(models[0], [posed], effort=LITTLE, opened=models[1])
