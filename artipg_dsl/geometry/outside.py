@@ -44,20 +44,19 @@ def spread_directions(count: int = _DIRECTIONS) -> np.ndarray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Triangles:
-    """Of a block, sorted by object: ``face`` (3, T), the numbers of their vertices, ``normal`` (3, T), ``owner`` (T,), ``cell`` (T,)."""
+    """Of a block, sorted by object: ``face`` (3, T), the numbers of their vertices, ``normal`` (3, T), ``owner`` (T,), ``cell`` (T,);
+    ``ends`` (objects + 1,), where those of each object begin, and the last end."""
 
     face: np.ndarray
     normal: np.ndarray
     owner: np.ndarray
     cell: np.ndarray
+    ends: np.ndarray
 
     def only(self, chosen: np.ndarray) -> _Triangles:
         face, normal = (np.take(array, chosen, axis=1) for array in (self.face, self.normal))
-        return _Triangles(face, normal, self.owner[chosen], self.cell[chosen])
-
-    def ends(self, objects: int) -> np.ndarray:
-        """(objects + 1,) int64: where those of each object begin, and the last end."""
-        return np.searchsorted(self.owner, np.arange(objects + 1))
+        owner = self.owner[chosen]
+        return _Triangles(face, normal, owner, self.cell[chosen], _ends(owner, len(self.ends) - 1))
 
 
 class Outlook:
@@ -105,7 +104,7 @@ class Outlook:
         a, b, c = (corner[:, k] for k in range(3))
         e, f = b - a, c - a
         normal = np.stack([e[(k + 1) % 3] * f[(k + 2) % 3] - e[(k + 2) % 3] * f[(k + 1) % 3] for k in range(3)])
-        ends = np.searchsorted(owner, np.arange(rows.objects + 1))
+        ends = _ends(owner, rows.objects)
         filled = np.flatnonzero(np.diff(ends))
         self.low, self.high = np.zeros((3, rows.objects)), np.ones((3, rows.objects))
         if len(filled):
@@ -116,7 +115,7 @@ class Outlook:
         square = extent[0] * extent[0] + extent[1] * extent[1] + extent[2] * extent[2]
         across = normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2
         large = across > (2.0 * _LARGE * square[owner]) ** 2
-        every = _Triangles(face, normal, owner, cell)
+        every = _Triangles(face, normal, owner, cell, ends)
         self.asked = every.only(np.flatnonzero(large)), every.only(np.flatnonzero(~large))
 
     def sees(self, cell: np.ndarray, position: Sequence[np.ndarray], normal: Sequence[np.ndarray]) -> np.ndarray:
@@ -149,17 +148,18 @@ class _Picture:
         self.way, self.vertex, self.frame = way, outlook.vertex, _frame(tuple(way.tolist()))
         # each object's picture has a grid of its own, _BINS by _BINS
         middle, reach = (outlook.low + outlook.high) / 2, (outlook.high - outlook.low) / 2
-        self.scale, self.origin = [], []
+        scales, origins = [], []
         for f in self.frame[:2]:
             half = np.abs(f[0]) * reach[0] + np.abs(f[1]) * reach[1] + np.abs(f[2]) * reach[2]
             half = np.maximum(half * 1.001, 1e-12)
-            self.origin.append(f[0] * middle[0] + f[1] * middle[1] + f[2] * middle[2] - half)
-            self.scale.append(_BINS / (2.0 * half))
-        self.objects = len(self.scale[0])
+            origins.append(f[0] * middle[0] + f[1] * middle[1] + f[2] * middle[2] - half)
+            scales.append(_BINS / (2.0 * half))
+        self.scale, self.origin = np.stack(scales), np.stack(origins)
+        self.objects = self.scale.shape[1]
         there = self.among(owner)
         self.flat, self.bins = np.empty(outlook.vertex[:2].shape), np.empty(outlook.vertex[:2].shape, dtype=np.int16)
         if (machine := backend.machine()) is not None:
-            told = np.stack(self.frame[:2]), np.stack(self.origin), np.stack(self.scale), _BINS
+            told = self.frame[:2], self.origin, self.scale, _BINS
             leaving.lay_flat(machine, outlook.vertex, outlook.many, there, *told, self.flat, self.bins)
             return
         first = np.cumsum(outlook.many) - outlook.many
@@ -192,13 +192,12 @@ class _Picture:
         across, up = (_bin(point[k], self.origin[k][owner], self.scale[k][owner]) for k in (0, 1))
         place = (owner * _BINS + up) * _BINS + across
         if (machine := backend.machine()) is not None:
-            many = triangles.face, triangles.cell, triangles.ends(self.objects), triangles.normal
-            seen = self.vertex, self.flat, self.bins, np.stack(self.frame), np.stack(self.scale)
+            many = triangles.face, triangles.cell, triangles.ends, triangles.normal
+            seen = self.vertex, self.flat, self.bins, self.frame, self.scale
             return leaving.free(machine, many, seen, _BINS, (np.stack(point), place, own), there, _EDGE)
         some: slice | np.ndarray = slice(None)
         if not there.all():
-            ends = triangles.ends(self.objects)
-            some = runs(ends[:-1][there], np.diff(ends)[there])
+            some = runs(triangles.ends[:-1][there], np.diff(triangles.ends)[there])
         slope = way[0] * triangles.normal[0][some]
         slope += way[1] * triangles.normal[1][some]
         slope += way[2] * triangles.normal[2][some]
@@ -253,6 +252,11 @@ class _Picture:
         return out
 
 
+def _ends(owner: np.ndarray, objects: int) -> np.ndarray:
+    """(objects + 1,) int64: where what is sorted by ``owner`` begins for each object, and the last end."""
+    return np.searchsorted(owner, np.arange(objects + 1))
+
+
 def _bin(flat: np.ndarray, origin: np.ndarray, scale: np.ndarray) -> np.ndarray:
     """The bins, along one axis, of places (m,) in pictures that begin at ``origin`` (m,), with ``scale`` (m,) bins a metre."""
     found = flat - origin
@@ -281,10 +285,10 @@ def _edges(corner: Sequence[Sequence[np.ndarray]], k: int) -> tuple[np.ndarray, 
 
 
 @cache
-def _frame(towards: tuple[float, float, float]) -> list[np.ndarray]:
-    """Two axes across a direction, and the direction."""
+def _frame(towards: tuple[float, float, float]) -> np.ndarray:
+    """(3, 3): two axes across a direction, and the direction."""
     way = np.array(towards)
     other = np.eye(3)[int(np.argmin(np.abs(way)))]
     first = np.cross(way, other)
     first = first / np.sqrt((first * first).sum())
-    return [first, np.cross(way, first), way]
+    return np.stack([first, np.cross(way, first), way])
