@@ -5,19 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..diagnostics.suggest import any_of, did_you_mean
-from ..language import JOINTS, REPEATS
+from ..language import REPEATS
 from ..syntax import ast
-from ..syntax.walk import path_root, walk
-from . import alternatives, conditions, declarations, joints, labels, names, placing, primitives, roles, twice
+from ..syntax.walk import walk
+from . import alternatives, conditions, declarations, joints, labels, limits, names, placing, primitives, roles, twice
 from .entries import of_reference, port_context
-from .guards import TRUE, Condition, Not, conjunction, consistent
-from .mimic import sole_kind
-from .presence import excludes
+from .guards import Not, consistent
 from .remedies import instead
 from .scope import BodyScope, Guards
 from .symbols import NAMED, names_of
 from .types import (
-    ANGLE,
     BASE,
     BOOL,
     BOX,
@@ -36,10 +33,8 @@ from .types import (
     Boxed,
     ChoiceType,
     ElementType,
-    JointType,
     PartType,
     SlotType,
-    Type,
     dimension_of,
     fits,
     is_number,
@@ -167,31 +162,8 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             ck.expect(ctx, distance, LENGTH, "the distance")
         case ast.AllowStmt(subject=subject, other=other, kind=word):
             _parts(ck, ctx, subject, other, word if word == "free" else f"allow {word}")
-        case ast.LimitStmt(joint=joint, range=interval):
-            if _of_all(ck, ctx, joint):
-                return
-            kind, inside = placing.subject(ck, ctx, joint)
-            if not isinstance(kind, JointType) and kind != UNKNOWN:
-                ck.unfit(
-                    joint,
-                    kind,
-                    "`limit` must name a joint",
-                    hint="name a joint, as in `limit hinge.open 0deg .. 90deg`",
-                )
-            wanted: Type = UNKNOWN
-            if (
-                isinstance(kind, JointType)
-                and sole_kind(ck, joint, kind)
-                and (row := JOINTS.get(kind.kind or "")) is not None
-                and row.moves
-            ):
-                wanted = LENGTH if row.slides else ANGLE
-            joints.motion_range(ck, inside, interval, wanted)
-            if isinstance(kind, JointType):
-                _require_there(ck, ctx, joint)
-            if isinstance(kind, JointType) and kind.kind is None:
-                ends = (ck.types.get(id(end)) for end in (interval.low, interval.high))
-                ck.measured.update((id(joint), end) for end in ends if end in (LENGTH, ANGLE))
+        case ast.LimitStmt():
+            limits.check_limit(ck, ctx, stmt)
         case ast.CloseStmt(subject=subject, other=other):
             kind, inside = placing.subject(ck, ctx, subject)
             for expr, found in ((subject, kind), (other, ck.infer(inside, other))):
@@ -208,23 +180,6 @@ def _statement(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
             primitives.check(ck, ctx, stmt)
         case _:
             labels.check(ck, ctx, stmt)
-
-
-def _of_all(ck: Checker, ctx: Context, joint: ast.Expr) -> bool:
-    """Whether a `limit` names the joints of all elements of a repeat, which is reported."""
-    root = path_root(joint)
-    entries = ctx.scope.find(root.name) if ctx.scope is not None and isinstance(root, ast.NameExpr) else []
-    around = [scope.repeat for scope in ctx.scope.chain()] if ctx.scope is not None else []
-    if root is joint or not entries or entries[0].kind != "repeat" or entries[0].node in around:
-        return False
-    name = joint.span.words.partition(".")[2]
-    ck.error(
-        "many-elements",
-        joint.span,
-        f"`{joint.span.words}` is a joint of each element of a repeat",
-        hint=f"put `limit {name} ...` inside the repeat, for one element under a guard such as `when i == 0 {{ }}`",
-    )
-    return True
 
 
 def _declaration(ck: Checker, ctx: Context, stmt: ast.Stmt) -> None:
@@ -306,29 +261,6 @@ def _output(ck: Checker, ctx: Context, stmt: ast.ParamDecl | ast.LetDecl, name: 
                 f"the output `{name}` is {wanted} in the role, but {own} here",
                 hint="declare it as in the role",
             )
-
-
-def _require_there(ck: Checker, ctx: Context, joint: ast.Expr) -> None:
-    """Reports a joint of this body that is never there under the guards around, since what it moves is not."""
-    if not isinstance(joint, ast.NameExpr) or ctx.scope is None or ctx.condition == TRUE:
-        return
-    child: ast.Expr | None = None
-    for entry in ctx.scope.find(joint.name):
-        if not isinstance(entry.node, ast.JointDecl) or entry.node.child is None:
-            return
-        noted: list[Condition] = []
-        child = entry.node.child
-        ck.infer(ck.context(entry.scope).but(lenient=noted, ends=True, subject=True), child)
-        if not excludes(ctx.condition, conjunction((ck.entry_condition(entry), *noted))):
-            return
-    if child is not None:
-        ck.error(
-            "optional-outside-when",
-            joint.span,
-            f"`{joint.name}` never exists here: the guard around this statement excludes `{path_root(child).span.words}`",
-            hint="move this to where the joint exists, or change the guard",
-            notes=((child.span, "what it moves"),),
-        )
 
 
 def _member(ck: Checker, ctx: Context, stmt: ast.SlotDecl | ast.PortDecl | ast.JointDecl) -> None:
