@@ -47,7 +47,7 @@ TILE = 128  # pixels
 COUNTED = {
     "plans": ("runtime.plan", "make_plan"),
     "pieces": ("geometry.pieces", "clouds"),
-    "hulls": ("geometry.pieces", "_hull"),
+    "hulls": ("geometry.hulls", "hull_of"),
     "pairs": ("geometry.collide", "separate"),
     "loops": ("runtime.loops", "Loops.slopes"),
 }

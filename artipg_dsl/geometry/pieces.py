@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from hashlib import blake2b
 from typing import Any
 
@@ -20,20 +20,17 @@ from ..graph.primitive import Primitive
 from ..records import dataclass
 from . import facts, mesh
 from .errors import PrimitiveError
+from .hulls import Hull, NoHullError, distinct_hulls, distinct_together, fits, read_hull, which_fits
 from .patches import evaluate_rows
-from .runs import absent
 from .split import Params, keep_formula, rows_of
 from .topology import topology
 from .trial import draw_trial, variants
-from .vectors import cross, dot, extent
 from .weld import plan_weld, step_counts
 
 _STEPS = (24, 16, 12, 8)  # per full turn: a hull takes the finest of these that has few corners
 _FEW = 200  # what collision checks and simulators take well; a ball of 16 steps lies within 2 % of its radius
 _MOST = 1000  # times a piece is there in an instance
-_CHUNK = 20_000  # faces that are looked at together, so that they stay in the cache
 _OWN = 64  # hulls of single instances that are kept of a primitive
-_FLAT = 1e-7  # how far, relative to the piece's extent, a vertex may stand out of the plane of a face
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,35 +41,6 @@ class PieceGroup:
     rows: np.ndarray
     vertices: np.ndarray
     faces: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
-class _Hull:
-    """``used`` (P,) indexes the points that are corners; ``faces`` (F, 3) indexes ``used``."""
-
-    used: np.ndarray
-    faces: np.ndarray
-
-    @cached_property
-    def told(self) -> np.ndarray:
-        """``faces`` as groups have them, one array for all."""
-        return self.faces.astype(np.int32)
-
-    @cached_property
-    def across(self) -> np.ndarray:
-        """(F, 3): the corner of the neighbouring face across each edge of a face, as an index into ``used``."""
-        count = len(self.used)
-        start, end = self.faces, np.roll(self.faces, -1, axis=1)
-        opposite = np.roll(self.faces, -2, axis=1).ravel()
-        forward, back = (start * count + end).ravel(), (end * count + start).ravel()
-        order = np.argsort(forward)
-        return opposite[order[np.searchsorted(forward[order], back)]].reshape(-1, 3)
-
-
-@lru_cache(maxsize=4096)
-def _shared(used: bytes, faces: bytes) -> _Hull:
-    """One hull for all pieces with the same corners and faces."""
-    return _Hull(np.frombuffer(used, dtype=np.int64), np.frombuffer(faces, dtype=np.int64).reshape(-1, 3))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,7 +57,7 @@ class Cloud:
     index: np.ndarray
     points: np.ndarray
 
-    def known(self, index: int) -> tuple[_Hull, ...]:
+    def known(self, index: int) -> tuple[Hull, ...]:
         """The hulls that may fit."""
         if self.number < 0:
             return _mesh_hulls(self.primitive, self.variant)
@@ -118,16 +86,16 @@ class Cloud:
             found[start:stop] = _all_corners(self.known(index), count)
         return found
 
-    def fitted(self, chosen: np.ndarray) -> list[tuple[np.ndarray, _Hull]]:
+    def fitted(self, chosen: np.ndarray) -> list[tuple[np.ndarray, Hull]]:
         """The hulls of some of the pieces: (positions in ``chosen``, their hull)."""
-        alike: dict[tuple[_Hull, ...], list[np.ndarray]] = {}
+        alike: dict[tuple[Hull, ...], list[np.ndarray]] = {}
         order = np.argsort(self.index[chosen], kind="stable")
         for own in np.split(order, np.flatnonzero(np.diff(self.index[chosen[order]])) + 1) if len(order) else ():
             alike.setdefault(self.known(int(self.index[chosen[own[0]]])), []).append(own)
-        found: list[tuple[np.ndarray, _Hull]] = []
+        found: list[tuple[np.ndarray, Hull]] = []
         for known, parts in alike.items():
             at = np.concatenate(parts)
-            fitting = _fitting(self.points[chosen[at]], known)
+            fitting = which_fits(self.points[chosen[at]], known)
             found += [(at[fitting == n], hull) for n, hull in enumerate(known) if (fitting == n).any()]
             for own in at[fitting == len(known)].tolist():
                 row = chosen[own]
@@ -138,11 +106,11 @@ class Cloud:
     def groups(self) -> list[PieceGroup]:
         """The pieces with their faces, index by index."""
         found: dict[int, list[PieceGroup]] = {}
-        alike: dict[tuple[_Hull, ...], list[tuple[int, int, int]]] = {}
+        alike: dict[tuple[Hull, ...], list[tuple[int, int, int]]] = {}
         for index, start, stop in self.ranges():
             alike.setdefault(self.known(index), []).append((index, start, stop))
         for known, ranges in alike.items():
-            fitting = _fitting(np.concatenate([self.points[start:stop] for _, start, stop in ranges]), known)
+            fitting = which_fits(np.concatenate([self.points[start:stop] for _, start, stop in ranges]), known)
             begin = 0
             for index, start, stop in ranges:
                 fits = fitting[begin : begin + stop - start]
@@ -154,7 +122,7 @@ class Cloud:
 
 
 @lru_cache(maxsize=8192)
-def _all_corners(hulls: tuple[_Hull, ...], count: int) -> bool:
+def _all_corners(hulls: tuple[Hull, ...], count: int) -> bool:
     """Whether so many points are the corners of each of some hulls."""
     return all(len(hull.used) == count for hull in hulls)
 
@@ -191,7 +159,7 @@ def join_clouds(some: Sequence[Sequence[Cloud]], starts: Sequence[int]) -> list[
 class Fitted:
     """Pieces with one ``hull``: by the number ``cloud`` (k,) of a cloud and ``index`` (k,), of instances ``rows`` (k,); corners (k, P, 3)."""
 
-    hull: _Hull
+    hull: Hull
     cloud: np.ndarray
     index: np.ndarray
     rows: np.ndarray
@@ -200,7 +168,7 @@ class Fitted:
 
 def fit_all(clouds: Sequence[Cloud]) -> list[Fitted]:
     """The hulls of the pieces of several clouds; those that may have the same are looked at together."""
-    alike: dict[tuple[tuple[_Hull, ...], int], list[tuple[int, int, int]]] = {}
+    alike: dict[tuple[tuple[Hull, ...], int], list[tuple[int, int, int]]] = {}
     for number, cloud in enumerate(clouds):
         for step, start, stop in cloud.ranges():
             alike.setdefault((cloud.known(step), cloud.points.shape[1]), []).append((number, start, stop))
@@ -211,7 +179,7 @@ def fit_all(clouds: Sequence[Cloud]) -> list[Fitted]:
             np.concatenate([getattr(clouds[number], name)[start:stop] for number, start, stop in ranges])
             for name in ("index", "rows", "points")
         )
-        fitting = _fitting(points, known)
+        fitting = which_fits(points, known)
         hulls = [(np.flatnonzero(fitting == number), hull) for number, hull in enumerate(known)]
         for k in np.flatnonzero(fitting == len(known)).tolist():
             cloud = clouds[of[k]]
@@ -290,31 +258,42 @@ def _points(primitive: Primitive, numbers: tuple[int, ...], index: np.ndarray, p
 
 
 @lru_cache(maxsize=8192)
-def _known(primitive: Primitive, number: int, index: int) -> tuple[_Hull, ...]:
+def _known(primitive: Primitive, number: int, index: int) -> tuple[Hull, ...]:
     """The sets of faces that the test values show for a declared piece, or for the last step that they have, as steps are alike."""
     piece = primitive.pieces[number]
 
-    def find() -> tuple[_Hull, ...]:
-        tested = _tested(primitive, number)
-        rows = np.flatnonzero(tested.index == index)
-        last = tested.index.max(initial=-1)
-        if 0 <= last < index:
-            return _known(primitive, number, int(last))
-        return _distinct(primitive, piece.name, tested.points[rows])
+    def find() -> tuple[Hull, ...]:
+        numbers = next(numbers for numbers in _alike(primitive) if number in numbers)
+        steps, together = _tested(primitive, numbers)[numbers.index(number)]
+        if not steps:
+            return ()
+        if index >= len(steps):
+            return _known(primitive, number, len(steps) - 1)
+        return together[index] or _distinct(primitive, piece.name, steps[index])
 
     return _kept(primitive, f"hulls {number} {index}", find, len(piece.points))
 
 
-def _tested(primitive: Primitive, number: int) -> Cloud:
-    """A declared piece at the test values."""
-    numbers = next(numbers for numbers in _alike(primitive) if number in numbers)
-    return _tested_together(primitive, numbers)[numbers.index(number)]
+@lru_cache(maxsize=64)
+def _tested(
+    primitive: Primitive, numbers: tuple[int, ...]
+) -> list[tuple[list[np.ndarray], list[tuple[Hull, ...] | None]]]:
+    """Declared pieces that are alike, at the test values: the points of each step, and its hulls where they are found together. All steps
+    of all of these pieces are one call of their formulas."""
+    steps = [
+        [cloud.points[start:stop] for _, start, stop in cloud.ranges()]
+        for cloud in _declared(primitive, numbers, draw_trial(primitive))
+    ]
+    found = iter(distinct_together([points for own in steps for points in own]))
+    return [(own, [next(found) for _ in own]) for own in steps]
 
 
-@lru_cache(maxsize=8)
-def _tested_together(primitive: Primitive, numbers: tuple[int, ...]) -> list[Cloud]:
-    """Declared pieces that are alike at the test values: all steps of all of them are one call of their formulas."""
-    return _declared(primitive, numbers, draw_trial(primitive))
+def _distinct(primitive: Primitive, name: str, points: np.ndarray) -> tuple[Hull, ...]:
+    """Hulls such that each of the instances (k, P, 3) of a piece fits one of them."""
+    try:
+        return distinct_hulls(points)
+    except NoHullError as error:
+        raise PrimitiveError(primitive, None, f"piece {name} {error}") from error
 
 
 @lru_cache(maxsize=512)
@@ -338,142 +317,48 @@ def _word(variant: tuple[bool, ...]) -> str:
 
 
 @lru_cache(maxsize=512)
-def _mesh_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[_Hull, ...]:
+def _mesh_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[Hull, ...]:
     """The mesh itself, where it may be convex, and the hulls of the test values for which it is not."""
     found = topology(primitive, variant)
     corners = plan_weld(found, tuple(step_counts(found, _hull_steps(primitive, variant)).tolist())).count
     return _kept(primitive, f"hulls of meshes {_word(variant)}", lambda: _found_hulls(primitive, variant), corners)
 
 
-def _found_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[_Hull, ...]:
-    found: list[_Hull] = []
+def _found_hulls(primitive: Primitive, variant: tuple[bool, ...]) -> tuple[Hull, ...]:
+    found: list[Hull] = []
     params = mesh.take(draw_trial(primitive), variants(primitive)[variant])
     (made,) = mesh.build(primitive, params, _hull_steps(primitive, variant))
     points, corners = made.vertices, made.vertices.shape[1]
     if 2 * corners - len(made.faces) == 4:  # V - E + F = 2: one body without holes
-        found.append(_Hull(np.arange(corners), made.faces.astype(np.int64)))
-        points = points[~_fits(points, found[-1])]
+        found.append(Hull(np.arange(corners), made.faces.astype(np.int64)))
+        points = points[~fits(points, found[-1])]
     return (*found, *_distinct(primitive, "hull", points))
 
 
 def _kept(
-    primitive: Primitive, name: str, find: Callable[[], tuple[_Hull, ...]], points: int, most: int | None = None
-) -> tuple[_Hull, ...]:
+    primitive: Primitive, name: str, find: Callable[[], tuple[Hull, ...]], points: int, most: int | None = None
+) -> tuple[Hull, ...]:
     """Hulls of so many ``points`` as facts that are kept between runs."""
     return facts.recall_fact(
         primitive,
         name,
         find,
         lambda hulls: [[hull.used.tolist(), hull.faces.ravel().tolist()] for hull in hulls],
-        lambda data: tuple(_read(tuple(used), tuple(faces), points) for used, faces in data),
+        lambda data: tuple(read_hull(tuple(used), tuple(faces), points) for used, faces in data),
         most,
     )
 
 
-def _own(primitive: Primitive, name: str, points: np.ndarray) -> _Hull:
+def _own(primitive: Primitive, name: str, points: np.ndarray) -> Hull:
     """The hull of one instance (P, 3); the first of a primitive are kept, so that the first objects are there at once."""
     seen = blake2b(np.ascontiguousarray(points).tobytes(), digest_size=12).hexdigest()
-    find = lambda: (_hull(primitive, name, points),)  # noqa: E731
+    find = lambda: _distinct(primitive, name, points[None])  # noqa: E731
     (found,) = _kept(primitive, f"own hull {seen}", find, len(points), _OWN)
     return found
 
 
-@lru_cache(maxsize=4096)
-def _read(used: tuple[int, ...], faces: tuple[int, ...], points: int) -> _Hull:
-    """The hull of data that anyone may have written, which many pieces share; ValueError where it is no closed surface over so many
-    points."""
-    chosen, corners = np.array(used, dtype=np.int64), np.array(faces, dtype=np.int64).reshape(-1, 3)
-    count = len(chosen)
-    if count < 4 or not ((chosen >= 0) & (chosen < points)).all() or (np.diff(chosen) <= 0).any():
-        raise ValueError("the corners of a hull are some of the points, in their order")
-    if not ((corners >= 0) & (corners < count)).all():
-        raise ValueError("a face of a hull has three of its corners")
-    start, end = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
-    edges, back = np.sort(start * count + end), np.sort(end * count + start)
-    if (np.diff(edges) == 0).any() or (edges != back).any() or len(corners) != 2 * count - 4:
-        raise ValueError("the faces of a hull are closed, and those of one body")
-    return _shared(chosen.tobytes(), corners.tobytes())
-
-
-def _distinct(primitive: Primitive, name: str, points: np.ndarray) -> tuple[_Hull, ...]:
-    """Hulls such that each of the instances (k, P, 3) fits one of them."""
-    found: list[_Hull] = []
-    open_rows = np.ones(len(points), dtype=bool)
-    while open_rows.any():
-        hull = _hull(primitive, name, points[int(np.argmax(open_rows))])
-        found.append(hull)
-        fits = _fits(points, hull)
-        fits[int(np.argmax(open_rows))] = True
-        open_rows &= ~fits
-    return tuple(found)
-
-
-def _hull(primitive: Primitive, name: str, points: np.ndarray) -> _Hull:
-    """The hull of one instance (P, 3), triangulated, faces outwards; PrimitiveError when the points are flat."""
-    from scipy.spatial import ConvexHull, QhullError  # late: importing the package must not load SciPy
-
-    low, size = points.min(axis=0), points.max(axis=0) - points.min(axis=0)
-    if not np.isfinite(size).all():
-        raise PrimitiveError(primitive, None, f"piece {name} has points that are not finite numbers")
-    flat = PrimitiveError(primitive, None, f"piece {name} has no volume: its points lie in one plane")
-    if (size <= 1e-12 * size.max()).any():
-        raise flat
-    scaled = (points - low) / size  # the faces of a hull do not change under scaling, their precision does
-    try:
-        found = ConvexHull(scaled)
-    except QhullError as error:
-        raise flat from error
-    faces = found.simplices.astype(np.int64)
-    a, b, c = (scaled[faces[:, n]] for n in range(3))
-    turned = dot(cross(b - a, c - a), found.equations[:, :3]) < 0
-    faces[turned] = faces[turned][:, ::-1]
-    start = np.argmin(faces, axis=1)
-    faces = np.take_along_axis(faces, (start[:, None] + np.arange(3)) % 3, axis=1)
-    faces = faces[np.lexsort(faces.T[::-1])]
-    used, number = np.unique(faces, return_inverse=True)
-    return _shared(used.astype(np.int64).tobytes(), number.astype(np.int64).tobytes())
-
-
-def _fits(points: np.ndarray, hull: _Hull) -> np.ndarray:
-    """(k,) bool: for which instances (k, P, 3) the faces are convex and no other point lies in front of one.
-
-    A closed surface of the kind of a sphere is convex as a whole when it is so along every edge.
-    """
-    low, high = extent(points)
-    reach = np.maximum((high - low).max(axis=1), 1e-300)[:, None, None]
-    scaled = np.ascontiguousarray(((points - low[:, None]) / reach).transpose(2, 0, 1))
-    faces, across = hull.used[hull.faces], hull.used[hull.across]
-    others = () if len(hull.used) == points.shape[1] else absent(points.shape[1], hull.used)
-    fits = np.ones(len(points), dtype=bool)
-    size = max(64, _CHUNK // len(faces))
-    for part in range(0, len(points), size):
-        chunk = scaled[:, part : part + size]
-        a, b, c = ([axis[:, faces[:, n]] for axis in chunk] for n in range(3))
-        e, f = [q - p for p, q in zip(a, b, strict=True)], [q - p for p, q in zip(a, c, strict=True)]
-        normal = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]]
-        length = np.sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2])
-        reach = normal[0] * a[0] + normal[1] * a[1] + normal[2] * a[2] + _FLAT * length + 1e-18
-        worst = np.full(reach.shape, -np.inf)
-        for corner in (*across.T, *(np.full(len(faces), p) for p in others)):
-            x, y, z = (axis[:, corner] for axis in chunk)
-            np.maximum(worst, normal[0] * x + normal[1] * y + normal[2] * z, out=worst)
-        fits[part : part + size] = (worst <= reach).all(axis=1)
-    return fits
-
-
-def _fitting(points: np.ndarray, known: tuple[_Hull, ...]) -> np.ndarray:
-    """(k,) the first of the hulls that fits each of the instances (k, P, 3), their number where none does."""
-    found = np.full(len(points), len(known))
-    for number, hull in enumerate(known):
-        left = np.flatnonzero(found == len(known))
-        if not len(left):
-            break
-        found[left[_fits(points[left], hull)]] = number
-    return found
-
-
 def _grouped(
-    primitive: Primitive, name: str, rows: np.ndarray, points: np.ndarray, known: tuple[_Hull, ...], fitting: np.ndarray
+    primitive: Primitive, name: str, rows: np.ndarray, points: np.ndarray, known: tuple[Hull, ...], fitting: np.ndarray
 ) -> list[PieceGroup]:
     """Instances (k', P, 3) sorted by the hull that fits; those that fit none by a hull of their own."""
     groups = []

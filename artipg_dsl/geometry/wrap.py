@@ -19,14 +19,18 @@ from .vectors import cross, dot
 
 _GRID = 1 << 20  # places along the extent of a set; what rounds to the same place coincides
 _AT = 0.3718  # of a place: no number that has a short name lies between two
-_BEND = 1e-5  # how far points are moved, by the extent of the set, at a distance of that
+BEND = 1e-5  # how far points are moved, by the extent of the set, at a distance of that
 _DOUBT = 1e-13  # some hundred times what rounding makes of a distance
 _ALONG = np.array([[1.0, 0.37, 0.19], [0.37, 1.21, 0.43], [0.19, 0.43, 0.87]])  # nothing in a shape is even along these
 Wrapped = tuple[np.ndarray, np.ndarray]  # numbers (P,) of the points that are corners, and faces (F, 3) of these
 
 
-def wrap_all(sets: Sequence[np.ndarray]) -> list[Wrapped]:
-    """The hulls of sets of points (n, 3). Raises scipy's QhullError for one that is flat."""
+class FlatError(ValueError):
+    """Points that lie in one plane have no hull."""
+
+
+def wrap_all(sets: Sequence[np.ndarray], bend: float = BEND) -> list[Wrapped]:
+    """The hulls of sets of points (n, 3), moved outwards by ``bend``. Raises FlatError for one that is flat."""
     if not sets:
         return []
     points = np.concatenate(sets) + 0.0
@@ -38,7 +42,7 @@ def wrap_all(sets: Sequence[np.ndarray]) -> list[Wrapped]:
         once = _first_of_each(scaled, of, np.append(first, len(of)))
     scaled, of = scaled[once], of[once]
     start = np.searchsorted(of, np.arange(len(sets) + 1))
-    bent = _bent(scaled, of, start)
+    bent = _bent(scaled, of, start, bend)
     machine = backend.machine()
     told = [None] * len(sets) if machine is None else wrap.wrap(machine, bent, start, _DOUBT)
     found = []
@@ -49,6 +53,12 @@ def wrap_all(sets: Sequence[np.ndarray]) -> list[Wrapped]:
             faces = _hull(scaled[begin:end])
         found.append(_numbered(once[begin:end] - before, faces))
     return found
+
+
+def wrap_plainly(points: np.ndarray) -> Wrapped:
+    """The hull of points (n, 3) as they are, by Qhull. Raises FlatError where they are flat."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    return _numbered(np.arange(len(points)), _hull((points - low) / (high - low)))
 
 
 def _first_of_each(scaled: np.ndarray, of: np.ndarray, start: np.ndarray) -> np.ndarray:
@@ -64,14 +74,14 @@ def _first_of_each(scaled: np.ndarray, of: np.ndarray, start: np.ndarray) -> np.
     return np.sort(order[new])
 
 
-def _bent(scaled: np.ndarray, of: np.ndarray, start: np.ndarray) -> np.ndarray:
+def _bent(scaled: np.ndarray, of: np.ndarray, start: np.ndarray, bend: float) -> np.ndarray:
     """Points (N, 3) of sets, each in a box of 1, from the middles of the sets, moved outwards."""
     middle = np.add.reduceat(scaled, start[:-1]) / np.diff(start)[:, None]
     away = scaled - middle[of]
     x, y, z = away.T
     (a, b, c), (_, d, e), (_, _, f) = _ALONG
     out: np.ndarray = (
-        away * (1.0 + _BEND * (a * x * x + d * y * y + f * z * z + 2 * (b * x * y + c * x * z + e * y * z)))[:, None]
+        away * (1.0 + bend * (a * x * x + d * y * y + f * z * z + 2 * (b * x * y + c * x * z + e * y * z)))[:, None]
     )
     return np.ascontiguousarray(out)
 
@@ -105,9 +115,12 @@ def _beyond_doubt(points: np.ndarray) -> np.ndarray | None:
 
 def _hull(points: np.ndarray) -> np.ndarray:
     """The faces (F, 3) of the hull of points (n, 3) as Qhull finds them: outwards, in order, each from its least number on."""
-    from scipy.spatial import ConvexHull  # late: importing the package must not load SciPy
+    from scipy.spatial import ConvexHull, QhullError  # late: importing the package must not load SciPy
 
-    found = ConvexHull(points)
+    try:
+        found = ConvexHull(points)
+    except QhullError as error:
+        raise FlatError(str(error)) from error
     faces = found.simplices.astype(np.int64)
     a, b, c = (points[faces[:, n]] for n in range(3))
     inward = dot(cross(b - a, c - a), found.equations[:, :3]) < 0

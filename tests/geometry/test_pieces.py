@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from artipg_dsl.geometry import mesh, pieces
+from artipg_dsl.geometry import hulls, mesh, pieces
 from artipg_dsl.geometry.errors import PrimitiveError
 from artipg_dsl.geometry.sites import join_tables, scatter
 from artipg_dsl.geometry.trial import draw_trial
@@ -89,12 +89,12 @@ def test_pieces_there_as_often_are_computed_by_one_formula(monkeypatch):
 
 def test_a_hull_that_many_pieces_share_is_verified_once():
     faces = (0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3)
-    pieces._read.cache_clear()
-    assert pieces._read((0, 1, 2, 3), faces, 4) is pieces._read((0, 1, 2, 3), faces, 4)
-    assert pieces._read.cache_info().misses == 1
+    hulls.read_hull.cache_clear()
+    assert hulls.read_hull((0, 1, 2, 3), faces, 4) is hulls.read_hull((0, 1, 2, 3), faces, 4)
+    assert hulls.read_hull.cache_info().misses == 1
     for _ in range(2):
         with pytest.raises(ValueError):
-            pieces._read((0, 1, 2, 3), faces[3:], 4)
+            hulls.read_hull((0, 1, 2, 3), faces[3:], 4)
 
 
 def test_faces_found_once_are_checked_for_every_instance():
