@@ -23,11 +23,18 @@ def parsed(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
 
 
+@cache
+def nodes(tree: ast.Module) -> tuple[ast.AST, ...]:
+    return tuple(ast.walk(tree))
+
+
 def late_imports(path: Path) -> Iterator[tuple[int, str]]:
     """Line and text of every import of our own modules inside a function."""
     lines = path.read_text(encoding="utf-8").splitlines()
-    for function in ast.walk(parsed(path)):
+    for function in nodes(parsed(path)):
         if isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
+            if not any("import" in line for line in lines[function.lineno - 1 : function.end_lineno]):
+                continue
             for node in ast.walk(function):
                 if isinstance(node, ast.ImportFrom) and node.level:
                     yield node.lineno, lines[node.lineno - 1].strip()
@@ -141,7 +148,7 @@ def test_lowering_asks_no_value_for_an_attribute_by_its_name() -> None:
     asked = {"getattr", "hasattr"}
     for path in (ROOT / "lower").rglob("*.py"):
         tree = parsed(path)
-        assert not asked & {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}, path
+        assert not asked & {node.id for node in nodes(tree) if isinstance(node, ast.Name)}, path
 
 
 CALLED_BY_TEXT = ("runtime/kernels", "runtime/draws")  # what generated code calls
@@ -161,7 +168,7 @@ def defined(tree: ast.Module) -> set[str]:
 def asked_for(tree: ast.Module) -> set[str]:
     """Names that a file may take from others: what it imports, attributes, and what follows a colon in its texts."""
     names: set[str] = set()
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.ImportFrom):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.Attribute):
@@ -179,7 +186,7 @@ def asked_of(node: ast.Assign) -> bool:
 def annotated(tree: ast.Module) -> set[str]:
     """Names in the annotations, bases and public tables of a file: what others are handed does not stay inside."""
     places: list[ast.expr | None] = []
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.FunctionDef):
             places.append(node.returns)
         elif isinstance(node, ast.arg | ast.AnnAssign):

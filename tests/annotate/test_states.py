@@ -91,6 +91,7 @@ def test_points_in_several_states_are_those_of_each(batch: Batch) -> None:
         assert points.normal[:, k].tobytes() == one.normal.tobytes()
 
 
+@pytest.mark.slow
 def test_motion_is_the_derivative_by_the_points_own_joint(batch: Batch) -> None:
     values = joint_values(batch, read_states("random:1"))
     joints, links = batch.joints(), batch.links()

@@ -18,7 +18,14 @@ DOCS = Path(__file__).parents[2] / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 
 
-@pytest.mark.parametrize("path", sorted((DOCS / "notebooks").glob("*.ipynb")), ids=lambda p: p.stem)
+LONG = {"fitting"}  # notebooks
+NOTEBOOKS = [
+    pytest.param(path, id=path.stem, marks=pytest.mark.slow if path.stem in LONG else ())
+    for path in sorted((DOCS / "notebooks").glob("*.ipynb"))
+]
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS)
 def test_notebook(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Its cells run in order, and those print that have an output stored. Numbers and names may change."""
     book = json.loads(path.read_text(encoding="utf-8"))

@@ -125,6 +125,7 @@ def test_rows_of_several_columns_are_found_at_once(racks: tuple[Model, Candidate
     assert np.array_equal(found.batch.state.values[front][mine], true.batch.state.values[front][theirs])
 
 
+@pytest.mark.slow
 def test_what_is_right_stays_so(racks: tuple[Model, Candidates, Clouds]) -> None:
     model, true, clouds = racks
     found = rearranged(model, clouds.targets, true, clouds, Effort(copies=32))

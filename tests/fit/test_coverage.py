@@ -81,6 +81,7 @@ def test_whole_candidates_are_compared_where_the_cloud_was_seen(
     assert (loss(0.0) > 12.0).all()
 
 
+@pytest.mark.slow
 def test_what_lies_in_a_hole_stays(model: Model, samples: apg.Samples) -> None:
     true, wrong = with_another(model, samples)
     for one in (true, wrong):

@@ -25,6 +25,7 @@ def star() -> Posed:
     return pose(Cloud(points, None, np.full(3000, -1), ()), Frame(front="x", unit="m"), ".npz", 1.0)
 
 
+@pytest.mark.slow
 def test_only_what_may_fit_is_decided(monkeypatch: pytest.MonkeyPatch) -> None:
     decided = []
 

@@ -48,6 +48,7 @@ def test_an_instance_has_the_same_bits_alone():
         assert all(a[0].tobytes() == e[row].tobytes() for a, e in zip(alone, every, strict=True))
 
 
+@pytest.mark.slow
 def test_a_bar_whose_curvature_has_cusps_takes_more_places():
     """The rim of spectacles runs along a superellipse. With the places of a smooth patch its volume is 0.3 % off."""
     primitive = SHIPPED["RimSag"]

@@ -98,6 +98,7 @@ once = st.tuples(linear, steps, right, st.booleans()).map(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=EXAMPLES, deadline=None)
 @given(together(once, 2), within(X), within(Y))
 def test_of_a_value_that_stands_once_exactly_what_holds_is_said(condition: Expr, a: float, b: float) -> None:

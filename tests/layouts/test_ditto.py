@@ -84,6 +84,7 @@ def test_the_folder_is_read_back_and_faults_are_found(ditto: Path) -> None:
         assert any(fault in line for line in found), fault
 
 
+@pytest.mark.slow
 def test_what_carries_too_little_is_not_used(lay: Lay) -> None:
     """Handles of doors: their places are so few that Ditto would see none that moves. What is left is numbered without gaps."""
     folder = lay("ditto", "Door", n=3)

@@ -12,7 +12,10 @@ from .conftest import Lay, faults
     [
         ("shapenetpart", "Mug", ["synsetoffset2category.txt"]),
         ("partnet-seg", "Mug", ["stats/train_val_test_split/Mug.test.json"]),
-        ("opd", "Microwave", ["annotations/MotionNet_valid.json", "annotations/OPDMulti_test.json", "valid.h5"]),
+        pytest.param(
+            *("opd", "Microwave", ["annotations/MotionNet_valid.json", "annotations/OPDMulti_test.json", "valid.h5"]),
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_a_damaged_list_is_found(lay: Lay, layout: str, category: str, names: list[str]) -> None:

@@ -89,6 +89,7 @@ def test_what_has_not_all_parts_is_left_out(lay: Lay) -> None:
         lay("ancsh", "Laptop", n=1, own={"Laptop": {"class": "oven", "parts": {"door/revolute": "part"}}})
 
 
+@pytest.mark.slow
 def test_both_kinds_of_test_objects_are_there(lay: Lay) -> None:
     """As ``Dataset`` parts them by names that it has by heart; ``predict_and_save`` divides by the number of views of either kind."""
     folder = lay("ancsh", "Laptop", n=4, shares=(1, 0, 3))

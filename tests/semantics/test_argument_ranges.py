@@ -96,6 +96,7 @@ def test_alternatives_and_roles(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_the_library_keeps_to_its_ranges() -> None:
     report = Report()
     workspace = Workspace(report)  # each file is read once, whoever else imports it

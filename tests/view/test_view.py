@@ -99,6 +99,7 @@ def test_a_sheet_shows_objects_on_a_plain_backdrop(name: str) -> None:
     assert changed.mean() > 0.03, "the second is opened"
 
 
+@pytest.mark.slow
 def test_one_may_look_from_any_side() -> None:
     seen = {view: sheets.draw_sheet(FakeBatch(1), tile=48, which="numpy", view=view) for view in sheets.VIEWS}
     pictures = list(seen.values())
