@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.vectors import cross, dot
+from ..native import backend
+from ..native import shading as native
 from ..records import dataclass
 
-_SHARP = np.cos(np.radians(35.0))  # patches that meet at a smaller angle than this look like one smooth surface
+_SHARP = float(np.cos(np.radians(35.0)))  # patches that meet at a smaller angle than this look like one smooth surface
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,19 +29,28 @@ def shade(vertices: np.ndarray, faces: np.ndarray, face_patch: np.ndarray) -> Sh
     source = keys % n_vertices
     split = split.ravel()
 
+    order = np.argsort(split, kind="stable")
+    starts = np.searchsorted(split[order], np.arange(len(keys) + 1))
+    machine = backend.machine()
+    normal, cosine = _of_faces(vertices, faces) if machine is None else native.shade_faces(machine, vertices, faces)
+    angle = np.arccos(cosine)  # the corner's angle: fans and quads weigh the same
+    if machine is not None:
+        normals = native.shade_vertices(machine, normal, angle, order, starts, source, _SHARP)
+    else:
+        weighted = (normal[:, :, None] * angle[..., None]).reshape(len(vertices), -1, 3)
+        normals = _blend(np.add.reduceat(weighted[:, order], starts[:-1], axis=1), source)
+    return Shading(source, split.reshape(faces.shape).astype(np.int32), normals)
+
+
+def _of_faces(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Unit normals (k, F, 3) and the cosines (k, F, 3) of corners."""
     corners = vertices[:, faces]  # (k, F, 3, 3)
     edges = np.roll(corners, -1, axis=2) - corners
     normal = cross(edges[:, :, 0], edges[:, :, 1])  # twice the area times the unit normal
     length = np.sqrt(dot(edges, edges))
     before = np.roll(length, 1, axis=2)
     cosine = -dot(edges, np.roll(edges, 1, axis=2)) / np.where(length * before > 0, length * before, 1.0)
-    angle = np.arccos(np.clip(cosine, -1.0, 1.0))  # the corner's angle: fans and quads weigh the same
-    weighted = (_unit(normal)[:, :, None] * angle[..., None]).reshape(len(vertices), -1, 3)
-
-    order = np.argsort(split, kind="stable")
-    starts = np.searchsorted(split[order], np.arange(len(keys)))
-    summed = np.add.reduceat(weighted[:, order], starts, axis=1)
-    return Shading(source, split.reshape(faces.shape).astype(np.int32), _blend(summed, source))
+    return _unit(normal), np.clip(cosine, -1.0, 1.0)
 
 
 def _blend(summed: np.ndarray, source: np.ndarray) -> np.ndarray:

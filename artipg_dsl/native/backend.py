@@ -49,6 +49,8 @@ class Machine:
                 "depth_pictures",
                 "depth_sides",
                 "leave",
+                "shade_faces",
+                "shade_vertices",
                 "lay_flat",
                 "chain",
                 "cluster",

@@ -35,6 +35,7 @@ _SOURCES = [
         "points.c",
         "depths.c",
         "leaving.c",
+        "shading.c",
         "lots.c",
     )
 ]
