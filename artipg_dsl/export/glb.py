@@ -8,22 +8,23 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
 
-from ..records import dataclass
 from ..runtime.motion import perpendicular_to
 from .materials import to_linear
 from .naming import Names
 from .pose import open_values, rest_values
-from .primitives import SeenMaterial, Visual
+from .primitives import SeenMaterial
 from .robot import Robot, RobotJoint
+from .solids import SolidGroup
 
 FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
 VERTICES, INDICES = 34962, 34963
+_ROW = 12  # bytes of three float32
 _OPENING = 3.0  # seconds: to the other end and back
 _STEP = 1.6  # radians between two keys at most: viewers take the shorter way round
 _PATHS = {  # what moves when a joint does
@@ -38,36 +39,42 @@ _Z_UP_TO_Y_UP = [-0.5, -0.5, -0.5, 0.5]  # quaternion x y z w
 
 
 class _Buffer:
-    """The binary chunk and the accessors into it. Arrays are packed by kind, each view on a multiple of 4 bytes."""
+    """The binary chunk, views of it, each on a multiple of 4 bytes, and accessors into these."""
 
     def __init__(self) -> None:
         self.chunks: list[bytes] = []
         self.length = 0
-        self.views: list[dict[str, Any]] = []
+        self.views: list[dict[str, int]] = []
         self.accessors: list[dict[str, Any]] = []
 
-    def add(
-        self,
-        array: np.ndarray,
-        kind: str,
-        component: int,
-        target: int | None = None,
-        bounds: tuple[list[float], list[float]] | None = None,
-    ) -> int:
-        """The number of a new accessor over ``array``, of which ``bounds`` are the least and the most."""
-        data = np.ascontiguousarray(array).tobytes()
+    def view(self, array: np.ndarray, target: int | None = None, stride: int | None = None) -> int:
+        """The number of a new view of what ``array`` holds."""
+        data = array.tobytes()
         view = {"buffer": 0, "byteOffset": self.length, "byteLength": len(data)}
+        if stride is not None:
+            view["byteStride"] = stride
         if target is not None:
             view["target"] = target
         self.views.append(view)
         self.chunks.append(data + b"\0" * (-len(data) % 4))
         self.length += len(self.chunks[-1])
-        count = array.size if kind == "SCALAR" else len(array)
-        accessor = {"bufferView": len(self.views) - 1, "componentType": component, "count": count, "type": kind}
-        if bounds is not None:
-            accessor |= {"min": bounds[0], "max": bounds[1]}
-        self.accessors.append(accessor)
+        return len(self.views) - 1
+
+    def access(self, view: int, offset: int, count: int, kind: str, component: int) -> dict[str, Any]:
+        """A new accessor of ``count`` values from a byte of a view on."""
+        found = {"bufferView": view, "byteOffset": offset, "componentType": component, "count": count, "type": kind}
+        self.accessors.append(found)
+        return found
+
+    @property
+    def last(self) -> int:
+        """The number of the last accessor."""
         return len(self.accessors) - 1
+
+    def add(self, array: np.ndarray, kind: str) -> int:
+        """The number of a new accessor over float32 of its own."""
+        self.access(self.view(array), 0, len(array), kind, FLOAT)
+        return self.last
 
 
 def glb_bytes(robot: Robot) -> bytes:
@@ -87,13 +94,15 @@ def glb_bytes(robot: Robot) -> bytes:
     nodes: list[dict[str, Any]] = [top, *({"name": link.name} for link in robot.links)]
     links = {node["name"] for node in nodes}
     named = Names(links)
-    shapes = _shapes(robot)
+    shapes = _shapes(robot, buffer)
     for k, link in enumerate(robot.links):
         children = nodes[1 + k].setdefault("children", [])
         for visual in link.visuals:
             # the link keeps the plain name, and of several primitives of a part the first
             name = named(f"{visual.name}.solid" if visual.name in links else visual.name)
-            meshes.append(_mesh(visual, name, next(shapes), buffer, looks))
+            meshes.append(
+                {"name": name, "primitives": [next(shapes) | {"material": looks.setdefault(visual.look, len(looks))}]}
+            )
             nodes.append({"name": name, "mesh": len(meshes) - 1, "extras": {"part": visual.name}})
             children.append(len(nodes) - 1)
     values = rest_values(robot)
@@ -136,17 +145,9 @@ def _pack(document: dict[str, Any], binary: bytes) -> bytes:
     return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks
 
 
-@dataclass(frozen=True, slots=True)
-class _Shape:
-    """Corners (n, 3), the least and the most of them, and their normals (n, 3), as float32."""
-
-    position: np.ndarray
-    bounds: tuple[list[float], list[float]]
-    normal: np.ndarray
-
-
-def _shapes(robot: Robot) -> Iterator[_Shape]:
-    """What is seen, in the order of links; all of an object are made together."""
+def _shapes(robot: Robot, buffer: _Buffer) -> Iterator[dict[str, Any]]:
+    """What is seen, in the order of links, as primitives without a material. Corners, normals and faces of all lie together; faces that are
+    the same are there once."""
     seen = [(visual.item.group, visual.item.k, link.origin) for link in robot.links for visual in link.visuals]
     if not seen:
         return
@@ -155,22 +156,32 @@ def _shapes(robot: Robot) -> Iterator[_Shape]:
     normal = np.concatenate([group.shading.normals[k] for group, k, _ in seen]).astype("<f4") + np.float32(0.0)
     start = [0, *accumulate(map(len, points))]
     low, high = (best.reduceat(position, start[:-1]).tolist() for best in (np.minimum, np.maximum))
+    views = [buffer.view(array, VERTICES, _ROW) for array in (position, normal)]
+    indices = _indices([group for group, _, _ in seen], buffer)
     for k, (begin, end) in enumerate(pairwise(start)):
-        yield _Shape(position[begin:end], (low[k], high[k]), normal[begin:end])
+        first, second = (buffer.access(view, _ROW * begin, end - begin, "VEC3", FLOAT) for view in views)
+        first |= {"min": low[k], "max": high[k]}
+        attributes = {"POSITION": buffer.last - 1, "NORMAL": buffer.last}
+        yield {"attributes": attributes, "indices": indices[id(seen[k][0])]}
 
 
-def _mesh(visual: Visual, name: str, shape: _Shape, buffer: _Buffer, looks: dict[SeenMaterial, int]) -> dict[str, Any]:
-    small = len(shape.position) < 0xFFFF
-    index = visual.item.group.shading.faces.astype("<u2" if small else "<u4").ravel()
-    primitive = {
-        "attributes": {
-            "POSITION": buffer.add(shape.position, "VEC3", FLOAT, VERTICES, shape.bounds),
-            "NORMAL": buffer.add(shape.normal, "VEC3", FLOAT, VERTICES),
-        },
-        "indices": buffer.add(index, "SCALAR", UNSIGNED_SHORT if small else UNSIGNED_INT, INDICES),
-        "material": looks.setdefault(visual.look, len(looks)),
-    }
-    return {"name": name, "primitives": [primitive]}
+def _indices(groups: Sequence[SolidGroup], buffer: _Buffer) -> dict[int, int]:
+    """The accessor of the faces of each group, by its id."""
+    found = {}
+    distinct = {id(group): group for group in groups}
+    for component, kind in ((UNSIGNED_SHORT, np.dtype("<u2")), (UNSIGNED_INT, np.dtype("<u4"))):
+        own = [
+            (key, group.shading.faces.ravel())
+            for key, group in distinct.items()
+            if (len(group.shading.source) < 0xFFFF) == (component == UNSIGNED_SHORT)
+        ]
+        if own:
+            view = buffer.view(np.concatenate([faces for _, faces in own]).astype(kind), INDICES)
+            ends = accumulate(len(faces) for _, faces in own)
+            for (key, faces), end in zip(own, ends, strict=True):
+                buffer.access(view, kind.itemsize * (end - len(faces)), len(faces), "SCALAR", component)
+                found[key] = buffer.last
+    return found
 
 
 def _material(look: SeenMaterial) -> dict[str, Any]:
@@ -268,11 +279,11 @@ def _animation(robot: Robot, rest: dict[str, float], buffer: _Buffer) -> dict[st
         if len(values) not in clocks:
             times = np.arange(len(values)) * (_OPENING / (len(values) - 1))
             clock = times.astype("<f4")
-            span = [float(clock.min())], [float(clock.max())]
-            clocks[len(values)] = buffer.add(clock, "SCALAR", FLOAT, bounds=span)
+            clocks[len(values)] = buffer.add(clock, "SCALAR")
+            buffer.accessors[-1] |= {"min": [float(clock.min())], "max": [float(clock.max())]}
         for path in _PATHS[joint.kind]:
             keys, kind = (_translations, "VEC3") if path == "translation" else (_turns, "VEC4")
-            output = buffer.add(keys(joint, values).astype("<f4"), kind, FLOAT)
+            output = buffer.add(keys(joint, values).astype("<f4"), kind)
             samplers.append({"input": clocks[len(values)], "interpolation": "LINEAR", "output": output})
             channels.append({"sampler": len(samplers) - 1, "target": {"node": 1 + joint.child, "path": path}})
     return {"name": "open", "samplers": samplers, "channels": channels}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 import trimesh
 
 from artipg_dsl import api as apg
-from artipg_dsl.export.glb import glb_bytes, open_values
+from artipg_dsl.export.glb import VERTICES, glb_bytes, open_values
 from artipg_dsl.export.materials import to_linear
 from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.shading import shade
@@ -36,7 +37,36 @@ def accessor(document: dict, binary: bytes, number: int) -> np.ndarray:
     view = document["bufferViews"][entry["bufferView"]]
     dtype = {5126: "<f4", 5123: "<u2", 5125: "<u4"}[entry["componentType"]]
     width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[entry["type"]]
-    return np.frombuffer(binary, dtype, entry["count"] * width, view["byteOffset"]).reshape(-1, width)
+    place = view["byteOffset"] + entry["byteOffset"]
+    return np.frombuffer(binary, dtype, entry["count"] * width, place).reshape(-1, width)
+
+
+def test_meshes_share_views_as_the_standard_asks(robot: Robot) -> None:
+    """Its sections on buffers and accessors: what lies in one view has its stride, and each value a multiple of its size for a place."""
+    document, binary = parse(glb_bytes(robot))
+    views, shared = document["bufferViews"], Counter(entry["bufferView"] for entry in document["accessors"])
+    for entry in document["accessors"]:
+        view = views[entry["bufferView"]]
+        size = {5126: 4, 5123: 2, 5125: 4}[entry["componentType"]]
+        row = size * {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[entry["type"]]
+        assert (view["byteOffset"] + entry["byteOffset"]) % size == 0
+        assert entry["byteOffset"] + row * entry["count"] <= view["byteLength"]
+        if view.get("target") == VERTICES:
+            assert shared[entry["bufferView"]] == 1 or view["byteStride"] == row
+    visuals = [(link, visual) for link in robot.links for visual in link.visuals]
+    assert len(visuals) == len(document["meshes"]) > 4
+    for (link, visual), made in zip(visuals, document["meshes"], strict=True):
+        (primitive,) = made["primitives"]
+        numbers = primitive["attributes"]
+        position, normal = (accessor(document, binary, numbers[name]) for name in ("POSITION", "NORMAL"))
+        group, k = visual.item.group, visual.item.k
+        assert np.allclose(position, group.vertices[k][group.shading.source] - link.origin, atol=1e-6)
+        assert np.allclose(normal, group.shading.normals[k], atol=1e-6)
+        bounds = document["accessors"][numbers["POSITION"]]
+        assert bounds["min"] == position.min(axis=0).tolist() and bounds["max"] == position.max(axis=0).tolist()
+        assert accessor(document, binary, primitive["indices"]).ravel().tolist() == group.shading.faces.ravel().tolist()
+    groups = {id(visual.item.group) for _, visual in visuals}
+    assert len({made["primitives"][0]["indices"] for made in document["meshes"]}) == len(groups)
 
 
 def test_trimesh_reads_links_and_primitives_standing_upright(robot: Robot) -> None:
