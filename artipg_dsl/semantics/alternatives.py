@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..diagnostics.suggest import did_you_mean
 from ..source import Span
 from ..syntax import ast
-from . import conditions, paths
+from . import conditions, foreign, paths
 from .declarations import check_default, outside
 from .entries import of_alternative
 from .fold import constant
@@ -240,6 +240,7 @@ def _check_arguments(
             ck.error("wrong-arguments", argument.span, f"`{argument.name}` is given twice", hint="keep one of the two")
         seen.add(argument.name)
         wanted: Type = UNKNOWN
+        known = True
         for symbol in symbols:
             kind = _parameter(ck, symbol, argument.name)
             if kind is None:
@@ -248,14 +249,24 @@ def _check_arguments(
                     "unknown-argument",
                     argument.span,
                     f"{symbol.name} has no parameter `{argument.name}`",
-                    hint=did_you_mean(argument.name, offered)
+                    hint=_meant(argument.name, offered)
                     or ("it has " + ", ".join(offered) if offered else "it has none"),
                 )
+                known = False
                 break
             wanted = kind
             _stands(ck, ctx, symbol, argument, (*outer, *given))
             _within_range(ck, ctx, symbol, argument)
-        _argument(ck, ctx, argument, wanted)
+        if known:  # what the value of another should be, nobody can tell
+            _argument(ck, ctx, argument, wanted)
+
+
+def _meant(name: str, offered: list[str]) -> str | None:
+    """What to write instead of an argument that there is not."""
+    parameter, told = foreign.SIZES.get(name, ("", None))
+    if parameter in offered:
+        return told
+    return did_you_mean(name, offered) or foreign.ARGUMENTS.get(name)
 
 
 def _by_name(ck: Checker, symbols: list[Symbol]) -> str:

@@ -50,6 +50,31 @@ FUNCTIONS = {
     **_each("vec vec3 point vector", "a vector is written in square brackets: `[x, y, z]`"),
 }
 
+_MADE = "a part takes its looks from a statement of its own: `material oak on NAME`"
+_PLACED = "a part is placed by statements of its own: `connect`, `joint` or `align NAME.center = [x, y, z]`"
+_TURNED = "a part is turned behind its template: `part post : Cylinder(...) turned 20deg about y`"
+_HALVED = "give the `radius`, half of it"
+
+ARGUMENTS = {
+    **_each("colour color material mat texture", _MADE),
+    **_each("at pos position xyz origin center centre location translate offset parent", _PLACED),
+    **_each("rpy rot rotate rotation orientation turned along axis", _TURNED),
+}
+"""Arguments that no template takes, unless it says so itself."""
+
+SIZES = {
+    "r": ("radius", "did you mean `radius`?"),
+    "rad": ("radius", "did you mean `radius`?"),
+    "h": ("height", "did you mean `height`?"),
+    "length": ("height", "did you mean `height`? it goes along z, unless the part lies `along x`"),
+    **dict.fromkeys(("d", "diam", "diameter"), ("radius", _HALVED)),
+    **dict.fromkeys(
+        "width height depth dimensions dims extents x y z".split(),
+        ("size", "write `size = [depth, width, height]`: its extents along x, y and z"),
+    ),
+}
+"""Arguments by names of other tools: which parameter is meant, and what to write."""
+
 JOINTS = {
     **_each("hinge hinged rotary rotate turn swing pivot", "revolute"),
     **_each("slide slider sliding linear translate drawer", "prismatic"),

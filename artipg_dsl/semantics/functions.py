@@ -60,8 +60,10 @@ def built_in(ck: Checker, ctx: Context, expr: ast.CallExpr, forms: tuple[Form, .
         ck.mean(expr.function, BuiltIn(form))
         kind = RULES[form.rule](ck, ctx, expr, form, bound)
         return kind if kind != CURVE else _made(ck, ctx, expr, form)
+    taken = {parameter.name for form in forms for parameter in form.parameters}
     for argument in expr.arguments:
-        ck.infer(ctx.but(many=True), argument.value)
+        if argument.name is None or argument.name in taken:
+            ck.infer(ctx.but(many=True), argument.value)
     return UNKNOWN
 
 
@@ -96,7 +98,7 @@ def _bound(ck: Checker, expr: ast.CallExpr, form: Form) -> Bound | None:
     found: set[str] = set()
     for argument, parameter in pairs:
         if parameter is None:
-            what = f"has no argument `{argument.name}`" if argument.name else f"takes {len(known)} arguments at most"
+            what = f"has no argument `{argument.name}`" if argument.name else f"takes {_counted(form)} at most"
             hint = did_you_mean(argument.name or "", known) or "it takes " + ", ".join(known)
             ck.error("unknown-argument", argument.span, f"`{word}` {what}", hint=hint)
         elif parameter.name in found:
