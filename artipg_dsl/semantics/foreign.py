@@ -50,6 +50,25 @@ FUNCTIONS = {
     **_each("vec vec3 point vector", "a vector is written in square brackets: `[x, y, z]`"),
 }
 
+MATERIALS = {
+    **_each("wood wooden timber plywood beech birch maple ash cherry mahogany spruce bamboo", "oak pine walnut"),
+    **_each("metal metallic alloy", "steel aluminium brass copper"),
+    **_each("aluminum", "aluminium"),
+    **_each("iron", "cast_iron steel"),
+    **_each("gold golden bronze", "brass copper"),
+    **_each("cloth textile canvas cotton linen wool felt velvet", "blue_fabric grey_fabric"),
+    **_each("porcelain china stoneware clay terracotta stone marble concrete", "ceramic"),
+    **_each(
+        "nylon abs polymer resin polypropylene acrylic plexiglass",
+        "white_plastic grey_plastic black_plastic clear_plastic",
+    ),
+    **_each("vinyl", "white_pvc"),
+    **_each("silicone foam elastomer tpu", "rubber"),
+    **_each("cardboard carton", "kraft_board white_board"),
+    **_each("hide suede", "black_leather"),
+}
+"""Materials by names that the library has not, and its nearest."""
+
 _MADE = "a part takes its looks from a statement of its own: `material oak on NAME`"
 _PLACED = "a part is placed by statements of its own: `connect`, `joint` or `align NAME.center = [x, y, z]`"
 _TURNED = "a part is turned behind its template: `part post : Cylinder(...) turned 20deg about y`"

@@ -6,15 +6,17 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..diagnostics import Report
-from ..diagnostics.suggest import did_you_mean, suggest
+from ..diagnostics.suggest import any_of, did_you_mean, suggest
 from ..language import reserved_name
 from ..resources import library_dir
 from ..source import Source, Span
 from ..syntax import ast
 from ..syntax.load import load
 from ..syntax.trees import KeptTree, tree_of
-from .offers import declared_in
+from .offers import declared_in, kin
 from .symbols import KINDS, ModuleScope, Symbol
+
+_NAMED = 12  # names that a hint lists
 
 Loader = Callable[[Source, Report], ast.Module | KeptTree | None]
 Reader = Callable[[Path, Report, str], "Source | None"]
@@ -132,13 +134,13 @@ class Workspace:
         for name, span in zip(use.names, use.name_spans, strict=True):
             symbol = offered.get(name)
             if symbol is None:
-                meant = suggest(name, offered)
-                scope.lost.update((name,) if meant is None else (name, meant))
+                meant = kin(name, offered) or [word for word in (suggest(name, offered),) if word]
+                scope.lost.update((name, *meant))
                 self.report.error(
                     "unknown-import",
                     span,
                     f"module `{use.module}` declares no `{name}`",
-                    hint=f"did you mean `{meant}`?" if meant else self._elsewhere(name, module, use.module),
+                    hint=f"did you mean {any_of(meant)}?" if meant else self._elsewhere(name, module, use.module),
                 )
             elif name in scope.names and scope.names[name] is not symbol:
                 other = scope.names[name]
@@ -166,7 +168,8 @@ class Workspace:
         if passed_on is not None:
             return f"`{asked}` uses it too: write `use {passed_on.module.name} {{ {name} }}`"
         own = [symbol.name for symbol in module.own()]
-        return declared_in(name) or (f"it declares {', '.join(own)}" if own else None)
+        more = f" and {len(own) - _NAMED} more, which the page of the library lists" if len(own) > _NAMED else ""
+        return declared_in(name) or (f"it declares {', '.join(own[:_NAMED])}{more}" if own else None)
 
     def _cycle(self, first: int) -> None:
         ring = self._trail[first:]

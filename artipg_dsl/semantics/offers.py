@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable
 
-from ..diagnostics.suggest import did_you_mean, suggest
+from ..diagnostics.suggest import any_of, did_you_mean, suggest
 from ..resources import library_dir
+from . import foreign
 
 DECLARED = re.compile(r"^(role|template|primitive|material|vocabulary)[ ]+(\w+)", re.MULTILINE)
 TEMPLATES = ("role", "template", "primitive")
+_NEAR = 6  # names in a hint
 
 
 def declared_in(name: str) -> str | None:
@@ -27,10 +29,22 @@ def missing(name: str, here: Iterable[str], *kinds: str) -> str | None:
     library = _modules(kinds)
     if name in library:
         return f"bring it in: `use {library[name]} {{ {name} }}`"
+    here = list(here)
+    if alike := kin(name, here):
+        return f"did you mean {any_of(alike)}?"
+    if alike := kin(name, library):
+        return f"did you mean {any_of(alike)}? bring it in, as in `use {library[alike[0]]} {{ {alike[0]} }}`"
     near = did_you_mean(name, here)
     if near is None and (word := suggest(name, library)) is not None:
         near = f"did you mean `{word}`? bring it in: `use {library[word]} {{ {word} }}`"
     return near
+
+
+def kin(name: str, known: Collection[str]) -> list[str]:
+    """The names of which ``name`` is a word, and those of materials that are nearest to what others call ``name``: `blue_fabric` and
+    `grey_fabric` for `fabric` and for `cloth`."""
+    told = foreign.MATERIALS.get(name.lower(), "").split()
+    return [word for word in known if word in told or name.lower() in word.split("_")][:_NEAR]
 
 
 def module_of(name: str, *kinds: str) -> str | None:
