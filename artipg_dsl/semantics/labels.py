@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..diagnostics.suggest import did_you_mean, suggest
 from ..syntax import ast
-from ..syntax.walk import path_root, walk
+from ..syntax.walk import path_root, put_together, walk
 from ..units import UNITS
 from . import paths
 from .alternatives import unknown_material
@@ -133,8 +133,8 @@ def _place(ck: Checker, ctx: Context, expr: ast.Expr) -> tuple[Type, Context]:
 
 def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str, alone: bool = False) -> Context:
     """What a label lies on: parts, slots and surfaces, also through repeats. ``alone``: the statement takes one of them."""
-    if isinstance(expr, ast.BinaryExpr) and expr.op in ("and", "or"):
-        _refuse_joined(ck, ctx, expr, alone)
+    if named := put_together(expr):
+        _refuse_joined(ck, ctx, expr, named, alone)
         return ctx
     kind, ctx = _place(ck, ctx, expr)
     if not isinstance(kind, Boxed) and kind not in (UNKNOWN, PLANE, SURFACE):
@@ -157,11 +157,8 @@ def target(ck: Checker, ctx: Context, expr: ast.Expr, rule: str, alone: bool = F
     return ctx
 
 
-def _refuse_joined(ck: Checker, ctx: Context, expr: ast.BinaryExpr, alone: bool) -> None:
-    """Reports ``body and lid`` as a target."""
-    named: list[ast.Expr] = [expr]
-    while isinstance(last := named[0], ast.BinaryExpr) and last.op in ("and", "or"):
-        named[:1] = [last.left, last.right]
+def _refuse_joined(ck: Checker, ctx: Context, expr: ast.Expr, named: list[ast.Expr], alone: bool) -> None:
+    """Reports ``body and lid`` or ``[body, lid]`` as a target."""
     paths = [one for one in named if isinstance(one, ast.NameExpr | ast.MemberExpr | ast.IndexExpr)]
     for one in paths:
         _place(ck, ctx, one)
@@ -171,7 +168,8 @@ def _refuse_joined(ck: Checker, ctx: Context, expr: ast.BinaryExpr, alone: bool)
         said, hint = "targets are separated by commas", f"write `{', '.join(one.span.words for one in named)}`"
     else:
         said, hint = "a condition follows `where`", f"for example `on {named[0].span.words} where n.z > 0.5`"
-    ck.error("wrong-type", expr.span, f"`{expr.op}` joins conditions; {said}", hint=hint)
+    first = f"`{expr.op}` joins conditions" if isinstance(expr, ast.BinaryExpr) else "brackets make a vector of numbers"
+    ck.error("wrong-type", expr.span, f"{first}; {said}", hint=hint)
 
 
 def _is_surface(ck: Checker, expr: ast.MemberExpr) -> bool:

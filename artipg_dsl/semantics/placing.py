@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from ..diagnostics.suggest import any_of, did_you_mean
 from ..language import DIRECTIONS, FACES, JOINTS
 from ..syntax import ast
-from ..syntax.walk import path_root
+from ..syntax.walk import path_root, put_together
 from .guards import conjunction
 from .meanings import Declared, Word
 from .types import BASE, BOX, DIRECTION, EDGE, FRAME, LENGTH, LINE, PLANE, POINT, SURFACE, UNKNOWN, Boxed, Type, fits
@@ -74,6 +74,26 @@ def check_end(ck: Checker, expr: ast.Expr, kind: Type, what: str) -> None:
         )
 
 
+def _several(ck: Checker, ctx: Context, expr: ast.Expr, word: str) -> bool:
+    """Whether ``body.top and post.top`` or ``[body.top, post.top]`` stands where one place does, which is reported."""
+    named = put_together(expr)
+    if not named:
+        return False
+    if isinstance(expr, ast.VectorExpr):
+        with ck.muted():
+            kinds = [ck.infer(ctx, item) for item in named]
+        faces = (PLANE,) if word == "on" or len(named) != 3 else ()  # three planes are a point
+        if not any(isinstance(kind, Boxed) or kind in (FRAME, EDGE, LINE, SURFACE, *faces) for kind in kinds):
+            return False
+    ck.error(
+        "wrong-type",
+        expr.span,
+        f"a part is attached once: one place follows `{word}`",
+        hint=f"write `{word} {named[0].span.words}`; where else it is, say with `at`, `fit` or `align`",
+    )
+    return True
+
+
 def _target(ck: Checker, expr: ast.Expr, kind: Type, word: str) -> None:
     """Where something is attached: `base` has no faces, so that a joint alone can name it."""
     check_end(ck, expr, kind, f"what follows `{word}`")
@@ -121,6 +141,8 @@ def check_place(ck: Checker, ctx: Context, node: ast.Attaching, framed: bool) ->
     """The clauses that place. ``framed``: on a face or port or in a box, whose middle `at center` means."""
     ends = ctx.but(ends=True)
     for clause in ast.present(node.to, node.on):
+        if _several(ck, ends, clause.value, clause.word):
+            continue
         _target(ck, clause.value, ck.infer(ends, clause.value), clause.word)
     for value in ast.value_of(node.between) or ():
         kind = ck.infer(ends, value)

@@ -29,6 +29,7 @@ _BEGINS_VALUE = frozenset("NUMBER QUANTITY FRACTION NAME STRING LPAR LSQB HOLE".
 _ENDS_VALUE = frozenset("NUMBER QUANTITY FRACTION NAME STRING RPAR RSQB HOLE".split())
 _CONDITIONS = frozenset("WHEN WHEN_BLOCK REQUIRE PREFER WHERE IF".split())
 _ALSO_VALUES = frozenset("OUT BOX INSIDE CLOSE FREE CLEAR FIELD LIMIT".split())  # words that may stand in brackets
+_OF_TARGETS = re.compile(r"\s*(label|material|field|connect|joint)\b(?!.*\b(?:where|when)\b)")
 _PAIRS = {"LPAR": "(", "LSQB": "["}
 _SIGNS = {
     "LBRACE": "`{`",
@@ -132,6 +133,11 @@ def _character(at: int, source: Source, text: str) -> Found:
             start,
             "a name consists of the letters a to z, digits and `_`",
         )
+    if char == "&" and (statement := _OF_TARGETS.match(source.line(span.line))):
+        said = "targets are separated by commas, as in `on body, lid`"
+        once = "a part is attached once, to one place; a `connect` attaches one part"
+        hint = said if statement[1] in ("label", "material", "field") else once
+        return Found("syntax", span, f"`{char}` has no meaning here", at, hint)
     shown = f"`{char}`" if char.isprintable() else f"the character U+{ord(char):04X}"
     return Found("syntax", span, f"{shown} has no meaning here", at, CHARACTERS.get(char))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from .ast import Expr, IndexExpr, MemberExpr, Node, Stmt, WhenStmt
+from .ast import BinaryExpr, Expr, IndexExpr, MemberExpr, Node, Stmt, VectorExpr, WhenStmt
 
 
 def walk(node: object) -> Iterator[Node]:
@@ -35,6 +35,18 @@ def path_root(node: Expr) -> Expr:
     while isinstance(node, MemberExpr | IndexExpr):
         node = node.obj
     return node
+
+
+def put_together(node: Expr) -> list[Expr]:
+    """What ``a and b`` joins, or ``[a, b]`` lists, in order; nothing where neither is written."""
+    if isinstance(node, VectorExpr):
+        return list(node.items)
+    if not isinstance(node, BinaryExpr) or node.op not in ("and", "or"):
+        return []
+    found: list[Expr] = [node]
+    while isinstance(last := found[0], BinaryExpr) and last.op in ("and", "or"):
+        found[:1] = [last.left, last.right]
+    return found
 
 
 def in_branches(body: tuple[Stmt, ...]) -> Iterator[Stmt]:
