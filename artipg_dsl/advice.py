@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 _OBJECTS = 8  # that are drawn, to see what floats, what collides and what their check takes
 _NAMED = 6  # parts that a warning names
 _SLACK = 1e-6  # radians or metres, by which rounding takes a joint out of its range
+_APART = 1e-4  # metres: what is farther apart does not touch
 _UNEVEN = 0.01  # of a size: by how much the two sizes of what a quarter turn leaves alike may differ
 _RANKS = re.compile(r"\[\d+\]")  # of elements of repeats, in the name of a part
 
@@ -252,7 +253,7 @@ class _Looked:
                     "floating-part",
                     part.span,
                     alone(own[0], links[own[0]]),
-                    hint=f'{self._how_to_hold(part)}; if that is meant, write `allow floating {part.name} because "..."`',
+                    hint=f'{self._how_to_hold(part, solids)}; if that is meant, write `allow floating {part.name} because "..."`',
                 )
 
     def warn_coincident(self) -> None:
@@ -293,13 +294,23 @@ class _Looked:
                 hint="name what is round or square, with the axes of the part itself, or write `turn 2`",
             )
 
-    def _how_to_hold(self, part: Component) -> str:
-        """What to write so that a part that floats touches its link."""
-        free = ["xyz"[axis] for axis in sorted(self.lowering.context.centred.get(part, ()))]
-        if not 0 < len(free) < 3:
+    def _how_to_hold(self, part: Component, solids: Solids) -> str:
+        """What to write so that a part that floats touches its link. Axes along which it reaches what carries it are not to blame."""
+        from .lower.values.kinds import part_of  # start-up
+        from .validity.adrift import find_gaps  # start-up
+
+        free = self.lowering.context.centred.get(part, set())
+        carrier = next((part_of(other).path for attachment in part.attachments for other in attachment.to), None)
+        gaps = None if carrier is None else find_gaps(solids, part.path, carrier)
+        apart = set() if gaps is None else set(np.flatnonzero(gaps > _APART).tolist())
+        if gaps is not None and apart and not apart & free:
+            away = " and ".join(f"{1000 * gaps[axis]:.3g} mm along {'xyz'[axis]}" for axis in sorted(apart))
+            return f"it is {away} from `{carrier}`: bring the two together, or attach it to what it does touch"
+        axes = ["xyz"[axis] for axis in sorted(free & apart if apart else free)]
+        if not 0 < len(axes) < 3:
             return f"place it {_how_to_place(part)}, or attach it to what it does touch"
         return (
-            f"nothing places it along {' and '.join(free)}, where it is centred by default: "
+            f"nothing places it along {' and '.join(axes)}, where it is centred by default: "
             f"say where with `align`; behind `on` a face, `at center` puts it in the middle of that face"
         )
 

@@ -54,6 +54,11 @@ class Solids:
             self.low[full] = np.minimum.reduceat(body.low[self.order], self.begin[full])
             self.high[full] = np.maximum.reduceat(body.high[self.order], self.begin[full])
 
+    def paths(self) -> list[str]:
+        """The path of each of the program's sites."""
+        program = self.tree.batch.program
+        return [program.parts[site.part].path for site in program.sites]
+
     def path(self, solid: int) -> str:
         program = self.tree.batch.program
         return program.parts[program.sites[self.site[solid]].part].path

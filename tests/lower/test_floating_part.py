@@ -71,11 +71,14 @@ def test_the_warning_names_the_link_that_the_part_is_on(carrier: str, told: list
 @pytest.mark.parametrize(
     ("where", "told"),
     [
-        ("connect pin.bottom on arm.top", "nothing places it along x and y, where it is centred by default"),
+        ("connect pin.bottom on arm.top", "nothing places it along y, where it is centred by default"),
         ("connect pin.bottom on arm.top at x = 0", "nothing places it along y, where it is centred by default"),
-        ("connect pin.bottom on arm.top at center gap 1mm", "place it with `connect pin.bottom on ...` or `align`"),
+        ("connect pin.bottom on arm.top at center gap 1mm", "it is 1 mm along z from `arm`: bring the two together"),
+        ("connect pin to body\n  align pin.bottom = body.top + 5mm", "it is 5 mm along z from `body`"),
+        ("connect pin.bottom on body.top gap 5mm", "it is 5 mm along z from `body`"),
+        ("connect pin.bottom on body.top at y = -9cm gap 5mm", "it is 40 mm along y and 5 mm along z from `body`"),
     ],
-    ids=["two axes", "one axis", "a gap"],
+    ids=["one axis of two", "one axis", "a gap", "a gap and two axes", "a gap of faces", "two gaps"],
 )
 def test_the_hint_tells_along_what_nothing_places_the_part(where: str, told: str) -> None:
     outer = f"""part arm : Cuboid(size = [2cm, 20cm, 2cm])
