@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ..language import JOINTS
@@ -10,11 +11,12 @@ from ..syntax.walk import path_root
 from . import joints, placing
 from .guards import TRUE, Condition, conjunction
 from .mimic import sole_kind
-from .presence import excludes
-from .types import ANGLE, LENGTH, UNKNOWN, JointType, Type
+from .presence import excludes, renamed
+from .types import ANGLE, LENGTH, UNKNOWN, JointType, PartType, Type
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
+    from .scope import Entry
 
 
 def check_limit(ck: Checker, ctx: Context, node: ast.LimitStmt) -> None:
@@ -56,23 +58,38 @@ def _of_all(ck: Checker, ctx: Context, joint: ast.Expr) -> bool:
 
 
 def _require_there(ck: Checker, ctx: Context, joint: ast.Expr) -> None:
-    """Reports a joint of this body that is never there under the guards around, since what it moves is not."""
-    if not isinstance(joint, ast.NameExpr) or ctx.scope is None or ctx.condition == TRUE:
-        return
+    """Reports a joint that is never there under the guards around, or with the arguments of its part, since what it moves is not."""
     child: ast.Expr | None = None
-    for entry in ctx.scope.find(joint.name):
+    for entry, homes, given in _declarations(ck, ctx, joint):
         if not isinstance(entry.node, ast.JointDecl) or entry.node.child is None:
             return
         noted: list[Condition] = []
         child = entry.node.child
         ck.infer(ck.context(entry.scope).but(lenient=noted, ends=True, subject=True), child)
-        if not excludes(ctx.condition, conjunction((ck.entry_condition(entry), *noted))):
-            return
+        known, own = conjunction((ctx.condition, given)), renamed(ck.entry_condition(entry), homes)
+        if excludes(known, own) or not excludes(known, conjunction((own, renamed(conjunction(noted), homes)))):
+            return  # the former is reported of the name itself
     if child is not None:
+        why, hint = "guard around this statement excludes", "move this to where the joint exists, or change the guard"
+        if ctx.condition == TRUE:
+            why, hint = "arguments of its part exclude", "leave this out, or change the arguments"
         ck.error(
             "optional-outside-when",
             joint.span,
-            f"`{joint.name}` never exists here: the guard around this statement excludes `{path_root(child).span.words}`",
-            hint="move this to where the joint exists, or change the guard",
+            f"`{joint.span.words}` never exists here: the {why} `{path_root(child).span.words}`",
+            hint=hint,
             notes=((child.span, "what it moves"),),
         )
+
+
+def _declarations(
+    ck: Checker, ctx: Context, joint: ast.Expr
+) -> Iterator[tuple[Entry, tuple[tuple[str, str], ...], Condition]]:
+    """The declarations that a joint of this body, or of a part of it, may be of; for those of a part with its path within and outside,
+    by which guards know it, and what its arguments say."""
+    if isinstance(joint, ast.NameExpr) and ctx.scope is not None:
+        yield from ((entry, (), TRUE) for entry in ctx.scope.find(joint.name))
+    if isinstance(joint, ast.MemberExpr) and isinstance(part := ck.types.get(id(joint.obj)), PartType):
+        for symbol in (variant.symbol for variant in part.variants if variant.symbol is not None):
+            for entry in ck.scope_of(symbol).table.get(joint.name, ()):
+                yield entry, ((symbol.name, part.key),), part.given

@@ -12,7 +12,7 @@ from ..syntax import ast
 from . import foreign
 from .entries import narrowed
 from .guards import TRUE, Atom, Condition, Not, Or, conjunction, consistent
-from .presence import declared, guarded, optional, relevant, renamed
+from .presence import declared, excludes, guarded, optional, relevant, renamed
 from .scope import BodyScope, Entry, Variant
 from .symbols import Symbol, names_of
 from .types import (
@@ -165,6 +165,15 @@ def _demand_guards(
         )
     if first is not None:
         all_wanted = conjunction(wanted)
+        if excludes(part.given, all_wanted):
+            ck.error(
+                "optional-outside-when",
+                span,
+                f"`{path}.{word}` never exists: the arguments of `{path}` exclude it",
+                hint="leave this out, or change the arguments",
+                notes=((first.span, "declared here"),),
+            )
+            return
         known = ctx.given(relevant(all_wanted, part.given))
         followed = ctx.subject and all(isinstance(kind, Boxed | JointType) for _, kind in found)
         message, hint = guarded(first, span, path)
