@@ -356,11 +356,12 @@ def _power(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> Type:
     if not isinstance(left, ScalarType) and left != PLANE:
         return ck.unfit(expr.left, left, "`^` needs a number", hint=instead(expr.left, left, RATIO))
     if not isinstance(right, ScalarType) or dimension_of(right) not in (NONE, None):
+        hint = instead(expr.right, right, RATIO)
+        if isinstance(expr.right, ast.NumberExpr) and "/" in (written := expr.right.span.text):
+            divided = f"{expr.left.span.words}^{written.replace('/', ' / ')}"
+            hint = f"without spaces `{written}` is one number; for a power that is divided, write `{divided}`"
         return ck.error(
-            "wrong-dimension",
-            expr.right.span,
-            f"an exponent must be a plain number, but this is {right}",
-            hint=instead(expr.right, right, RATIO),
+            "wrong-dimension", expr.right.span, f"an exponent must be a plain number, but this is {right}", hint=hint
         )
     dimension = LENGTH_DIM if left == PLANE else left.dimension  # type: ignore[union-attr]
     if dimension == NONE:

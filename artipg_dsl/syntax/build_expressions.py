@@ -28,6 +28,12 @@ class ExpressionBuilder(BuilderBase):
         if not int(value):
             self.problem(c[0], "this divides by zero", "write a divisor other than 0")
             value = "1"
+        if unit == "%":
+            self.problem(
+                c[0],
+                f"`{c[0].value}` can be read in two ways",
+                f"write `{top} / {value}%` for the quotient, `({top}/{value}) * 1%` for a share of one percent",
+            )
         try:
             number = int(top) / int(value)
         except OverflowError:
