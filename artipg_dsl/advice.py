@@ -244,15 +244,20 @@ class _Looked:
         from .validity.floating import alone  # start-up
 
         links = find_adrift(solids)
-        floating = list(links)
-        for part in self.lowering.context.parts:
-            own = [path for path in floating if path == part.path or path.startswith(f"{part.path}.")]
-            if own and part.span.source is self.lowering.root.module.source:
-                floating = [path for path in floating if path not in own]
+        paths, floating = set(solids.paths()), set(links)
+        here = [part for part in self.lowering.context.parts if part.span.source is self.lowering.root.module.source]
+        for whole in (True, False):  # what floats as a whole is told as one part, else the innermost part of the file
+            for part in sorted(here, key=lambda part: part.path.count("."), reverse=not whole):
+                inside = {path for path in paths if f"{path}.".startswith(f"{part.path}.")}
+                own = inside & floating
+                if not own or whole and own != inside:
+                    continue
+                floating -= own
+                first = min(own, key=list(links).index)
                 self.report.warning(
                     "floating-part",
                     part.span,
-                    alone(own[0], links[own[0]]),
+                    alone(first, links[first]),
                     hint=f'{self._how_to_hold(part, solids)}; if that is meant, write `allow floating {part.name} because "..."`',
                 )
 

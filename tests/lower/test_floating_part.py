@@ -94,6 +94,18 @@ def test_the_hint_tells_along_what_nothing_places_the_part(where: str, told: str
     assert (found.hint or "").startswith(told)
 
 
+@pytest.mark.parametrize(
+    ("raised", "lifted", "blamed"),
+    [("2cm", "0cm", "part knob"), ("0cm", "2cm", "part lid"), ("2cm", "2cm", "part lid")],
+    ids=["a part of it", "as a whole", "both"],
+)
+def test_the_warning_stands_at_the_innermost_part_that_floats_as_a_whole(raised: str, lifted: str, blamed: str) -> None:
+    session = Session.of_text(TEXT.format(raised, LID + f" gap {lifted}"), "box.apg")
+    session.advise()
+    found = [d.span for d in session.report.diagnostics if d.code == "floating-part" and d.span is not None]
+    assert [span.source.line(span.line).split(":")[0].strip() for span in found] == [blamed]
+
+
 def test_a_part_in_the_hollow_of_another_floats() -> None:
     """Its box lies in that of the other: only the solids tell them apart."""
     text = """apg 1
