@@ -22,14 +22,16 @@ def find_adrift(solids: Solids) -> dict[str, str]:
 
 
 def find_gaps(solids: Solids, part: str, carrier: str) -> np.ndarray | None:
-    """How far the boxes of two parts, by their paths, are apart along x, y and z (3,) in metres, negative where they overlap: of the
-    two primitives that are nearest to one another in the first object that has both on one link; None where none has."""
+    """How far the box of a part that floats and that of another, by their paths, are apart along x, y and z (3,) in metres, negative
+    where they overlap: of the two primitives that are nearest to one another in the first object with both on one link; None where
+    there is none. Elements of a repeat that are held say nothing of those that float."""
     inside, other = (
         np.array([f"{path}.".startswith(f"{one}.") for path in solids.paths()], dtype=bool)[solids.site]
         for one in (part, carrier)
     )
-    for link in distinct(solids.link[inside]).tolist():
-        ours, theirs = (np.flatnonzero((solids.link == link) & mine) for mine in (inside, other & ~inside))
+    adrift = inside & solids.loose()
+    for link in distinct(solids.link[adrift]).tolist():
+        ours, theirs = (np.flatnonzero((solids.link == link) & mine) for mine in (adrift, other & ~inside))
         if len(ours) and len(theirs):
             i, j = np.repeat(ours, len(theirs)), np.tile(theirs, len(ours))
             gaps = np.maximum(solids.low[i] - solids.high[j], solids.low[j] - solids.high[i])

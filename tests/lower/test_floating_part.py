@@ -94,6 +94,22 @@ def test_the_hint_tells_along_what_nothing_places_the_part(where: str, told: str
     assert (found.hint or "").startswith(told)
 
 
+def test_elements_that_float_are_measured() -> None:
+    """The first tooth touches the body, the others stand behind it one by one."""
+    outer = """repeat tooth[k] in 0 ..< 3 {
+    part pin : Cuboid(size = [1cm, 5mm, 1cm])
+    connect pin to body
+    align pin.left = body.right - k * 1cm
+    align pin.center.z = body.center.z
+  }
+  part lid : Lid
+  connect lid.bottom on body.top"""
+    session = Session.of_text(TEXT.format("0cm", outer), "box.apg")
+    session.advise()
+    (found,) = [d for d in session.report.diagnostics if d.code == "floating-part"]
+    assert (found.hint or "").startswith("it is 10 mm along y from `body`")
+
+
 @pytest.mark.parametrize(
     ("raised", "lifted", "blamed"),
     [("2cm", "0cm", "part knob"), ("0cm", "2cm", "part lid"), ("2cm", "2cm", "part lid")],
