@@ -388,6 +388,8 @@ class _Looked:
         ends = [joints.multiplier[led] * end[leader] + joints.offset[led] for end in (joints.low, joints.high)]
         least, most = np.minimum(*ends), np.maximum(*ends)
         beyond = (least < joints.low[led] - _SLACK) | (most > joints.high[led] + _SLACK)
+        endless = np.isnan(joints.low[leader]) & np.isfinite(joints.low[led]) & (joints.multiplier[led] != 0.0)
+        beyond |= endless
         for number in np.unique(joints.definition[led]).tolist():
             mine = joints.definition[led] == number
             joint = self.batch.program.joints[number]
@@ -398,11 +400,17 @@ class _Looked:
                 f"{plain(float(low), unit)} .. {plain(float(high), unit)}"
                 for low, high in ((least[k], most[k]), (joints.low[led][k], joints.high[led][k]))
             )
+            said = f"is taken through {taken}"
+            hint = "widen its range, narrow that of what it follows, or change the factor or the offset"
+            if endless[k]:
+                lead = self.batch.program.joints[joints.definition[leader[k]]].path
+                said = f"follows `{lead}`, which turns without end"
+                hint = f"give `{lead}` a range: `revolute ... range 0turn .. 3turn`"
             self.report.warning(
                 "bad-mimic",
                 self._line(joint.where) or self.span,
-                f"`{joint.path}` is taken through {taken}, and its range is {own}",
-                hint="widen its range, narrow that of what it follows, or change the factor or the offset",
+                f"`{joint.path}` {said}, and its range is {own}",
+                hint=hint,
             )
 
     def warn_of_cost(self) -> None:

@@ -146,3 +146,12 @@ def test_followers_that_leave_their_range(mimic: str, code: str | None, told: st
         assert not about
     else:
         assert told in about[code][0] and about[code][1] == 10
+
+
+def test_a_limited_follower_of_a_joint_without_end() -> None:
+    endless = "joint lead : continuous body -> one about line(at = one.center, along = x)"
+    text = FOLLOWER.replace("joint lead : prismatic body -> one along x range 0cm .. 2cm", endless)
+    session = Session.of_text(text.replace("MIMIC", "lead * (1mm / 1turn)"), "programs/some.apg")
+    session.advise()
+    (found,) = [d for d in session.report.diagnostics if d.code == "bad-mimic"]
+    assert "`follow` follows `lead`, which turns without end, and its range is 0mm .. 3cm" in found.message
