@@ -24,7 +24,7 @@ from ..runtime.kernels import Kept, State, full
 from ..runtime.laws import is_listed, values_of
 from ..runtime.repairs import Repairs
 from .clips import CLIPPED, Asked, Blame, log_moved
-from .known import evaluate_again, find_differing, keep_draw, make_batch, rows_of_draw
+from .known import evaluate_again, find_differing, keep_draw, make_batch, match_keys, rows_of_draw
 from .repair import Mended, join_solved, mend, tally
 from .sample import Sampler, find_faulty, is_examined
 from .statistics import ATTEMPTS, Exhausted, Statistics
@@ -238,6 +238,9 @@ class _Step:
         touched = left
         while len(left):
             trial = self.trial(left, attempt, self.giving)
+            while self.operation != "cpa" and self.spare(trial, left):
+                self.choose(attempt)
+                trial = self.trial(left, attempt, self.giving)
             bad = self.failing(trial, left, statistics, checked, first)
             if first and bad.any():
                 self.mend(trial, left, bad, statistics, checked)
@@ -263,6 +266,17 @@ class _Step:
         for number, (draw, lot) in enumerate(zip(self.batch.program.draws, lots, strict=True)):
             owner = self.owner(draw)
             self.swaps[number] = (lot < 1.0) & ((lot < share[owner]) | (lot == lowest[owner]))
+
+    def spare(self, trial: Batch, objects: np.ndarray) -> bool:
+        """Whether some objects of an attempt are what they were, as what is kept leaves what was to change no other value:
+        then that is no longer meant, so that something else is."""
+        wanted = self.purpose()
+        idle = np.zeros(len(self.batch), dtype=bool)
+        idle[objects] = ~trial.state.failed & ~self.differing(trial, objects, wanted)
+        idle &= self.having(wanted)
+        for number, draw in enumerate(trial.program.draws):
+            self.meant[number] = self.meant[number] & ~(wanted[number] & idle[self.owner(draw)])
+        return bool(idle.any())
 
     def mend(self, trial: Batch, objects: np.ndarray, bad: np.ndarray, statistics: Statistics, checked: bool) -> None:
         """Put attempts right that failed, by their numbers: templates and counts are what the operation is about."""
@@ -358,17 +372,21 @@ class _Step:
 
     def spoiled(self, trial: Batch, objects: np.ndarray) -> np.ndarray:
         """Objects of which a value that was to stay has moved, or the one that was to change has not."""
-        bad = np.zeros(len(trial), dtype=bool)
-        moved = np.zeros(len(trial), dtype=bool)
+        wanted = self.purpose()
+        return self.differing(trial, objects, [~rows for rows in wanted]) | ~self.differing(trial, objects, wanted)
+
+    def differing(self, trial: Batch, objects: np.ndarray, rows: list[np.ndarray]) -> np.ndarray:
+        """Which objects of an attempt differ in any of some rows of the draws that they still have."""
+        found = np.zeros(len(trial), dtype=bool)
         everything = np.arange(len(trial))
-        for number, wanted in enumerate(self.purpose()):
+        for number, asked in enumerate(rows):
+            if not asked.any():
+                continue
             old, new = rows_of_draw(self.batch, number, objects), rows_of_draw(trial, number, everything)
-            _, here, there = np.intersect1d(old.key, new.key, assume_unique=True, return_indices=True)
+            here, there = match_keys(old.key, new.key)
             apart = self.batch.state.values[number][old.row[here]] != trial.state.values[number][new.row[there]]
-            meant = wanted[old.row[here]]
-            bad[new.owner[there[apart & ~meant]]] = True
-            moved[new.owner[there[apart & meant]]] = True
-        return bad | ~moved
+            found[new.owner[there[apart & asked[old.row[here]]]]] = True
+        return found
 
 
 __all__ = ["OPERATIONS", "Names", "Stage", "find_differing", "mutate", "find_structural"]

@@ -351,6 +351,50 @@ def test_a_count_that_cannot_change_stays_and_others_are_changed():
     assert not any(compare_batches(mutant, again))
 
 
+HELD = """apg 1
+use primitives { Cuboid, Cylinder }
+category Stand {
+  root part body : Cuboid(size = [30cm, 30cm, height])
+  param height : length in 5cm .. 20cm
+  param ending : choice bare | knob
+  param foot : choice bare | ring
+  when ending == knob {
+    require height < 10cm
+    part ball : Cylinder(radius = 1cm, height = 2cm)
+    connect ball.bottom on body.top
+  }
+  when foot == ring {
+    part hoop : Cylinder(radius = 5cm, height = 1cm)
+    connect hoop.top on body.bottom
+  }
+}
+"""
+
+
+def test_what_cannot_be_swapped_leaves_it_to_what_can():
+    """What is kept leaves a high stand no knob: it was said to be swapped, and the mutant was the stand itself."""
+    sampler = Session.of_text(HELD).sampler
+    batch = sampler.batch(np.arange(60), seed=0)
+    top, foot, height = (
+        next(k for k, d in enumerate(sampler.program.draws) if d.address == name)
+        for name in ("ending", "foot", "height")
+    )
+    mutant = mutate(sampler, batch, operations=("apa",), share=0.1)
+    made = trace_objects(mutant)
+    assert all(kinds(steps) == {("apa", "changed")} for steps in made)
+    high = (batch.state.values[height] > 0.1) & (batch.state.values[top] == 0)
+    assert 5 < high.sum() < 55
+    moved = {k: batch.state.values[k] != mutant.state.values[k] for k in (top, foot)}
+    assert moved[foot][high].all() and not moved[top][high].any()
+    assert moved[top][~high].any() and not (moved[top] & moved[foot]).all()
+    few = np.array([1, 20, 59])
+    assert trace_objects(mutate(sampler, evaluate_again(batch, few), operations=("apa",), share=0.1)) == [
+        made[k] for k in few.tolist()
+    ]
+    alone = mutate(sampler, batch, operations=("apa",), only="ending")  # and nothing else may: those stay as they are
+    assert np.array_equal([not steps for steps in trace_objects(alone)], high)
+
+
 def test_what_a_mutant_keeps_is_to_blame_where_none_is_valid():
     sampler = Session.of_text(LOCKED.replace("require col == red", "require col == red and n < 3")).sampler
     batch = sampler.batch(np.arange(40), seed=0)
