@@ -190,3 +190,26 @@ def test_racks_stand_with_their_long_side_to_the_front() -> None:
     winged = np.array([batch.drawn(i).get("flap", "none") != "none" for i in range(len(batch))])
     assert winged.sum() >= 3 and (depth < width)[winged].all()
     assert np.median(depth / width) < 0.8
+
+
+@pytest.mark.parametrize(
+    ("shape", "numbers"),
+    [
+        ("round", {"width": 0.24, "slim": 1.45, "taper": 0.97}),
+        ("square", {"width": 0.3, "slim": 1.35, "taper": 0.74, "aspect": 1.0}),
+    ],
+)
+def test_open_bins_have_the_proportions_of_real_ones(shape: str, numbers: dict[str, float]) -> None:
+    """A straight dustbin half as high again as it is wide, and a square basket with a narrow foot."""
+    sampler = Session.of("TrashCan").sampler
+    wanted: dict[str, str | float] = {"kind": "open", "shape": shape, "make": "moulded", **numbers}
+    given = {}
+    for number, draw in enumerate(sampler.program.draws):
+        value = wanted.get(draw.column.name)
+        if value is not None:
+            given[number] = float(draw.options.index(value) if isinstance(value, str) else value)
+    counted = Statistics()
+    batch = sampler.batch(np.arange(10), seed=1, given=given, statistics=counted)
+    assert len(given) == len(wanted) and counted.first_valid == 10
+    height = np.ptp(sample_points(batch, 1000).position[..., 2], axis=1)
+    assert height == pytest.approx(numbers["slim"] * numbers["width"], rel=0.02)
