@@ -1,8 +1,9 @@
 """A folder in a layout of the field: written category by category, and read back against the model.
 
 ``.layout/<category>.json`` keeps how the objects of a category were made, so that others can be added, lists written anew and
-the folder checked. It is written last: a folder without it holds nothing of the category that counts. ``<category>.files`` are
-the names of its own files, which go when it is replaced, ``lists`` those of the files that tell of all categories.
+the folder checked. It is written last: a folder without it holds nothing of the category that counts. ``<category>.files`` has
+the names and checksums of its own files, which go when it is replaced, ``lists`` those of the files that tell of all categories.
+While objects are being made, ``<category>-<shard>.begun`` has the names of files that may not be whole.
 """
 
 from __future__ import annotations
@@ -12,11 +13,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
+from zipfile import BadZipFile
 
 import numpy as np
 
 from ..errors import UserError
-from ..export.write import ExportError, ensure_folder, replacing_file, write_bytes
+from ..export.write import ExportError, ensure_folder, explain, replacing_file, sweep_unfinished, write_bytes
 from ..layouts.entry import SPLITS, USUAL, Entry, Shares
 from ..layouts.findings import Findings
 from ..layouts.hdf5 import open_h5
@@ -25,6 +27,7 @@ from ..layouts.words import require_map
 from ..records import dataclass
 from ..sampling.statistics import Statistics
 from ..shapes import Rule, fit
+from .checksums import checksum, checksum_of, damage, keep_names, read_names
 from .frame import read_frame
 from .job import Job, open_job
 from .manifest import make_relative
@@ -35,7 +38,10 @@ from .traces import keep_replays
 from .workers import map_each
 
 Progress = Callable[[int, int], None]
-_RECORDS, _LISTS = ".layout", "lists"
+_RECORDS, _LISTS, _BEGUN = ".layout", "lists", ".begun"
+_UNFINISHED = "was not finished, and loaders may read what is there: write it again"
+_AGAIN = "is not compared with the model while files are damaged: write it again with --force"
+_UNREADABLE = (OSError, ValueError, KeyError, EOFError, RuntimeError, BadZipFile)
 
 
 def write_layout(
@@ -69,14 +75,6 @@ def write_layout(
         raise ExportError(f"{out} already has {entry.category}", "use --force to write it again, or another folder")
     _check_alone(out, layout, entry, others)
     _clear(out, layout, entry.category, others)
-    try:
-        _carry_out(job, layout, entry, out, progress, workers)
-        lists = _index(layout, sorted([*others, entry], key=lambda one: one.category), out)
-    except UserError:
-        _clear(out, layout, entry.category, others)
-        if not there and out.is_dir() and not any(out.iterdir()):
-            out.rmdir()
-        raise
     record = {
         "layout": layout.name,
         "category": entry.category,
@@ -86,11 +84,20 @@ def write_layout(
         "map": dict(own or {}),
         "words": dict(entry.words),
     }
-    if kept := keep_replays(out / _RECORDS, job.request.mutations):
-        listed = out / _RECORDS / f"{entry.category}.files"
-        _keep(listed, [*_names(listed), *(f"{_RECORDS}/{name}" for name in kept)])
-    _write_lists(out, lists)
-    write_bytes(place, (json.dumps(record, indent=1) + "\n").encode(), force=True)
+    data = (json.dumps(record, indent=1) + "\n").encode()
+    try:
+        written = _carry_out(job, layout, entry, out, progress, workers)
+        lists = _index(layout, sorted([*others, entry], key=lambda one: one.category), out)
+        replays = [f"{_RECORDS}/{name}" for name in keep_replays(out / _RECORDS, job.request.mutations)]
+        written |= {name: checksum_of(out / name) for name in replays} | {f"{_RECORDS}/{place.name}": checksum(data)}
+        keep_names(out / _RECORDS / f"{entry.category}.files", written)
+        _write_lists(out, lists)
+    except UserError:
+        _clear(out, layout, entry.category, others)
+        if not there and out.is_dir() and not any(out.iterdir()):
+            out.rmdir()
+        raise
+    write_bytes(place, data, force=True)
     return entry
 
 
@@ -123,9 +130,9 @@ def _missing(out: Path, wrong: Exception) -> ExportError:
 def _write_lists(out: Path, lists: Mapping[str, Any]) -> None:
     """Write the lists of all categories, and remove those of before that there are no more. Raises ExportError."""
     record = out / _RECORDS / _LISTS
-    before, now = _names(record), [name for name in lists if not name.endswith("/")]
-    _keep(record, {*before, *now})  # whenever this ends, the next run knows what is there
-    _remove(out, set(before) - set(now))
+    before, now = read_names(record), {name: "" for name in lists if not name.endswith("/")}
+    keep_names(record, before | now, whole=False)  # whenever this ends, the next run knows what is there
+    _remove(out, before.keys() - now.keys())
     for name, data in lists.items():
         if name.endswith("/"):
             ensure_folder(out / name)
@@ -137,16 +144,7 @@ def _write_lists(out: Path, lists: Mapping[str, Any]) -> None:
                     raise _missing(out, wrong) from None
         else:
             write_bytes(out / name, data, force=True)
-    _keep(record, now)
-
-
-def _names(record: Path) -> list[str]:
-    """Names of files, one a line, as far as they can be read: a spoilt one names nothing that is there."""
-    return record.read_text(encoding="utf-8", errors="replace").splitlines() if record.exists() else []
-
-
-def _keep(record: Path, names: Iterable[str]) -> None:
-    write_bytes(record, "".join(f"{name}\n" for name in sorted(names)).encode(), force=True)
+    keep_names(record, {name: checksum_of(out / name) for name in now})
 
 
 def entries(folder: Path, layout: Layout | None = None, *, refuse: bool = False, but: str = "") -> list[Entry]:
@@ -184,32 +182,49 @@ def find_cautions(folder: Path, layout: Layout) -> list[str]:
 
 
 def check_layout(folder: Path | str, progress: Progress | None = None) -> Findings:
-    """Read a folder as the field's loaders do, and compare it with its objects, made again. Raises UserError."""
+    """Read a folder as the field's loaders do, and compare it with its objects, made again. Files that are not as they were written
+    are told once; what they are read for is not compared. Raises UserError."""
     folder, found = Path(folder), Findings()
-    records = _records(folder)
-    if not records:
+    records, left = _records(folder), sorted((folder / _RECORDS).glob("*.files"))
+    if not records and not left:
         raise UserError(f"{folder} is no folder in a layout", "give a folder that `apgc export --format` has laid out")
     known = [_entry(record) for record in records]
+    names = [entry.category for entry in known]
+    for path in left:
+        found.of(path.stem, path.stem in names, _UNFINISHED)
+    held = {name: read_names(folder / _RECORDS / f"{name}.files") for name in names}
+    checked = any(any(own.values()) for own in held.values())  # older versions kept names alone
+    common = bool(records) and _damaged(folder, _LISTS, checked, found)
+    spoilt = {name: _damaged(folder, f"{name}.files", not held[name], found) or common for name in names}
     total, done = sum(len(entry.numbers) for entry in known), 0
     for record, entry in zip(records, known, strict=True):
         layout = LAYOUTS[record["layout"]]
         require(layout)
+        if not found.of(entry.category, not spoilt[entry.category], _AGAIN):
+            done += len(entry.numbers)
+            continue
         job = open_job(Request.from_manifest(record["request"], record["source"], folder, folder / _RECORDS))
         for shard, numbers in enumerate(entry.chunks()):
             try:
                 layout.check(folder, entry, job.batch(numbers), shard, found)
-            except (OSError, ValueError, KeyError, UserError) as wrong:
+            except (*_UNREADABLE, UserError) as wrong:
                 found.of(entry.category, False, f"cannot be read: {wrong}".replace(f"{folder}/", ""))
             done += len(numbers)
             if progress:
                 progress(done, total)
-    for entry in known:
-        for name in _names(folder / _RECORDS / f"{entry.category}.files"):
-            found.of(name, (folder / name).exists(), "the file is missing")
-    for name in dict.fromkeys(record["layout"] for record in records):
+    for name in dict.fromkeys(record["layout"] for record in records if not any(spoilt.values())):
         own = [entry for record, entry in zip(records, known, strict=True) if record["layout"] == name]
         _check_lists(folder, LAYOUTS[name], own, found)
     return found
+
+
+def _damaged(folder: Path, record: str, sealed: bool, found: Findings) -> bool:
+    """Whether any file of a record is not as it was written. Of one without checksums that is not known."""
+    wrong, names = list(damage(folder, f"{_RECORDS}/{record}", sealed=sealed)), read_names(folder / _RECORDS / record)
+    found.checked += len(names)
+    for name, told in wrong:
+        found.of(name, False, told)
+    return bool(wrong) and (sealed or any(names.values()))
 
 
 def _check_lists(folder: Path, layout: Layout, known: list[Entry], found: Findings) -> None:
@@ -242,15 +257,22 @@ class Piece:
     shard: int
     numbers: np.ndarray
 
-    def write(self, job: Job) -> list[str]:
-        """The names of what is written; nothing is, where an object is refused or the work is interrupted. Raises UserError."""
-        names: list[str] = []
+    def write(self, job: Job) -> dict[str, str]:
+        """The checksums of what is written by name; nothing is, where an object is refused or the work is interrupted.
+        Raises UserError."""
+        names: dict[str, str] = {}
+        begun = self.out / _RECORDS / f"{self.entry.category}-{self.shard}{_BEGUN}"
         try:
-            for name, data in LAYOUTS[self.layout].files(job.batch(self.numbers), self.entry, self.shard):
-                names.append(name)
-                write_bytes(self.out / name, data, force=True)
-        except BaseException:
-            _remove(self.out, names)
+            with begun.open("w", encoding="utf-8", newline="\n") as told:
+                for name, data in LAYOUTS[self.layout].files(job.batch(self.numbers), self.entry, self.shard):
+                    told.write(f"{name}\n")
+                    told.flush()  # the next run removes what a killed one has left
+                    names[name] = checksum(data)
+                    write_bytes(self.out / name, data, force=True)
+        except BaseException as wrong:
+            _remove(self.out, [*names, str(begun.relative_to(self.out))])
+            if isinstance(wrong, OSError):
+                raise explain(wrong, begun) from wrong
             raise
         return names
 
@@ -258,13 +280,27 @@ class Piece:
 def _clear(out: Path, layout: Layout, category: str, others: list[Entry]) -> None:
     """Remove what the folder has of a category, from the lists first: whenever this ends, they name what is there."""
     place, listed, lists = (out / _RECORDS / name for name in (f"{category}.json", f"{category}.files", _LISTS))
-    names = _names(listed)
+    begun = [path for path in (out / _RECORDS).glob(f"{category}-*{_BEGUN}") if _of(path, category)]
+    names = [name for path in (listed, *begun) for name in read_names(path)]
+    _sweep(out, [*names, *read_names(lists)])
     if place.exists() and others:
         _write_lists(out, _index(layout, others, out))
     elif not others:
-        names += [*_names(lists), str(lists.relative_to(out))]
+        names += [*read_names(lists), str(lists.relative_to(out))]
     place.unlink(missing_ok=True)
-    _remove(out, [*names, str(listed.relative_to(out))])
+    _remove(out, [*names, *(str(path.relative_to(out)) for path in (listed, *begun))])
+
+
+def _of(begun: Path, category: str) -> bool:
+    """Whether a record of what was begun is that of a category, whose name may begin like that of another."""
+    return begun.name.removeprefix(f"{category}-").removesuffix(_BEGUN).isdigit()
+
+
+def _sweep(out: Path, names: Iterable[str]) -> None:
+    """Remove what killed processes have left unfinished beside files."""
+    for folder in {out / _RECORDS, *((out / name).parent for name in names)}:
+        if folder.resolve().is_relative_to(out.resolve()) and folder.is_dir():
+            sweep_unfinished(folder)
 
 
 def _remove(out: Path, names: Iterable[str]) -> None:
@@ -280,23 +316,34 @@ def _remove(out: Path, names: Iterable[str]) -> None:
             folder.rmdir()
 
 
-def _carry_out(job: Job, layout: Layout, entry: Entry, out: Path, progress: Progress | None, workers: int) -> None:
+def _carry_out(
+    job: Job, layout: Layout, entry: Entry, out: Path, progress: Progress | None, workers: int
+) -> dict[str, str]:
+    """The checksums of what is written by name."""
     pieces = [Piece(out, layout.name, entry, k, numbers) for k, numbers in enumerate(entry.chunks())]
     done = 0
     ensure_folder(out / _RECORDS)
-    with (out / _RECORDS / f"{entry.category}.files").open("w", encoding="utf-8", newline="\n") as listed:
-        for piece, written in zip(pieces, _written(job, pieces, workers), strict=True):
-            listed.writelines(f"{name}\n" for name in written)
-            listed.flush()  # the next run removes what a killed one has left
-            done += len(piece.numbers)
-            if progress:
-                progress(done, len(entry.numbers))
+    written: dict[str, str] = {}
+    listed = out / _RECORDS / f"{entry.category}.files"
+    try:
+        with listed.open("w", encoding="utf-8", newline="\n") as told:
+            for piece, made in zip(pieces, _written(job, pieces, workers), strict=True):
+                told.writelines(f"{name}\n" for name in made)
+                told.flush()
+                (out / _RECORDS / f"{entry.category}-{piece.shard}{_BEGUN}").unlink()
+                written |= made
+                done += len(piece.numbers)
+                if progress:
+                    progress(done, len(entry.numbers))
+    except OSError as wrong:
+        raise explain(wrong, listed) from wrong
+    return written
 
 
-def _written(job: Job, pieces: list[Piece], workers: int) -> Iterator[list[str]]:
+def _written(job: Job, pieces: list[Piece], workers: int) -> Iterator[dict[str, str]]:
     given = replace(job, statistics=Statistics())
 
-    def write(piece: Piece) -> list[str]:
+    def write(piece: Piece) -> dict[str, str]:
         return piece.write(job)
 
     return share(pieces, workers, write, lambda rest, many: map_each(_write, rest, many, _take, given, here=write))
@@ -310,7 +357,7 @@ def _take(job: Job) -> None:
     _job = job
 
 
-def _write(piece: Piece) -> list[str]:
+def _write(piece: Piece) -> dict[str, str]:
     assert _job is not None
     return piece.write(_job)
 

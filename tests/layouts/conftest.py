@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from artipg_dsl.layouts.registry import LAYOUTS
+from artipg_dsl.run.checksums import read_names
 from artipg_dsl.run.job import open_job
 from artipg_dsl.run.laying import check_layout, write_layout
 from artipg_dsl.run.request import Request
@@ -32,3 +33,11 @@ def lay(tmp_path_factory: pytest.TempPathFactory) -> Lay:
 def faults(folder: Path) -> list[str]:
     """What the folder's own reader finds, as text."""
     return [f"{place}: {fault}" for place, fault in check_layout(folder).faults]
+
+
+def unlike(folder: Path) -> list[str]:
+    """What it finds beside the model in files that have been changed: in a folder of an older version, which knows no checksums."""
+    for record in (folder / ".layout").iterdir():
+        if record.suffix != ".json":
+            record.write_text("".join(f"{name}\n" for name in sorted(read_names(record))))
+    return faults(folder)

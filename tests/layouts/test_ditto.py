@@ -13,7 +13,7 @@ from artipg_dsl.errors import UserError
 from artipg_dsl.export.containers import npz_bytes
 from artipg_dsl.layouts import ditto as layout
 
-from .conftest import Lay, faults
+from .conftest import Lay, faults, unlike
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -79,7 +79,7 @@ def test_the_folder_is_read_back_and_faults_are_found(ditto: Path) -> None:
     held["state_end"] = held["state_end"] + 0.1
     held["start_occ_density"] = held["start_occ_density"][:, 0]
     path.write_bytes(npz_bytes(held))
-    found = faults(ditto)
+    found = unlike(ditto)
     for fault in ("pc_start_end by its screw differ", "densities are no column", "state_end differ"):
         assert any(fault in line for line in found), fault
 

@@ -16,7 +16,7 @@ from artipg_dsl.layouts.foretold import Foretold
 from artipg_dsl.layouts.hand import Trial
 from artipg_dsl.session import Session
 
-from .conftest import Lay, faults
+from .conftest import Lay, faults, unlike
 
 pytest.importorskip("h5py", reason="h5py is not installed: pip install 'artipg_dsl[hdf5]'")
 
@@ -66,7 +66,7 @@ def test_what_is_wrong_is_found(trials: Path) -> None:
     told["fault"] = "met a wall"
     path.write_text(json.dumps(told))
     try:
-        found = " ".join(faults(trials))
+        found = " ".join(unlike(trials))
     finally:
         path.write_bytes(before)
     assert "joint values at the end" in found and "the fault is 'met a wall', not ''" in found

@@ -15,7 +15,7 @@ import pytest
 from artipg_dsl.layouts import gaviews
 from artipg_dsl.layouts.pth import read_plain_pickle
 
-from .conftest import Lay, faults
+from .conftest import Lay, faults, unlike
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -112,6 +112,6 @@ def test_what_the_tools_pass_over_is_found(views: Path) -> None:
     view = sorted((views / "rendered_data/npcs").iterdir())[0]
     map_ = np.load(view)["npcs_map"]
     np.savez(view, npcs_map=map_ + np.float32(0.3))
-    found = faults(views)
+    found = unlike(views)
     for fault in ("out of order", "drop in silence", "has no origin", "coordinates beyond 0.5", "npcs_map differ"):
         assert any(fault in line for line in found), fault

@@ -15,7 +15,7 @@ from artipg_dsl.layouts.registry import LAYOUTS
 from artipg_dsl.session import Session
 from tests.vice import VICE
 
-from .conftest import Lay, faults
+from .conftest import Lay, faults, unlike
 
 
 @pytest.fixture(scope="module")
@@ -160,7 +160,7 @@ def test_faults_are_found(lay: Lay) -> None:
         file = json.loads(json.dumps(good))
         change(file["diffuse_tree"][door])
         path.write_text(json.dumps(file))
-        return faults(folder)
+        return unlike(folder)
 
     assert any("origin differ" in fault for fault in broken(lambda n: n["joint"]["axis"].update(origin=[0, 0, 0])))
     assert any("does not begin at 0" in fault for fault in broken(lambda n: n["joint"].update(range=[-5, 100])))

@@ -17,7 +17,7 @@ from artipg_dsl.layouts.entry import Entry
 from artipg_dsl.layouts.maniskill import subjects
 from artipg_dsl.layouts.registry import LAYOUTS
 
-from .conftest import Lay, faults
+from .conftest import Lay, faults, unlike
 
 META, DATASET = "assets/partnet_mobility/meta", "data/partnet_mobility/dataset"
 TYPES = {"cabinet_drawer": ("prismatic",), "cabinet_door": ("revolute", "continuous")}
@@ -163,7 +163,7 @@ def test_what_would_make_a_task_fail_is_found(cabinets: Path, tmp_path: Path) ->
     )
     next((folder / DATASET / second / "textured_objs").glob("convex-*.obj")).unlink()
     (folder / META / "info_cabinet_door_train.json").write_text("{}")
-    found = faults(folder)
+    found = unlike(folder)
     for fault in (
         "has no handle, at which the task fails",
         "is not shut at its lower limit",

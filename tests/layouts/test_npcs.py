@@ -19,7 +19,7 @@ from artipg_dsl.layouts.hdf5 import read_h5
 from artipg_dsl.layouts.pth import read_plain_pickle
 from artipg_dsl.layouts.registry import LAYOUTS
 
-from .conftest import Lay, faults
+from .conftest import Lay, faults, unlike
 
 pytest.importorskip("h5py", reason="h5py is not installed: the layouts of NPCS and ANCSH are HDF5")
 
@@ -144,7 +144,7 @@ def test_faults_are_found(laptop: Path, tmp_path: Path) -> None:
     (urdf.parent / "more.txt").write_text("")
     splits = folder / "splits/laptop/3.61/train.txt"
     splits.write_text(splits.read_text() + "hdf5/laptop/Laptop7n000000/0009/0.h5\n")
-    found = faults(folder)
+    found = unlike(folder)
     for fault in (*cases, "minus the pivot of link 1", "3 files beside the URDF", "in a list, but not there"):
         assert any(fault in line for line in found), fault
     (folder / "pickle/laptop.pkl").write_bytes(b"\x80\x04cos\nsystem\n")

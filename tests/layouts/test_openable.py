@@ -18,7 +18,7 @@ from artipg_dsl.layouts.clouds import turn_about
 from artipg_dsl.layouts.outlines import along_pixels, fill, outlines
 from artipg_dsl.layouts.registry import LAYOUTS
 
-from .conftest import Lay, faults
+from .conftest import Lay, faults, unlike
 
 h5py = pytest.importorskip("h5py", reason="h5py, of the extra hdf5, is not installed: the layout of OPD is HDF5")
 
@@ -144,7 +144,7 @@ def test_what_loaders_do_not_notice_is_found(opd: Path, tmp_path: Path) -> None:
         file["depth_images"][2] = file["depth_images"][2] * 2
     with h5py.File(folder / "valid.h5", "a") as file:
         file["valid_images"][0, 100, 100] = 7
-    found = faults(folder)
+    found = unlike(folder)
     for fault in (
         "its matrix is not column by column",
         "current axis differ",

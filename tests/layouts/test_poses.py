@@ -15,7 +15,7 @@ from artipg_dsl.layouts.gaparts import CLASSES, gaparts
 from artipg_dsl.layouts.pth import pth_bytes, read_pth
 from artipg_dsl.layouts.registry import LAYOUTS
 
-from .conftest import Lay, faults
+from .conftest import Lay, faults, unlike
 
 
 @pytest.fixture(scope="module")
@@ -151,11 +151,11 @@ def test_traps_that_loaders_pass_over_are_found_out(lay: Lay) -> None:
         some = list(zip(list(cases.items())[first : first + len(paths)], paths, strict=False))
         for (_, (place, change)), path in some:
             path.write_bytes(pth_bytes([change(a) if place in (k, None) else a for k, a in enumerate(good[path])]))
-        found = faults(folder)
+        found = unlike(folder)
         for (fault, _), path in some:
             assert any(path.stem in line and fault in line for line in found), fault
     path.write_bytes(b"\x80\x04cos\nsystem\n")
-    assert any("not a file of arrays" in found for found in faults(folder))
+    assert any("not a file of arrays" in found for found in unlike(folder))
 
 
 def test_objects_and_parts_that_gapartnet_lacks_are_refused() -> None:

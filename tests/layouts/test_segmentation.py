@@ -16,7 +16,7 @@ from artipg_dsl.layouts.partnet_parts import Levels, object_parts
 from artipg_dsl.layouts.registry import LAYOUTS
 from artipg_dsl.layouts.words import vocabulary
 
-from .conftest import Lay, faults
+from .conftest import Lay, faults, unlike
 
 h5py = pytest.importorskip("h5py", reason="h5py, of the extra hdf5, is not installed")
 
@@ -133,9 +133,9 @@ def test_what_is_missing_of_another_category_is_told(lay: Lay) -> None:
     assert not faults(folder)
     stray = folder / "hdf5_data/ply_data_train7.h5"
     stray.write_bytes((folder / "hdf5_data/ply_data_train0.h5").read_bytes())
-    assert faults(folder) == ["hdf5_data/ply_data_train7.h5: in no list, and some loaders read it all the same"]
+    assert unlike(folder) == ["hdf5_data/ply_data_train7.h5: in no list, and some loaders read it all the same"]
     stray.rename(folder / "hdf5_data/ply_data_train0.h5").write_bytes(stray.name.encode())
-    assert any("ply_data_train0.h5 is no HDF5 file, or not a whole one" in fault for fault in faults(folder))
+    assert any("ply_data_train0.h5 is no HDF5 file, or not a whole one" in fault for fault in unlike(folder))
 
 
 def test_shapes_of_partnet_are_together(lay: Lay, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -156,7 +156,7 @@ def test_shapes_of_partnet_are_together(lay: Lay, monkeypatch: pytest.MonkeyPatc
     assert sorted(names) == [f"Mug7n{k:06d}" for k in range(7)]
     path = folder / "ins_seg_h5/Mug/train-01.json"
     path.write_text(json.dumps(json.loads(path.read_text())[::-1]))
-    assert any("pts differ" in fault for fault in faults(folder))
+    assert any("pts differ" in fault for fault in unlike(folder))
 
 
 def test_a_folder_that_was_spoilt_is_found_out(lay: Lay) -> None:
@@ -172,9 +172,9 @@ def test_a_folder_that_was_spoilt_is_found_out(lay: Lay) -> None:
     spoilt["points differ"][:, 1] *= -1  # upside down
     for fault, rows_ in spoilt.items():
         np.savetxt(path, rows_, fmt="%.6f")
-        assert any("Laptop7n000001" in found and fault in found for found in faults(folder)), fault
+        assert any("Laptop7n000001" in found and fault in found for found in unlike(folder)), fault
     path.unlink()
-    assert any("cannot be read: 03642806/Laptop7n000001.txt" in found for found in faults(folder))
+    assert any("cannot be read: 03642806/Laptop7n000001.txt" in found for found in unlike(folder))
 
 
 def test_partnet_classes_are_those_of_its_levels(partnet: Path) -> None:

@@ -14,7 +14,7 @@ from artipg_dsl.errors import UserError
 from artipg_dsl.layouts.hand import PRIMITIVES
 from artipg_dsl.view.png import png_bytes, read_png
 
-from .conftest import Lay, faults
+from .conftest import Lay, faults, unlike
 
 for package, extra in (("h5py", "hdf5"), ("sapien", "sim")):
     pytest.importorskip(package, reason=f"{package} is not installed: pip install 'artipg_dsl[{extra}]'")
@@ -107,7 +107,7 @@ def test_what_is_wrong_is_found(trials: Path, tmp_path: Path) -> None:
     (folder / "train" / third / "rgb.png").unlink()
     names = (folder / "train" / "data_tuple_list.txt").read_text()
     (folder / "train" / "data_tuple_list.txt").write_text(names.replace(f"{fourth}\n", ""))
-    found = " ".join(faults(folder))
+    found = " ".join(unlike(folder))
     assert f"train/{one}: where the point comes to" in found and f"train/{one}: gripper_direction differ" in found
     assert "pixels of the mask differ" in found and "rgb.png is missing" in found
     assert f"train/{fourth}: not in data_tuple_list.txt" in found
