@@ -247,6 +247,8 @@ def _by_history(
             "choose another name",
             "reserved-word",
         )
+    if values and token.type == "EQUAL" and last.type in terminal_words():
+        return found(f"`{last.value}` is followed by its value alone", f"leave the `=` out: `{last.value} ...`")
     doubled = last.type == token.type == "SLASH" and last.end_pos == token.start_pos
     if doubled:
         return found("a comment begins with `#`", "for integer division, write `floor(a / b)`")

@@ -191,6 +191,9 @@ MISTAKES = (
             "part x : R = A, B",
             "style s : R = A or B",
             "style s : R = A, B",
+            "part x : R = A weight 2, B",
+            "part x : A weight 2, B",
+            "style s : R = A weight 2, B",
         ),
     ),
     Mistake(
@@ -439,6 +442,21 @@ MISTAKES = (
         "a message in quotes is missing after `else`",
         'for example `require a <= b else "a does not fit"`',
         ("require a else b", "require a else 5", "require a else\n}", "require stable else b"),
+    ),
+    Mistake(
+        "an allowed overlap takes two parts, separated by a comma",
+        '`allow overlap a, b because "the post is glued into the wall"`',
+        ('allow overlap a and b because "c"', 'allow overlap a because "c"', "allow overlap a b", "allow overlap a\n"),
+    ),
+    Mistake(
+        "the number of elements stands behind `ring`",
+        "for example `repeat foot[k] ring 3 about line(at = hub.center, along = z) { }`, without `in 0 ..< n`",
+        ("repeat x[i] in 0 ..< 3 ring about z {", "repeat x[i] ring about z {", "repeat x ring about z {"),
+    ),
+    Mistake(
+        "the pieces of a path follow one another without commas",
+        "for example `curve way = from([0, 0, 0], x) line(3cm) arc(radius = 2cm, angle = 90deg, towards = z)`",
+        ("curve x = from([0, 0, 0], x), line(3cm)", "curve x = from([0, 0, 0], x) line(3cm), arc(1cm, 90deg, z)"),
     ),
     Mistake(
         "an allowed overlap needs a reason",
