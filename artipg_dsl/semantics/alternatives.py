@@ -175,6 +175,8 @@ def _bad_alternative(ck: Checker, ctx: Context, alternative: ast.Alternative, sy
             hint="name a template or a primitive; what it declares can be used by its own name",
         )
         return
+    if any(ck.entry_type(entry) == UNKNOWN for entry in ctx.scope.find(alternative.name)):
+        return  # what is wrong with it is reported where it is declared
     offered = ctx.module.named("template", "primitive")
     offered += [e.name for scope in ctx.scope.chain() for e in scope.entries if e.kind in ("style", "param")]
     ck.unknown(
@@ -183,7 +185,7 @@ def _bad_alternative(ck: Checker, ctx: Context, alternative: ast.Alternative, sy
         "unknown-template",
         alternative.name_span,
         f"there is no template, primitive or style `{alternative.name}` here",
-        hint=missing(alternative.name, offered, "template", "primitive"),
+        hint=missing(alternative.name, offered, "template", "primitive") or foreign.ABSENT.get(alternative.name),
     )
 
 

@@ -33,6 +33,15 @@ def _asks_presence(expr: ast.Expr) -> bool:
     return isinstance(expr, ast.NameExpr | ast.MemberExpr | ast.IndexExpr)
 
 
+def equated_part(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> tuple[ast.Expr, bool] | None:
+    """The part that ``lid == true`` compares, and whether that asks for its presence; None where no part is compared so."""
+    for path, word in ((expr.left, expr.right), (expr.right, expr.left)):
+        if isinstance(word, ast.NameExpr) and word.name in ("true", "false") and _asks_presence(path):
+            if expr.op in ("==", "!=") and isinstance(_quiet(ck, ctx, path)[0], PartType):
+                return path, (word.name == "true") == (expr.op == "==")
+    return None
+
+
 def check_is(ck: Checker, ctx: Context, expr: ast.IsExpr) -> Type:
     """``part is Template``: the subject is a part or a style (absence is just false), the name something it can be."""
     subject = ck.infer(ctx.but(lenient=[], asked=True), expr.subject)
@@ -86,6 +95,9 @@ def of(ck: Checker, ctx: Context, expr: ast.Expr) -> Condition:
             return Or((known, of(ck, ctx.given(Not(known)), right)))
         case ast.IsExpr():
             return _is(ck, ctx, expr)
+        case ast.BinaryExpr() if expr.op in OPERATORS and (part := equated_part(ck, ctx, expr)):
+            there = _presence(ck, ctx, part[0])  # reported: what it guards is not to blame
+            return there if part[1] else Not(there)
         case ast.BinaryExpr() if expr.op in OPERATORS:
             return _compare(ck, ctx, expr)
         case ast.NameExpr(name="true"):

@@ -202,6 +202,16 @@ def _instead_of_if(ck: Checker, expr: ast.IfExpr, kind: Type) -> str:
 def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
     if conditions.compares_with_either(ck, ctx, expr):
         return BOOL
+    if (part := conditions.equated_part(ck, ctx, expr)) is not None:
+        words = part[0].span.words
+        said = f"`{words}` is a part, which is not compared with `true` or `false`"
+        ck.error(
+            "wrong-type",
+            expr.span,
+            said,
+            hint=f"it tells by itself whether it is there: write `{'' if part[1] else 'not '}{words}`",
+        )
+        return BOOL
     left = conditions.choice_word(ck, ctx, expr.right, expr.left) or ck.infer(ctx, expr.left)
     right = conditions.choice_word(ck, ctx, expr.left, expr.right) or ck.infer(ctx, expr.right)
     if UNKNOWN in (left, right):

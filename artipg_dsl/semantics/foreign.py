@@ -11,10 +11,13 @@ _ALONE = "use the name itself: `width` for what is declared here, `seat.size.x` 
 _ABSENT = "for a part that may be absent, use the alternative `none`: `part door : Door = SlabDoor | none`"
 _FRAME = "x points to the front, y to the left, z up"
 
+ABSENT = _each("None null nil nothing Nothing", _ABSENT)
+
 NAMES = {
     **_each("self this", _ALONE),
-    **_each("None null nil nothing", _ABSENT),
+    **ABSENT,
     **_each("mm cm m m2 cm2 m3 cm3 mm3 deg rad kg g", "a unit directly follows its number, as in `5cm` or `700kg/m3`"),
+    **_each("centre centred middle centered", "did you mean `center`?"),
     **_each("X Y Z vertical horizontal up down upwards downwards forward forwards backward backwards sideways", _FRAME),
 }
 
@@ -38,6 +41,13 @@ TYPES = {
 }
 
 _DRAWN = "a value is drawn by a parameter: `param lip : length in 1cm .. 2cm`, with `~ normal(15mm, 2mm)` if it is not uniform"
+
+OPERATORS = {
+    **_each("rotate_extrude revolve revolution spin turn", "lathe"),
+    **_each("linear_extrude prism pad extrusion", "extrude"),
+    **_each("pipe tube path_extrude follow", "sweep"),
+    **_each("skin blend hull", "loft"),
+}
 
 FUNCTIONS = {
     **_each("random rand uniform normal gauss gaussian choose pick sample", _DRAWN),
@@ -111,6 +121,10 @@ MEMBERS = {
     **_each("upper up", "did you mean `top`?"),
     **_each("lower down under", "did you mean `bottom`?"),
     **_each("rear", "did you mean `back`?"),
+    **_each(
+        "exists exist present is_present there valid",
+        "a part by itself tells whether it is there: `when handle { }`, `not handle`",
+    ),
     "axis": "write the axis: an edge, such as `part.left.back`, or `line(at = part.center, along = z)`",
     **_each("x y z", "use `size.x` for its length along x, `center.x` for its position"),
 }

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..diagnostics.suggest import any_of, did_you_mean
+from ..diagnostics.suggest import any_of, suggest
 from ..language import OPERATORS, Kind
 from ..syntax import ast
+from . import foreign
 from .calls import range_type
 from .conditions import truth
 from .declarations import check_range
@@ -83,12 +84,10 @@ def _piece(ck: Checker, ctx: Context, stmt: ast.PieceDecl) -> None:
 def _solid(ck: Checker, ctx: Context, stmt: ast.SolidDecl) -> None:
     operator = OPERATORS.get(stmt.operator)
     if operator is None:
-        ck.error(
-            "unknown-function",
-            stmt.span,
-            f"there is no operator `{stmt.operator}`",
-            hint=did_you_mean(stmt.operator, OPERATORS) or "there are " + ", ".join(OPERATORS),
-        )
+        meant = foreign.OPERATORS.get(stmt.operator) or suggest(stmt.operator, OPERATORS)
+        hint = f"did you mean `{meant}`?" if meant else "there are " + ", ".join(OPERATORS)
+        ck.error("unknown-function", stmt.span, f"there is no operator `{stmt.operator}`", hint=hint)
+        return
     for argument in stmt.arguments:
         chain = argument.value.items if isinstance(argument.value, ast.VectorExpr) else (argument.value,)
         for curve in chain:  # one curve, or a chain of them in brackets
