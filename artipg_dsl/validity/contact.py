@@ -45,9 +45,16 @@ def describe_contact(tree: Tree, body: Pieces, found: Collisions, row: int) -> C
     turn, shift, _ = tree.at(states)
     first, second = (Placed(body, k, turn[body.link[k]], shift[body.link[k]]) for k in (i, j))
     at = tuple(np.round(common_point(first, second)[0], 4).tolist())
-    paths = [tree.batch.program.links[tree.links.definition[body.link[k[0]]]].path for k in (i, j)]
-    names = [_part_name(tree, body, int(k[0])) for k in ((i, j) if paths[0] <= paths[1] else (j, i))]
-    return Contact(int(tree.batch.numbers[owner]), (names[0], names[1]), at, value)
+    return Contact(int(tree.batch.numbers[owner]), meeting_parts(tree, body, found, row), at, value)
+
+
+def meeting_parts(tree: Tree, body: Pieces, found: Collisions, row: int) -> tuple[str, str]:
+    """The two parts that meet in a row of ``found``, by name, in the order of their links' paths."""
+    one, other = (int(np.flatnonzero(body.source == source)[0]) for source in found.pieces[row])
+    paths = [tree.batch.program.links[tree.links.definition[body.link[k]]].path for k in (one, other)]
+    if paths[0] > paths[1]:
+        one, other = other, one
+    return _part_name(tree, body, one), _part_name(tree, body, other)
 
 
 def _nearest(tree: Tree, body: Pieces, i: np.ndarray, j: np.ndarray, joint: int) -> float | None:

@@ -83,3 +83,30 @@ def test_the_warning_stands_where_the_place_is_told(gap: str, inner: str, more: 
     session.advise()
     (found,) = [d for d in session.report.diagnostics if d.code == "colliding-links"]
     assert found.span is not None and found.span.text == there
+
+
+def test_a_part_that_not_all_objects_have() -> None:
+    """The divider fills its column, drawers included; objects with one column have none, and the links of both all the same."""
+    text = """apg 1
+use primitives { Cuboid }
+category Case {
+  count columns in 1 .. 2
+  root part body : Cuboid(size = [20cm, 40cm, 2cm])
+  repeat column[c] in 0 ..< columns split body along y gap 1cm {
+    when column.gap {
+      part divider : Cuboid(size = [20cm, 1cm, 9cm])
+      connect divider.bottom on body.top
+      align divider.left = column.left
+    }
+    part drawer : Cuboid(size = [18cm, _, 5cm])
+    align drawer.left = column.left
+    align drawer.right = column.right
+    align drawer.bottom = body.top + 1mm
+    joint pull : prismatic body -> drawer along x range 0 .. 9cm
+  }
+}
+"""
+    session = Session.of_text(text, "case.apg")
+    session.advise()
+    (found,) = [d for d in session.report.diagnostics if d.code == "colliding-links"]
+    assert found.message.startswith("`column[1].divider` and `column[1].drawer` overlap with all joints at rest")
