@@ -352,7 +352,7 @@ def test_one_folder_one_layout_and_a_category_once(lay: Lay) -> None:
 KINDS = {
     "Lamp": {
         "table_or_floor_lamp": {"desk", "table", "floor"},
-        "wall_lamp": {"spot", "sconce"},
+        "wall_lamp": {"spot", "yoke", "sconce"},
         "ceiling_lamp": {"pendant"},
     },
     "Clock": {
