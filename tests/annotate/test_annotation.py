@@ -194,6 +194,7 @@ def test_a_line_is_json_short_and_the_same_from_any_batch() -> None:
     assert to_text(again) == text and "-0.0," not in text and "e-1" not in text
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("category", ["Microwave", "Keyboard", "Foldingrack"])
 def test_lines_are_the_text_of_annotations(category: str) -> None:
     """Also of details, in several states, and without a gripper."""

@@ -193,6 +193,7 @@ def test_views_of_an_object_are_its_own(sampler: Sampler, batch: Batch) -> None:
     assert several.images["depth"][:, 1].tobytes() == both.images["depth"].tobytes()
 
 
+@pytest.mark.some
 @embree
 @pytest.mark.parametrize("state", ["rest", "open"])
 def test_both_ray_casters_see_the_same(batch: Batch, state: str) -> None:

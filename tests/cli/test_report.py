@@ -188,6 +188,7 @@ def test_what_says_nothing_of_the_category_is_told(apgc: Apgc, tmp_path: Path) -
     assert code == 0 and "says nothing of Chest: did you mean `Chests`?" in err
 
 
+@pytest.mark.slow
 def test_a_table_of_several(apgc: Apgc) -> None:
     arguments = ("report", CHEST, CHEST, "-n", 5, "--markdown", "--unchecked")
     code, out, _ = apgc(*arguments)

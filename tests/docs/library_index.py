@@ -119,6 +119,7 @@ def materials() -> tuple[tuple[str, ast.MaterialDecl], ...]:
     return tuple(sorted(found, key=lambda entry: entry[0] != "materials"))
 
 
+@cache
 def page() -> str:
     """The whole page."""
     known = entries()

@@ -63,6 +63,7 @@ def test_touching_is_no_fault_and_lying_within_is(strict: ModuleType) -> None:
     assert strict.shared(box, Manifold.cube((0.1, 0.1, 0.1)).translate((0.4, 0.4, 0.4)))[0] == pytest.approx(0.1)
 
 
+@pytest.mark.some
 @pytest.mark.parametrize(
     "arguments",
     [

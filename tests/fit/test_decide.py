@@ -50,6 +50,7 @@ def with_another(model: Model, samples: apg.Samples) -> tuple[Candidates, Candid
     return tuple(Candidates(batch, every, still(N), np.zeros(N)) for batch in (true, wrong))  # type: ignore[return-value]
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("noise", [0.0, 0.004])
 def test_a_wrong_count_of_small_parts_is_mended(model: Model, samples: apg.Samples, noise: float) -> None:
     true, wrong = with_another(model, samples)
@@ -211,6 +212,7 @@ def test_candidates_do_not_depend_on_their_company(model: Model, samples: apg.Sa
     assert weigh(alone, np.array([1]), still(1), cloud).total == together[1]
 
 
+@pytest.mark.slow
 def test_what_is_not_there_comes_on_either_side() -> None:
     """A knob that a door lacks was thought to be on the left, and is on the right; the side itself shows nothing."""
     doors = apg.load(SIDED, n=12, seed=1)

@@ -91,6 +91,7 @@ def test_a_cloud_without_a_scale(model: Model) -> None:
         assert one.told["frame"]["unit"] is None
 
 
+@pytest.mark.slow
 def test_the_matrix_carries_the_cloud_into_the_frame_of_the_object(model: Model) -> None:
     samples = apg.load(LARGE_KNOBS, n=1, seed=8)
     posed = clouds(samples, model)

@@ -11,6 +11,7 @@ from artipg_dsl.sampling.known import evaluate_again
 from artipg_dsl.session import Session
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("name", ["Chair", "StorageFurniture", "Laptop"])
 def test_what_is_gathered_is_what_is_evaluated(name: str) -> None:
     model, chance = Model(Session.of(name).sampler), np.random.default_rng(0)

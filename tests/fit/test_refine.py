@@ -6,6 +6,7 @@ from dataclasses import replace
 from unittest import mock
 
 import numpy as np
+import pytest
 
 import artipg_dsl as apg
 from artipg_dsl.fit import refine as steps
@@ -63,6 +64,7 @@ def test_roots_are_the_same_whatever_is_solved_beside_them() -> None:
         assert np.allclose(matrix[k, :size, :size] @ alone[0], slope[k, :size])
 
 
+@pytest.mark.slow
 def test_the_last_steps_find_numbers_to_a_thousandth_of_their_range() -> None:
     samples, chance = apg.sample("Bottle", n=2, seed=3), np.random.default_rng(1)
     model, every = Model(samples.job.sampler), np.arange(2)

@@ -65,6 +65,7 @@ def off(one: Fitted, samples: apg.Samples) -> float:
     )
 
 
+@pytest.mark.slow
 def test_an_open_lid_is_found(models: tuple[Model, Model]) -> None:
     samples, posed = seen(1.1)
     (at_rest,) = fit(models[0], [posed], effort=LITTLE)

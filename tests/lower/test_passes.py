@@ -95,6 +95,7 @@ def watched(text: str, monkeypatch: pytest.MonkeyPatch) -> list[tuple[Pass, set[
     return found
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("text", [EVERYTHING, "Microwave"], ids=["everything", "microwave"])
 def test_a_pass_changes_what_it_gives(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     steps = watched(text, monkeypatch)

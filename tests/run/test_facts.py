@@ -177,6 +177,7 @@ def clouds(model: Model, batch: Batch, points: int) -> list[Posed]:
     return found
 
 
+@pytest.mark.slow
 def test_a_fit_has_what_is_known_though_the_cloud_speaks_against_it() -> None:
     sampler = Session.of_text(BOARD).sampler
     batch = Sampler(apply_facts(sampler.program, {"foot": "none", "cap": "none"}, "")).batch(np.arange(1), 1)

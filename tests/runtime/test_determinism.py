@@ -84,6 +84,7 @@ print(digest.hexdigest())
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first, second", [("0", "1")])
 def test_the_hash_seed_of_the_process_does_not_matter(first, second):
     def run(hash_seed):

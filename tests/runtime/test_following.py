@@ -81,6 +81,7 @@ def test_a_check_settles_loops_a_few_times(shaken: Batch) -> None:
     assert calls.call_count <= 3
 
 
+@pytest.mark.slow
 def test_poses_of_more_states_than_fit_are_worked_out_anew(shaken: Batch) -> None:
     one = find_collisions(shaken)
     with mock.patch.object(trees, "_KEPT", 1), mock.patch("artipg_dsl.validity.following._BLOCK", 1):

@@ -47,12 +47,14 @@ def test_globes_on_a_leaning_stem_stand() -> None:
     assert not len(find_faults(batch).objects())
 
 
+@pytest.mark.slow
 def test_the_handle_of_a_bottle_stands_in_its_wall() -> None:
     sampler = Session.of("bottle").sampler
     given = chosen(sampler, "handle", 0) | chosen(sampler, "body", 0)
     assert not len(find_faults(sampler.batch(np.arange(20), 1, given=given)).objects())
 
 
+@pytest.mark.slow
 def test_the_arms_of_scissors_reach_around_the_pin() -> None:
     sampler = Session.of("scissors").sampler
     index = {draw.column.path: k for k, draw in enumerate(sampler.program.draws)}

@@ -63,6 +63,7 @@ def test_labelled_points_move_more_than_others(category: str) -> None:
     assert sum(others) < sum(told)
 
 
+@pytest.mark.slow
 def test_an_axis_that_is_turned_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """What annotations say of other axes than those of the files does not come."""
     from artipg_dsl.layouts import forecast
@@ -80,6 +81,7 @@ def test_an_axis_that_is_turned_is_found_out(monkeypatch: pytest.MonkeyPatch) ->
     assert sum(one.foretold != one.came for one in found) > 0.15 * len(found)
 
 
+@pytest.mark.slow
 def test_a_chain_may_be_shorter_than_others_where_the_last_joint_has_no_end() -> None:
     """Of a cart, wheels hang on forks that turn, or on its frame."""
     from .attempts import try_object

@@ -263,6 +263,7 @@ def test_a_sheet_is_written_whole_and_not_over_another(tmp_path: Path) -> None:
         sheets.write_sheet(FakeBatch(1), target, tile=32, which="numpy")
 
 
+@pytest.mark.slow
 def test_several_processes_paint_the_same_sheet() -> None:
     alone = sheets.draw_sheet(FakeBatch(3), tile=32, which="numpy")
     shared = sheets.draw_sheet(FakeBatch(3), tile=32, which="numpy", paint_all=paint_with(2))
