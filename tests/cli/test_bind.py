@@ -121,6 +121,7 @@ def test_a_folder_of_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     assert summary["options"]["completed"] is False
 
 
+@pytest.mark.slow
 def test_details_follow_objects_that_have_other_numbers_now(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     """A file was added to a fit, and all objects after it have moved up."""
     from artipg_dsl.export.content import Content

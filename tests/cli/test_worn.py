@@ -111,6 +111,7 @@ def test_originals_without_details_are_told(apgc: Apgc, fitted: Path, bound: Pat
     assert code == 0 and "has no details of 1 of 2 objects, of 1 for one: what is made of them is bare" in err
 
 
+@pytest.mark.slow
 def test_objects_wear_their_own_if_these_were_bound_to_their_values(
     apgc: Apgc, fitted: Path, bound: Path, tmp_path: Path
 ) -> None:

@@ -59,6 +59,7 @@ def valid(spans: Domains, stated: Sequence[Inequality]) -> Iterator[tuple[int, .
             yield values
 
 
+@pytest.mark.slow
 @settings(max_examples=EXAMPLES, deadline=None)
 @given(domains, inequalities)
 def test_a_conflict_is_one_by_trying_everything(spans: Domains, stated: list[Inequality]) -> None:

@@ -74,6 +74,7 @@ def test_axes_are_those_of_shapenet(pcn: Path) -> None:
     assert front[:, 2].mean() < -0.1, "the door is in front, at -z"
 
 
+@pytest.mark.slow
 def test_too_few_points_and_another_size_are_found_out(lay: Lay) -> None:
     folder = lay("pcn", "Laptop", n=1)
     path = folder / "train/partial/03642806/Laptop7n000000/03.pcd"

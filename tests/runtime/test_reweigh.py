@@ -435,7 +435,7 @@ def as_in_the_data_set(category: str) -> list[dict[str, Any]]:
         ("Window", {"handle"}, 0.16),
     ],
 )
-@pytest.mark.some
+@pytest.mark.slow
 def test_parts_are_as_frequent_as_in_real_objects(category: str, words: set[str], wanted: float) -> None:
     there = [any(part["semantic"] in words for part in each["parts"]) for each in as_in_the_data_set(category)]
     assert close((sum(there) / OBJECTS, OBJECTS), wanted)

@@ -29,7 +29,7 @@ def chosen(sampler: Sampler, name: str, option: int) -> dict[int, float]:
     return {number: float(option)}
 
 
-@pytest.mark.some
+@pytest.mark.slow
 @pytest.mark.parametrize(("place", "part"), [(1, "end.boss"), (2, "side.ear")])
 def test_the_handle_of_a_kettle_hangs_on_both_sides(place: int, part: str) -> None:
     sampler = Session.of("kettle").sampler
