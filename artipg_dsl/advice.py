@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
@@ -27,7 +26,6 @@ _NAMED = 6  # parts that a warning names
 _SLACK = 1e-6  # radians or metres, by which rounding takes a joint out of its range
 _APART = 1e-4  # metres: what is farther apart does not touch
 _UNEVEN = 0.01  # of a size: by how much the two sizes of what a quarter turn leaves alike may differ
-_RANKS = re.compile(r"\[\d+\]")  # of elements of repeats, in the name of a part
 
 Draw = Callable[[np.ndarray, "Statistics"], "Batch"]
 """The objects of some numbers, unchecked, counting attempts. Raises CompileError, which it has told the report, and what sampling raises.
@@ -281,6 +279,8 @@ class _Looked:
 
     def warn_asymmetric(self) -> None:
         """Report parts that are said to look the same after a quarter turn, of which the box alone tells that they do not."""
+        from .runtime.tables import plain_name  # start-up
+
         parts = self.batch.parts()
         turns, axis = parts.symmetry.T
         size = np.take_along_axis(parts.high - parts.low, (axis[:, None] + [1, 2]) % 3, axis=1)
@@ -290,7 +290,7 @@ class _Looked:
             rows = np.flatnonzero((parts.definition == definition) & quarter)
             if not uneven[rows].all():
                 continue
-            path, about = _RANKS.sub("", parts.name[rows[0]]), "xyz"[axis[rows[0]]]
+            path, about = plain_name(parts.name[rows[0]]), "xyz"[axis[rows[0]]]
             one, other = (f"{100 * length:.3g}" for length in size[rows[0]].tolist())
             self.report.warning(
                 "bad-symmetry",
@@ -322,6 +322,7 @@ class _Looked:
     def warn_invalid(self) -> None:
         """Report parts that float, links that collide at rest in each of the objects that have both, and other faults that all
         objects have."""
+        from .runtime.tables import plain_name  # start-up
         from .validity.bodies import gather  # start-up
         from .validity.floating import Solids  # start-up
         from .validity.stuck import find_never, find_stuck  # start-up
@@ -333,7 +334,7 @@ class _Looked:
         self.warn_floating(solids)
         self.warn_coincident()
         for stuck in find_stuck(tree, body):
-            one, other = (_RANKS.sub("", part) for part in stuck.parts)
+            one, other = (plain_name(part) for part in stuck.parts)
             on = [
                 f"`{part}` is on the link of `{link}`"
                 for part, link in zip((one, other), stuck.links, strict=True)

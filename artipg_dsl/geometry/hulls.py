@@ -15,6 +15,7 @@ from .vectors import extent
 _CHUNK = 20_000  # faces that are looked at together, so that they stay in the cache
 _BEND = 1e-8  # how far points are moved where faces hardly bend: less than what counts as flat
 _FLAT = 1e-7  # how far, relative to the piece's extent, a vertex may stand out of the plane of a face
+_NO_VOLUME = "has no volume: its points lie in one plane"
 
 
 class NoHullError(ValueError):
@@ -82,9 +83,6 @@ def hull_of(points: np.ndarray) -> Hull:
         return _numbered(wrap.wrap_plainly(points))
     except wrap.FlatError as error:
         raise NoHullError(_NO_VOLUME) from error
-
-
-_NO_VOLUME = "has no volume: its points lie in one plane"
 
 
 def _broad(size: np.ndarray) -> bool:

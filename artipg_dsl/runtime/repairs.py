@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -12,6 +11,7 @@ import numpy as np
 from ..geometry.runs import distinct, runs
 from ..graph.program import Draw, Program, Requirement
 from ..records import dataclass
+from .tables import plain_name
 
 HOW = ("clipped", "hint", "search", "redrawn")
 
@@ -131,7 +131,7 @@ def read_repairs(program: Program, owner: int, entries: Sequence[Mapping[str, An
     """The rows of one object as ``to_plain`` has told them. Raises KeyError and ValueError for what it has not."""
     parts = []
     for entry in entries:
-        path, ends = re.sub(r"\[\d+\]", "", entry["path"]), (entry["from"], entry["to"])
+        path, ends = plain_name(entry["path"]), (entry["from"], entry["to"])
         draws = [k for k, d in enumerate(program.draws) if d.column.name == path]
         fitting = [
             k

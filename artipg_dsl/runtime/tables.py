@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,14 @@ from .kernels import Rows
 
 if TYPE_CHECKING:
     from .curves import Curve
+
+
+_RANKS = re.compile(r"\[\d+\]")  # of elements of repeats
+
+
+def plain_name(name: str) -> str:
+    """The name of a part or a value without the ranks of elements: ``row.handle`` for ``row[2].handle``."""
+    return _RANKS.sub("", name)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

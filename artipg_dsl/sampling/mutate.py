@@ -23,6 +23,7 @@ from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State, full
 from ..runtime.laws import is_listed, values_of
 from ..runtime.repairs import Repairs
+from ..runtime.tables import plain_name
 from .clips import CLIPPED, Asked, Blame, log_moved
 from .known import evaluate_again, find_differing, keep_draw, make_batch, match_keys, rows_of_draw
 from .repair import Mended, join_solved, mend, tally
@@ -121,7 +122,7 @@ class Names:
         """The names of a list that mean no value of the program at all."""
         pieces = [p.strip() for p in only.split(",")]
         drawn = {d.column.name for d in program.draws}
-        plain = {p: Names(re.sub(r"\[\d+\]", "", p)) for p in pieces}
+        plain = {p: Names(plain_name(p)) for p in pieces}
         return [
             p for p, names in plain.items() if not names.everything and not any(map(names.pattern.fullmatch, drawn))
         ]
@@ -129,7 +130,7 @@ class Names:
     @staticmethod
     def changed(only: str, program: Program, operations: Sequence[str]) -> bool:
         """Whether any of the operations has a value of the program to change among those that a list means."""
-        names, parts = Names(re.sub(r"\[\d+\]", "", only)), find_structural(program)
+        names, parts = Names(plain_name(only)), find_structural(program)
         kinds = [_KIND[operation] for operation in operations]
         return any(
             draw.kind in kinds

@@ -3,12 +3,11 @@ at once, for `check`."""
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 
 from ..geometry.runs import distinct
 from ..records import dataclass
+from ..runtime.tables import plain_name
 from .apart import find_too_near
 from .bodies import Pieces
 from .contact import describe_contact, meeting_parts
@@ -17,8 +16,6 @@ from .floating import Solids, find_inverted
 from .loops import find_open
 from .tree import Tree
 from .validate import Collisions, find_collisions_at_rest
-
-_RANKS = re.compile(r"\[\d+\]")  # of elements of repeats, in the name of a part
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,11 +50,11 @@ def _always(tree: Tree, body: Pieces, found: Collisions, rows: list[int]) -> lis
     """The parts, by name, of the first of those rows of one pair of links that are of the same two parts, where each object that has
     both parts has such a row."""
     parts = tree.batch.parts()
-    paths = np.array([_RANKS.sub("", name) for name in parts.name], dtype=object)
+    paths = np.array([plain_name(name) for name in parts.name], dtype=object)
     met: dict[tuple[str, ...], list[tuple[tuple[str, str], int]]] = {}
     for row in rows:
         names = meeting_parts(tree, body, found, row)
-        met.setdefault(tuple(_RANKS.sub("", name) for name in names), []).append((names, int(found.owner[row])))
+        met.setdefault(tuple(plain_name(name) for name in names), []).append((names, int(found.owner[row])))
     always = []
     for key, told in met.items():
         having = [set(parts.owner[paths == path].tolist()) for path in key]
