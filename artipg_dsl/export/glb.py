@@ -25,6 +25,7 @@ from .solids import SolidGroup
 FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
 VERTICES, INDICES = 34962, 34963
 _ROW = 12  # bytes of three float32
+_Bounds = tuple[list[float], list[float]]
 _OPENING = 3.0  # seconds: to the other end and back
 _STEP = 1.6  # radians between two keys at most: viewers take the shorter way round
 _PATHS = {  # what moves when a joint does
@@ -60,21 +61,15 @@ class _Buffer:
         self.length += len(self.chunks[-1])
         return len(self.views) - 1
 
-    def access(self, view: int, offset: int, count: int, kind: str, component: int) -> dict[str, Any]:
-        """A new accessor of ``count`` values from a byte of a view on."""
+    def access(
+        self, view: int, offset: int, count: int, kind: str, component: int = FLOAT, bounds: _Bounds | None = None
+    ) -> int:
+        """The number of a new accessor of ``count`` values from a byte of a view on, of which ``bounds`` are the least and the most."""
         found = {"bufferView": view, "byteOffset": offset, "componentType": component, "count": count, "type": kind}
+        if bounds is not None:
+            found |= {"min": bounds[0], "max": bounds[1]}
         self.accessors.append(found)
-        return found
-
-    @property
-    def last(self) -> int:
-        """The number of the last accessor."""
         return len(self.accessors) - 1
-
-    def add(self, array: np.ndarray, kind: str) -> int:
-        """The number of a new accessor over float32 of its own."""
-        self.access(self.view(array), 0, len(array), kind, FLOAT)
-        return self.last
 
 
 def glb_bytes(robot: Robot) -> bytes:
@@ -156,12 +151,14 @@ def _shapes(robot: Robot, buffer: _Buffer) -> Iterator[dict[str, Any]]:
     normal = np.concatenate([group.shading.normals[k] for group, k, _ in seen]).astype("<f4") + np.float32(0.0)
     start = [0, *accumulate(map(len, points))]
     low, high = (best.reduceat(position, start[:-1]).tolist() for best in (np.minimum, np.maximum))
-    views = [buffer.view(array, VERTICES, _ROW) for array in (position, normal)]
+    corners, normals = (buffer.view(array, VERTICES, _ROW) for array in (position, normal))
     indices = _indices([group for group, _, _ in seen], buffer)
     for k, (begin, end) in enumerate(pairwise(start)):
-        first, second = (buffer.access(view, _ROW * begin, end - begin, "VEC3", FLOAT) for view in views)
-        first |= {"min": low[k], "max": high[k]}
-        attributes = {"POSITION": buffer.last - 1, "NORMAL": buffer.last}
+        place = _ROW * begin, end - begin, "VEC3"
+        attributes = {
+            "POSITION": buffer.access(corners, *place, bounds=(low[k], high[k])),
+            "NORMAL": buffer.access(normals, *place),
+        }
         yield {"attributes": attributes, "indices": indices[id(seen[k][0])]}
 
 
@@ -179,8 +176,8 @@ def _indices(groups: Sequence[SolidGroup], buffer: _Buffer) -> dict[int, int]:
             view = buffer.view(np.concatenate([faces for _, faces in own]).astype(kind), INDICES)
             ends = accumulate(len(faces) for _, faces in own)
             for (key, faces), end in zip(own, ends, strict=True):
-                buffer.access(view, kind.itemsize * (end - len(faces)), len(faces), "SCALAR", component)
-                found[key] = buffer.last
+                begin = kind.itemsize * (end - len(faces))
+                found[key] = buffer.access(view, begin, len(faces), "SCALAR", component)
     return found
 
 
@@ -279,11 +276,12 @@ def _animation(robot: Robot, rest: dict[str, float], buffer: _Buffer) -> dict[st
         if len(values) not in clocks:
             times = np.arange(len(values)) * (_OPENING / (len(values) - 1))
             clock = times.astype("<f4")
-            clocks[len(values)] = buffer.add(clock, "SCALAR")
-            buffer.accessors[-1] |= {"min": [float(clock.min())], "max": [float(clock.max())]}
+            span = [float(clock.min())], [float(clock.max())]
+            clocks[len(values)] = buffer.access(buffer.view(clock), 0, len(clock), "SCALAR", bounds=span)
         for path in _PATHS[joint.kind]:
             keys, kind = (_translations, "VEC3") if path == "translation" else (_turns, "VEC4")
-            output = buffer.add(keys(joint, values).astype("<f4"), kind)
+            way = buffer.view(keys(joint, values).astype("<f4"))
+            output = buffer.access(way, 0, len(values), kind)
             samplers.append({"input": clocks[len(values)], "interpolation": "LINEAR", "output": output})
             channels.append({"sampler": len(samplers) - 1, "target": {"node": 1 + joint.child, "path": path}})
     return {"name": "open", "samplers": samplers, "channels": channels}
