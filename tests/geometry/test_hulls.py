@@ -1,11 +1,9 @@
-"""Faces that instances of a piece share: convex for each of them, and found without Qhull wherever there is no doubt."""
+"""Faces that instances of a piece share: convex for each of them, whichever way they bend."""
 
 import numpy as np
 import pytest
 
-from artipg_dsl.geometry import wrap
 from artipg_dsl.geometry.hulls import NoHullError, distinct_hulls, distinct_together, fits, hull_of, which_fits
-from artipg_dsl.native import backend
 
 BOX = np.array([(x, y, z) for x in (0.0, 3.0) for y in (0.0, 2.0) for z in (0.0, 1.0)])
 RIDGE, VALLEY = BOX.copy(), BOX.copy()  # the top bends along one of its diagonals or along the other
@@ -21,15 +19,6 @@ def test_faces_that_hardly_bend_bend_the_right_way(points: np.ndarray) -> None:
     assert fits(points[None], hull).all()
     other = VALLEY if points is RIDGE else RIDGE
     assert not fits(other[None], hull).any()
-
-
-def test_qhull_is_asked_where_there_is_doubt_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    if backend.machine() is None:
-        pytest.skip("no compiler is at hand: Qhull finds all hulls")
-    with monkeypatch.context() as patched:
-        patched.setattr(wrap, "_hull", lambda _: pytest.fail("Qhull was asked"))
-        for points in (BOX, RIDGE, VALLEY):
-            assert len(hull_of(points).faces) == 12
 
 
 def test_sets_are_looked_at_together_and_alone_alike() -> None:

@@ -1,8 +1,10 @@
 """Convex hulls: compiled code and NumPy tell the same corners and faces."""
 
 import numpy as np
+import pytest
 
 from artipg_dsl.geometry import wrap
+from artipg_dsl.geometry.hulls import hull_of
 from artipg_dsl.geometry.wrap import wrap_all
 
 from .machine import bits, needs_compiler
@@ -38,3 +40,14 @@ def test_most_hulls_are_found_by_compiled_code(machine, using, monkeypatch):
     every = list(sets())
     wrap_all(every)
     assert len(left) < len(every) / 5
+
+
+@needs_compiler
+@pytest.mark.parametrize("bend", [0.0, 1e-5, -1e-5])
+def test_pieces_need_no_qhull_where_faces_hardly_bend(using, monkeypatch, bend):
+    """Not even where the points are moved by as much as they bend."""
+    monkeypatch.setattr(wrap, "_hull", lambda _: pytest.fail("Qhull was asked"))
+    using("c")
+    box = np.array([(x, y, z) for x in (0.0, 3.0) for y in (0.0, 2.0) for z in (0.0, 1.0)])
+    box[7, 2] += bend
+    assert len(hull_of(box).faces) == 12
