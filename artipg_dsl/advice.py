@@ -242,13 +242,13 @@ class _Looked:
         from .validity.floating import alone  # start-up
 
         links = find_adrift(solids)
-        paths, floating = set(solids.paths()), set(links)
+        paths, floating = solids.paths(), set(links)
         here = [part for part in self.lowering.context.parts if part.span.source is self.lowering.root.module.source]
         for whole in (True, False):  # what floats as a whole is told as one part, else the innermost part of the file
             for part in sorted(here, key=lambda part: part.path.count("."), reverse=not whole):
-                inside = {path for path in paths if f"{path}.".startswith(f"{part.path}.")}
-                own = inside & floating
-                if not own or whole and own != inside:
+                within = f"{part.path}."
+                own = {path for path in floating if f"{path}.".startswith(within)}
+                if not own or whole and any(f"{path}.".startswith(within) and path not in own for path in paths):
                     continue
                 floating -= own
                 first = min(own, key=list(links).index)
@@ -343,7 +343,7 @@ class _Looked:
             self.report.warning(
                 "colliding-links",
                 self._later(one, other),
-                f"`{stuck.parts[0]}` and `{stuck.parts[1]}` overlap with all joints at rest, in every object examined"
+                f"`{stuck.parts[0]}` and `{stuck.parts[1]}` overlap with all joints at rest, in every object examined that has both"
                 + (f" ({' and '.join(on)})" if on else ""),
                 hint="leave a gap, as in `align lid.bottom = body.top + 1mm`; "
                 f'if the overlap is meant, write `allow overlap {one}, {other} because "..."`',
