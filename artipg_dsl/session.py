@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -111,11 +111,18 @@ class Session:
     """A compilation of one file or text. Findings of all phases gather in ``report``; a phase that failed is None.
 
     ``sampler`` and ``examine`` take what was kept of an equal compilation (see ``kept``); the phases are always computed.
+    ``texts`` count instead of what is saved in their files, as in an editor: nothing is kept of a compilation with them.
     """
 
-    def __init__(self, source: Source | None, path: Path | None, report: Report | None = None):
+    def __init__(
+        self,
+        source: Source | None,
+        path: Path | None,
+        report: Report | None = None,
+        texts: Mapping[Path, Source] | None = None,
+    ):
         self.report = report or Report()
-        self.source, self.path = source, path
+        self.source, self.path, self.texts = source, path, texts
 
     @classmethod
     def of(cls, name: str | Path) -> Session:
@@ -136,7 +143,11 @@ class Session:
     def workspace(self) -> Workspace:
         from .semantics.modules import Workspace
 
-        return Workspace(self.report, [library_dir()], reader=lambda path, report, _: load(path, report, _shown(path)))
+        return Workspace(self.report, [library_dir()], reader=self.read)
+
+    def read(self, path: Path, report: Report, _: str = "") -> Source | None:
+        """The text of a file that the program uses; None after reporting why there is none."""
+        return (self.texts or {}).get(path.resolve()) or load(path, report, _shown(path))
 
     @cached_property
     def module(self) -> ModuleScope | None:
@@ -285,13 +296,15 @@ class Session:
 
     def _recall(self, kind: str) -> str | None:
         """What was kept of an equal compilation, whose findings go to the report."""
-        found = None if self._text is None else kept.recall(kind, self._text, self._folder)
+        if self._text is None or self.texts is not None:
+            return None
+        found = kept.recall(kind, self._text, self._folder)
         for diagnostic in () if found is None else found[0]:
             self.report.add(diagnostic)
         return None if found is None else found[1]
 
     def _keep(self, kind: str, rest: str = "") -> None:
-        if self._text is not None:
+        if self._text is not None and self.texts is None:
             main = self.path.resolve() if self.path else None
             files = {path: source for path, source in self.workspace.read.items() if path != main}
             kept.keep(kind, self._text, self._folder, files, self.workspace.absent, self.report.diagnostics, rest)

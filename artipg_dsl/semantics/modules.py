@@ -101,13 +101,13 @@ class Workspace:
                 scope.names[head.name] = Symbol(head.name, KINDS[head.kind], scope, number)
 
     def _use(self, scope: ModuleScope, use: ast.UseDecl, key: str, folder: Path) -> None:
-        found = self._locate(use.module, folder, Path(scope.source.name).parent)
+        found = self.locate(use.module, folder, Path(scope.source.name).parent)
         if found is None:
             self.report.error(
                 "unknown-module",
                 use.module_span,
                 f"there is no module `{use.module}`",
-                hint=did_you_mean(use.module, self._available(folder))
+                hint=did_you_mean(use.module, self.available(folder))
                 or f"`use` looks for {use.module}.apg next to this file, then in the library",
             )
             scope.lost.update(use.names)
@@ -186,7 +186,7 @@ class Workspace:
             notes=notes,
         )
 
-    def _locate(self, name: str, folder: Path, shown: Path) -> tuple[Path, str] | None:
+    def locate(self, name: str, folder: Path, shown: Path) -> tuple[Path, str] | None:
         """Where a module is, and what to call it: beside the importing file, or as ``library/name.apg``."""
         file = f"{name}.apg"
         if (folder / file).is_file():
@@ -198,5 +198,6 @@ class Workspace:
             self.absent[(place / file).resolve()] = None
         return None
 
-    def _available(self, folder: Path) -> list[str]:
+    def available(self, folder: Path) -> list[str]:
+        """The names of the modules that a file in a folder can use."""
         return sorted({path.stem for place in (folder, *self.search_path) for path in place.glob("*.apg")})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +14,7 @@ from .build_module import TreeBuilder
 from .driver import Driver
 from .layout import Layout
 from .tables import read_tables, tables_of
+from .token import Token
 
 if TYPE_CHECKING:
     from lark import Lark, UnexpectedInput
@@ -42,6 +44,13 @@ class Machine:
         self.builder.begin(source)
         found: ast.Module | None = self._driver.parse(text)
         return found
+
+    def loose(self, text: str, start: int, end: int) -> Iterator[Token]:
+        """The tokens and comments in ``text[start:end]``, whatever the parser would make of them."""
+        for found in self._driver.any.finditer(text, start, end):
+            kind, value = found.lastgroup or "", found[0]
+            if value.strip():
+                yield Token(self.layout.reserved.get(value, kind), value, found.start(), found.end())
 
     def mistake(self, text: str) -> UnexpectedInput | None:
         """What keeps a text from having a tree, and where; the layout is left as it was there."""

@@ -10,6 +10,7 @@ from ..garbage import uncollected
 from ..source import Source
 from . import ast
 from .grammar import Machine, machine
+from .token import Token
 from .walk import too_deep
 
 _ONE_AT_A_TIME = Lock()
@@ -24,10 +25,33 @@ _DEEPEST = 200
 def parse(source: Source, report: Report) -> ast.Module | None:
     """The tree of a source, or None after reporting why there is none."""
     with _ONE_AT_A_TIME, uncollected():
-        return _parse(machine(), source, report)
+        tree, whole = _parse(machine(), source, report)
+    return tree if whole else None
 
 
-def _parse(tools: Machine, source: Source, report: Report) -> ast.Module | None:
+def parse_rest(source: Source) -> ast.Module | None:
+    """The tree of a source without the statements that have mistakes; None where nothing sensible is left."""
+    with _ONE_AT_A_TIME, uncollected():
+        return _parse(machine(), source, Report())[0]
+
+
+def tokens_of(source: Source) -> list[Token]:
+    """The tokens and comments of a source in their order; where a statement has a mistake, those that it would have anywhere."""
+    with _ONE_AT_A_TIME, uncollected():
+        tools = machine()
+        _parse(tools, source, Report())
+        read = sorted((*tools.layout.seen, *tools.layout.comments), key=lambda t: t.start_pos)
+        found, end = list[Token](), 0
+        for token in [*(t for t in read if t.value.strip()), Token("$END", "", len(source.text), len(source.text))]:
+            if source.text[end : token.start_pos].strip():
+                found += tools.loose(source.text, end, token.start_pos)
+            found.append(token)
+            end = token.end_pos
+    return found[:-1]
+
+
+def _parse(tools: Machine, source: Source, report: Report) -> tuple[ast.Module | None, bool]:
+    """The tree of what has no mistakes, and whether that is the whole source."""
     text, broken = source.text, False
     for _ in range(MOST_ERRORS):
         tree = tools.tree(source, text)
@@ -43,7 +67,7 @@ def _parse(tools: Machine, source: Source, report: Report) -> ast.Module | None:
             broken = True
             shorter = None if found.fatal else without_statement(text, found.place, found.line_alone)
             if shorter is None:
-                return None
+                return None, False
             text = shorter
             continue
         for problem in tools.builder.problems:
@@ -56,5 +80,5 @@ def _parse(tools: Machine, source: Source, report: Report) -> ast.Module | None:
                 f"more than {_DEEPEST} expressions or blocks stand one within another here",
                 hint="name a part of it with `let`, or put it into a template",
             )
-        return None if broken or deep is not None or tools.builder.problems else tree
-    return None
+        return tree if deep is None else None, not (broken or deep or tools.builder.problems)
+    return None, False
