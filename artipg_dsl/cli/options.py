@@ -399,6 +399,10 @@ def _add_compare(to: argparse.ArgumentParser) -> None:
     to.add_argument("--force", action="store_true", help="overwrite an existing prior")
 
 
+def _add_lsp(to: argparse.ArgumentParser) -> None:
+    to.add_argument("--stdio", action="store_true", help="speak over standard input and output, as it always does")
+
+
 def _add_layout(to: argparse.ArgumentParser) -> None:
     to.add_argument("folder", metavar="DIR", help="a folder that `apgc export` has written in a layout")
 
@@ -407,6 +411,7 @@ COMMANDS = {
     "new": ("create a category to start from", _add_new),
     "check": ("check programs for errors", _add_check),
     "watch": ("check a program whenever it is saved, and draw it", _add_watch),
+    "lsp": ("serve an editor: findings, hover, completion", _add_lsp),
     "fmt": ("format programs", _add_fmt),
     "compile": ("compile a program, and show one of its stages", _add_compile),
     "sample": ("generate annotated objects", _add_sample),
