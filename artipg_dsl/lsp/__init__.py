@@ -6,6 +6,7 @@ Server Protocol. Begin with ``analysis``.
 
     analysis      one text: its findings, its names and types; of a text with mistakes, those of the rest
     lookup        the name at a place: what it stands for, and where that is declared
+    uses          where what it stands for is used
     completion    what may be written at a place
     outline       what a file declares, and what these declare
     colours       which words are keywords, types, parts, functions, numbers

@@ -17,7 +17,7 @@ from pygls.lsp.server import LanguageServer
 from ..diagnostics import Diagnostic, Report
 from ..source import Source, Span
 from ..syntax.format import format_source
-from ..syntax.load import decode
+from ..syntax.load import decode, load
 from ..version import __version__
 from .analysis import Analysis
 from .colours import KINDS, colours
@@ -25,6 +25,7 @@ from .completion import Suggestion, complete
 from .fixes import fixes
 from .lookup import Found, find
 from .outline import Item, outline
+from .uses import uses
 
 _PAUSE = 0.15  # seconds without a change after which a text is looked at
 _STACK = 16 << 20  # bytes: the passes go down a tree by a call for each node
@@ -188,6 +189,16 @@ class _Server(LanguageServer):
         known = (uri for uri in self.analyses if self.path(uri) == path)
         return next(known, None) or uris.from_fs_path(str(path)) or ""
 
+    def uses(self, uri: str, offset: int) -> list[lsp.Location]:
+        """Where what stands at a place of a document is used: in it, in the other documents, and in the files beside it."""
+        analysis = self.analyses[uri]
+        others = [known for other, known in self.analyses.items() if other != uri]
+        for path in sorted(Path(analysis.source.name).parent.glob("*.apg")):
+            source = None if path.resolve() in self.texts else load(path.resolve(), Report())
+            if source is not None:
+                others.append(Analysis(source, self.texts))
+        return [self.location(analysis, span) for span in uses(analysis, offset, others)]
+
     def location(self, analysis: Analysis, span: Span) -> lsp.Location:
         return lsp.Location(self.uri(analysis, span.source), self.range(span))
 
@@ -222,6 +233,19 @@ def make_server() -> LanguageServer:
     async def definition(params: lsp.DefinitionParams) -> list[lsp.Location]:
         analysis, found = await found_at(params)
         return [] if found is None else [server.location(analysis, span) for span in found.declared]
+
+    @server.feature(lsp.TEXT_DOCUMENT_REFERENCES)
+    async def references(params: lsp.ReferenceParams) -> list[lsp.Location]:
+        uri = params.text_document.uri
+        offset = server.offset(server.analyses[uri].source, params.position)
+        return await server.do(lambda: server.uses(uri, offset))
+
+    @server.feature(lsp.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT)
+    async def highlight(params: lsp.DocumentHighlightParams) -> list[lsp.DocumentHighlight]:
+        analysis = server.analyses[params.text_document.uri]
+        offset = server.offset(analysis.source, params.position)
+        found = await server.do(lambda: list(uses(analysis, offset)))
+        return [lsp.DocumentHighlight(server.range(span)) for span in found]
 
     @server.feature(lsp.TEXT_DOCUMENT_COMPLETION, lsp.CompletionOptions(trigger_characters=["."]))
     async def completion(params: lsp.CompletionParams) -> list[lsp.CompletionItem]:

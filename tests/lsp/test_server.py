@@ -143,6 +143,9 @@ def test_an_editor_is_given_names_an_outline_colours_and_a_layout(texts):
         asked = lsp.CompletionParams(document, place(STAND, "bottom.back range"))
         offered = await editor.text_document_completion_async(asked)
         assert {"front", "size"} <= {item.label for item in offered}
+        asked = lsp.ReferenceParams(lsp.ReferenceContext(True), document, place(STAND, "Board(depth"))
+        found = await editor.text_document_references_async(asked)
+        assert {each.uri for each in found} == {document.uri, uris.from_fs_path(str(texts.shelves))} and len(found) == 3
         (stand,) = await editor.text_document_document_symbol_async(lsp.DocumentSymbolParams(document))
         assert (stand.name, stand.kind) == ("Stand", lsp.SymbolKind.Module)
         assert {"height", "shelf", "leg", "tilt"} <= {inner.name for inner in stand.children}

@@ -1,0 +1,45 @@
+"""Where a name is used."""
+
+from artipg_dsl.lsp.analysis import Analysis
+from artipg_dsl.lsp.uses import uses
+from artipg_dsl.source import Source
+
+from .texts import SHELVES, STAND
+
+
+def lines(text, found):
+    return [text.split("\n")[span.line - 1].strip() for span in found]
+
+
+def test_a_name_is_found_where_it_means_the_same(texts):
+    text = STAND.replace("let aside", "let height2 = 2 * height\n    let aside").replace("Board(depth", "Board( depth")
+    found = list(uses(texts.analysis(text), text.index("height])")))
+    assert lines(text, found) == [
+        "param height : length in 30cm .. 60cm = 40cm",
+        "part back : Cuboid(size = [2cm, 60cm, height])",
+        "let height2 = 2 * height",
+        "part post : Cuboid(size = [3cm, 3cm, height])",
+    ]
+
+
+def test_one_word_that_means_different_things_is_told_apart(texts):
+    depth = "param depth : length in 1cm .. 2cm"
+    text = STAND.replace("param height", f"{depth}\n  param height").replace("[2cm, 60cm", "[depth, 60cm")
+    analysis = texts.analysis(text)
+    own, taken = (list(uses(analysis, text.index(place))) for place in ("depth :", "depth ="))
+    assert lines(text, own) == [depth, "part back : Cuboid(size = [depth, 60cm, height])"]
+    assert lines(text, taken) == ["root part shelf : Board(depth = 28cm)"]
+
+
+def test_uses_in_other_files_are_found_from_either(texts):
+    stand, shelves = texts.analysis(STAND), Analysis(Source(str(texts.shelves), SHELVES), {})
+    there = list(uses(shelves, SHELVES.index("depth :"), [stand]))
+    here = list(uses(stand, STAND.index("depth ="), [shelves]))
+    places = [(span.source.name, span.line) for span in there]
+    assert places == [(str(texts.shelves), 6), (str(texts.shelves), 8), (str(texts.shelves), 9), (str(texts.stand), 11)]
+    assert {(span.source.name, span.line) for span in here} == set(places)
+
+
+def test_what_is_the_language_s_own_is_declared_nowhere(texts):
+    assert not list(uses(texts.analysis(STAND), STAND.index("revolute")))
+    assert not list(uses(texts.analysis(STAND), STAND.index("label semantic")))
