@@ -34,6 +34,12 @@ class Analysis:
         """All findings, as of ``apgc check``."""
         return self._session.examine()
 
+    @property
+    def failed(self) -> bool:
+        """Whether its names and types, or what they stand in, are wrong: then the rest is not looked at."""
+        _ = self._session.typed
+        return self._session.report.failed
+
     @cached_property
     def typed(self) -> TypedProgram | None:
         """The names and types of the text, without the statements that cannot be read; None where nothing can be."""

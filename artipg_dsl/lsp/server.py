@@ -27,7 +27,10 @@ from .lookup import Found, find
 from .outline import Item, outline
 from .uses import uses
 
-_PAUSE = 0.15  # seconds without a change after which a text is looked at
+_PAUSE, _REST = (
+    0.15,
+    0.35,
+)  # seconds without a change after which a text is looked at, and more until objects are made of it
 _STACK = 16 << 20  # bytes: the passes go down a tree by a call for each node
 _SEVERITIES = {"error": lsp.DiagnosticSeverity.Error, "warning": lsp.DiagnosticSeverity.Warning}
 _SYMBOLS = defaultdict(
@@ -135,19 +138,19 @@ class _Server(LanguageServer):
         self.tell(uri, {})
 
     async def look(self, uri: str) -> None:
-        """Tell the findings in a document once it rests."""
+        """Tell the findings in a document once it rests: soon if its names and types are wrong, a little later if objects
+        are to be made of it, since questions wait for that."""
         analysis = self.analyses[uri]
         await asyncio.sleep(_PAUSE)
-        if self.analyses.get(uri) is not analysis:
-            return
         try:
-            found = await self.do(lambda: self.findings(analysis))
+            if self.analyses.get(uri) is analysis and not await self.do(lambda: analysis.failed):
+                await asyncio.sleep(_REST)
+            found = await self.do(lambda: self.findings(analysis)) if self.analyses.get(uri) is analysis else None
         except Exception as error:  # whatever is wrong with us, the editor goes on
-            self.window_show_message(
-                lsp.ShowMessageParams(lsp.MessageType.Error, f"apgc cannot check this file: {error!r}")
-            )
+            shown = f"apgc cannot check this file: {error!r}"
+            self.window_show_message(lsp.ShowMessageParams(lsp.MessageType.Error, shown))
             return
-        if self.analyses.get(uri) is analysis:
+        if found is not None and self.analyses.get(uri) is analysis:
             self.tell(uri, found)
 
     # findings
