@@ -28,6 +28,7 @@ class Analysis:
     def __init__(self, source: Source, texts: Mapping[Path, Source], read: Report | None = None):
         self.source, self._texts = source, texts
         self._session = Session(source, None, read, texts)
+        self._workspace = self._session.workspace  # made here: two threads ask for it
 
     @cached_property
     def report(self) -> Report:
@@ -75,14 +76,13 @@ class Analysis:
     @property
     def reads(self) -> set[Path]:
         """The files that the findings follow from, and those that were looked for in vain."""
-        workspace = self._session.workspace
-        return {*workspace.read, *workspace.absent}
+        return {*list(self._workspace.read), *list(self._workspace.absent)}  # as they are now: they may be growing
 
     def path_of(self, source: Source) -> Path | None:
         """The file of one of the texts that the program uses."""
         if source.name == self.source.name:
             return Path(self.source.name)
-        read = self._session.workspace.read if self.typed is None else self.typed.checker.workspace.read
+        read = self._workspace.read if self.typed is None else self.typed.checker.workspace.read
         return next((path for path, known in read.items() if known.name == source.name), None)
 
     def around(self, offset: int) -> Symbol | None:

@@ -116,9 +116,20 @@ class _Server(LanguageServer):
 
     def changed(self, uri: str) -> list[str]:
         """Take a document as it is now; which documents are to be looked at again."""
+        self.texts[self.path(uri)] = self.source(uri, Report())
+        return self._anew(uri, [uri])
+
+    def closed(self, uri: str) -> list[str]:
+        """Forget a document, as what is saved counts again; which others are to be looked at again."""
+        self.texts.pop(self.path(uri), None)
+        self.analyses.pop(uri, None)
+        self.tell(uri, {})
+        return self._anew(uri, [])
+
+    def _anew(self, uri: str, again: list[str]) -> list[str]:
+        """Forget what is known of some documents, and of those that follow from the text of another."""
         path = self.path(uri)
-        self.texts[path] = self.source(uri, Report())
-        again = [uri, *(other for other, known in self.analyses.items() if other != uri and path in known.reads)]
+        again = [*again, *(other for other, known in self.analyses.items() if other != uri and path in known.reads)]
         for each in again:
             report = Report()
             self.analyses[each] = Analysis(self.source(each, report), dict(self.texts), report)
@@ -130,12 +141,6 @@ class _Server(LanguageServer):
         found = decode(text.encode("utf-8", "replace"), str(self.path(uri)), report)
         assert found is not None  # UTF-8 it is
         return found
-
-    def closed(self, uri: str) -> None:
-        """Forget a document: what is saved counts again."""
-        self.texts.pop(self.path(uri), None)
-        self.analyses.pop(uri, None)
-        self.tell(uri, {})
 
     async def look(self, uri: str) -> None:
         """Tell the findings in a document once it rests: soon if its names and types are wrong, a little later if objects
@@ -216,8 +221,8 @@ def make_server() -> LanguageServer:
         await asyncio.gather(*(server.look(uri) for uri in server.changed(params.text_document.uri)))
 
     @server.feature(lsp.TEXT_DOCUMENT_DID_CLOSE)
-    def closed(params: lsp.DidCloseTextDocumentParams) -> None:
-        server.closed(params.text_document.uri)
+    async def closed(params: lsp.DidCloseTextDocumentParams) -> None:
+        await asyncio.gather(*(server.look(uri) for uri in server.closed(params.text_document.uri)))
 
     async def found_at(params: lsp.HoverParams | lsp.DefinitionParams) -> tuple[Analysis, Found | None]:
         analysis = server.analyses[params.text_document.uri]
