@@ -91,19 +91,17 @@ def _drawn(draw: Draw, lowering: Lowering, span: Span, report: Report) -> Batch 
 
 def _warn_of_undefined(lowering: Lowering, counted: Statistics, report: Report) -> None:
     """Name the operations that were given numbers of which they have no value."""
-    from .graph.defined import PARTIAL  # start-up
-
     seen: set[Span] = set()
     for (kind, number), count in counted.failures().items():
         if kind != "requirement" or number not in lowering.context.undefined:
             continue
-        span, op = lowering.context.undefined[number]
+        span, why = lowering.context.undefined[number]
         if span not in seen:
             seen.add(span)
             report.warning(
                 "undefined-value",
                 span,
-                f"`{span.words}` has no value in {count} of {counted.attempts} attempts at an object: {PARTIAL[op]}",
+                f"`{span.words}` has no value in {count} of {counted.attempts} attempts at an object: {why}",
                 hint="narrow the ranges of what it is made of, or avoid such values by `a if c else b`",
             )
 

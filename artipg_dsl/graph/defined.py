@@ -75,6 +75,8 @@ class Sharp(Intervals):
     def function(self, op: str, node: Expr) -> Interval:
         if op == "atan2":
             return -math.pi, math.pi
+        if op == "where" and (decided := self.of(node.args[0])) in ((0.0, 0.0), (1.0, 1.0)):
+            return self.of(node.args[1 if decided[0] else 2])
         if op == "pow":
             return _power(self.of(node.args[0]), node.args[1].constant)
         if op == "exp":

@@ -10,8 +10,9 @@ from ..language import FUNCTIONS
 from ..syntax import ast
 from . import foreign, functions, paths
 from .meanings import Declared, Global
+from .ranges import range_type
 from .scope import Entry
-from .types import CURVE, LENGTH, PLANE, POINT, UNKNOWN, ScalarType, Type
+from .types import CURVE, POINT, UNKNOWN, ScalarType, Type
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -106,15 +107,6 @@ def _own(ck: Checker, ctx: Context, expr: ast.CallExpr, entry: Entry) -> Type:
         return POINT
     kind = range_type(ck, inside, node.parameter_range)
     return _apply(ck, inside, expr, (node.parameter,), node.value, [kind], id(node))
-
-
-def range_type(ck: Checker, ctx: Context, interval: ast.RangeExpr) -> Type:
-    """The type of a value between the two ends of a range."""
-    low, high = ck.infer(ctx, interval.low), ck.infer(ctx, interval.high)
-    kind = high if isinstance(low, ScalarType) and low.zero else low
-    if kind == PLANE:
-        return LENGTH
-    return ScalarType(kind.dimension) if isinstance(kind, ScalarType) else kind
 
 
 def _apply(

@@ -14,6 +14,7 @@ from .fold import is_unitless
 from .guards import consistent
 from .meanings import BuiltIn, Declared, Inner
 from .remedies import instead
+from .surfaces import check_place
 from .types import (
     ANGLE,
     BOOL,
@@ -331,7 +332,8 @@ def method(ck: Checker, ctx: Context, expr: ast.CallExpr, function: ast.MemberEx
             hint="give the place around and the height",
         )
     ck.mean(function, BuiltIn(form))
-    return _typed(ck, ctx, expr, form, bound or [])
+    kind = _typed(ck, ctx, expr, form, bound or [])
+    return kind if kind == UNKNOWN or check_place(ck, named, bound or []) else UNKNOWN
 
 
 def _all_have_surface(ck: Checker, face: ast.MemberExpr) -> bool:

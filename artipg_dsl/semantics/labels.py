@@ -11,7 +11,6 @@ from ..syntax.walk import path_root, put_together, walk
 from ..units import UNITS
 from . import paths
 from .alternatives import unknown_material
-from .calls import range_type
 from .declarations import check_range
 from .entries import of_reference
 from .fold import constant
@@ -19,6 +18,7 @@ from .guards import consistent
 from .meanings import Declared, Global, Inner, Previous
 from .names import warn_hidden
 from .offers import missing
+from .ranges import range_type
 from .remedies import instead
 from .symbols import Symbol
 from .types import (

@@ -8,9 +8,9 @@ from ..diagnostics.suggest import any_of, suggest
 from ..language import OPERATORS, Kind
 from ..syntax import ast
 from . import foreign
-from .calls import range_type
 from .conditions import truth
 from .declarations import check_range
+from .ranges import range_type
 from .symbols import Symbol
 from .types import COUNT, CURVE, DIRECTION, LENGTH, LENGTH_DIM, POINT, SIZE, UNKNOWN, ScalarType, Type, VecType, fits
 

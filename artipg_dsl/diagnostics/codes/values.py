@@ -135,10 +135,12 @@ VALUES = (
         "undefined-value",
         "a formula has no value",
         """
-        The formula divides by zero, takes the root or the logarithm of a negative number, or exceeds the largest
-        number, for every draw. If it has no value for some draws only, those objects are invalid and drawn again, which
-        is a warning where it happens to one of the few that `apgc check` draws.
-        Correct the formula, or say where it applies: `a / n if n > 0 else 0cm`.
+        The formula divides by zero, takes the root or the logarithm of a negative number, exceeds the largest number,
+        or names a place beyond its surface, `wall.side.at(0turn, z = 30cm)`, for every draw. If it has no value for
+        some draws only, those objects are invalid and drawn again, which is a warning where it happens to one of the
+        few that `apgc check` draws.
+        Correct the formula, or say where it applies: `a / n if n > 0 else 0cm`. `z` of a place on a surface is measured
+        in the frame of the part itself, for most primitives from the middle.
         """,
         """
         apg 1

@@ -199,12 +199,13 @@ def _at_point(
 def connect(env: Env, statement: ast.ConnectStmt) -> Component:
     part = part_of(env, statement.subject)
     ev = Evaluator(env)
-    if statement.between is not None:
-        target: Value | None = ev.value(statement.between.value[0])
-    elif statement.to is not None:
-        target = ev.value(statement.to.value)
-    else:
-        target = placing(env, part, statement.subject, statement)
+    with env.context.going_with(part.exists):
+        if statement.between is not None:
+            target: Value | None = ev.value(statement.between.value[0])
+        elif statement.to is not None:
+            target = ev.value(statement.to.value)
+        else:
+            target = placing(env, part, statement.subject, statement)
     carried = () if target is None else carriers(target, env.scope)
     part.attachments.append(Attachment(env, statement.span, carried, base=not carried))
     return part
@@ -213,9 +214,10 @@ def connect(env: Env, statement: ast.ConnectStmt) -> Component:
 def joint(env: Env, statement: ast.JointDecl) -> Component:
     assert statement.child is not None and statement.parent is not None
     part = part_of(env, statement.child)
-    placing(env, part, statement.child, statement)
     base = isinstance(env.context.meaning(statement.parent), Base)
-    carried = () if base else carriers(Evaluator(env).value(statement.parent), env.scope)
+    with env.context.going_with(part.exists):
+        placing(env, part, statement.child, statement)
+        carried = () if base else carriers(Evaluator(env).value(statement.parent), env.scope)
     part.attachments.append(Attachment(env, statement.span, carried, base=not carried, joint=statement))
     return part
 

@@ -24,6 +24,7 @@ from ...records import dataclass
 from ...source import Source, Span
 from ..expressions.context import Draft, Fetched, where
 from ..expressions.env import Env
+from ..solve.feasible import plain as in_unit
 from ..values.vectors import cross, dot
 from . import gates
 from .links import Links
@@ -53,6 +54,7 @@ from .ranges import (
     TURN,
     WEIGHT,
     Legal,
+    OnSurface,
     Quantity,
     plain,
 )
@@ -92,7 +94,10 @@ def legalize(links: Links, env: Env) -> None:
             if one.operation is not None:
                 span = context.operations[one.operation]
                 place, text = where(span), span.words
-                context.undefined[len(program.requirements)] = span, one.operation.op
+                context.undefined[len(program.requirements)] = span, PARTIAL[one.operation.op]
+            elif (on := several[0].place) is not None:
+                text = on.span.words
+                context.undefined[len(program.requirements)] = on.span, on.why
             program.requirements.append(Requirement(one.scope, condition, E.TRUE, one.message, place, text=text))
 
 
@@ -108,6 +113,8 @@ class _Asked:
     @staticmethod
     def of(quantity: Quantity, context: Draft, intervals: Intervals, defined: Defined) -> _Asked:
         low, high = intervals.of(quantity.value)
+        if quantity.place is not None:
+            return _Asked(quantity.scope, quantity.place.told, quantity.where)
         if quantity.legal.low <= low and high <= quantity.legal.high:
             operation = defined.culprit(quantity.value)
             if operation is not None and operation in context.operations:
@@ -154,6 +161,9 @@ def within(quantity: Quantity) -> Expr:
 
 def refuse(context: Draft, quantity: Quantity, intervals: Intervals, sources: dict[str, Source]) -> None:
     value, place = quantity.value, quantity.where
+    if quantity.place is not None:
+        _refuse_place(context, quantity.place, intervals)
+        return
     low, high = intervals.of(value)
     if math.inf in (low, -high) and (operation := Defined(intervals).culprit(value, direct=True)) in context.operations:
         at = context.operations[operation]
@@ -185,6 +195,20 @@ def refuse(context: Draft, quantity: Quantity, intervals: Intervals, sources: di
     hint = quantity.legal.remedy or ("lengths are in metres, angles in radians" if quantity.legal.measured else None)
     said = f"{quantity.name} is {amount}, but {quantity.legal.refusal(low)}"
     context.report.error("illegal-value", span, said, hint=hint)
+
+
+def _refuse_place(context: Draft, on: OnSurface, intervals: Intervals) -> None:
+    """Report a place that lies beyond its surface in every object."""
+    (low, high), *ends = (intervals.of(value) for value in (on.value, *on.ends))
+    least, most = min(end[0] for end in ends), max(end[1] for end in ends)
+    so = ""
+    if low > most or high < least:
+        above = low > most
+        at = in_unit(low if above else high, on.unit)
+        if low != high:
+            at = f"at {'least' if above else 'most'} {at}"
+        so = f", where `{on.name}` goes from {in_unit(least, on.unit)} to {in_unit(most, on.unit)}; here it is {at}"
+    context.report.error("undefined-value", on.span, f"`{on.span.words}` has no value: {on.why}{so}", hint=on.remedy)
 
 
 def _line_of(source: Source, place: Where) -> Span:

@@ -175,7 +175,8 @@ def _sought(part: Component) -> Pose:
     if not found:
         return Pose(part.rotation(), part.position(), ONE)
     part.mounted = found[0].statement.span
-    poses = [(m.env.scope, _mount_pose(part, m)) for m in found]
+    with part.context.going_with(part.exists):
+        poses = [(m.env.scope, _mount_pose(part, m)) for m in found]
     if not everywhere(part, [scope for scope, _ in poses]):
         return partly(part, [(m, pose) for m, (_, pose) in zip(found, poses, strict=True)])
     if len(poses) == 1:

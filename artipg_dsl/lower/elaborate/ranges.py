@@ -11,6 +11,7 @@ from ...graph import expr as E
 from ...graph.expr import Expr, Scope
 from ...graph.program import Where
 from ...records import dataclass
+from ...source import Span
 
 _FAR = 1e3  # 1 km
 NEAR = 1e-6  # 1 um
@@ -42,8 +43,27 @@ class Legal:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class OnSurface:
+    """A place on a surface, called at ``span``: ``why`` it may have no value, and the ``remedy``. It is given by ``name``, in a ``unit``,
+    which is one of ``ends`` at the ends of the surface."""
+
+    span: Span
+    why: str
+    remedy: str
+    name: str = ""
+    value: Expr = E.ZERO
+    ends: tuple[Expr, Expr] = (E.ZERO, E.ZERO)
+    unit: str = ""
+
+    @property
+    def told(self) -> str:
+        return f"`{self.span.words}` has no value: {self.why}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Quantity:
-    """A number of ``scope``, named for messages, with the range that is legal for it where ``guard`` holds."""
+    """A number of ``scope``, named for messages, with the range that is legal for it where ``guard`` holds; ``place``: that a place
+    lies on a surface."""
 
     name: str
     scope: Scope
@@ -51,6 +71,7 @@ class Quantity:
     legal: Legal
     where: Where | None
     guard: Expr = E.TRUE
+    place: OnSurface | None = None
 
 
 NUMBER = Legal(-1e12, 1e12, "every value of an object must be a finite number", beyond="values are at most 1e12")
@@ -163,6 +184,9 @@ STEP = Legal(
     beyond="a step is at most 1e12",
     remedy="write 0 or more, as in `vary 5%`: it goes both ways",
 )
+
+ON = Legal(-NEAR, math.inf, "it must lie on the surface")
+THERE = Legal(1.0, 1.0, "the surface must be there")
 
 MATERIAL = {
     "density": Legal(1e-3, 1e6, "a density must lie between 1 g/m3 and 1000 t/m3"),

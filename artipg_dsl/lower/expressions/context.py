@@ -147,7 +147,7 @@ class Draft:
         default_factory=dict
     )  # requirement -> its place, if the category's own
     operations: dict[Expr, Span] = field(default_factory=dict)  # where the text first has them
-    # requirement -> the operation that it asks to have a value: where, and which
+    # requirement -> the operation that it asks to have a value: where, and why it may have none
     undefined: dict[int, tuple[Span, str]] = field(default_factory=dict)
     endless: dict[int, tuple[Span, str]] = field(default_factory=dict)  # the same, of what makes a number infinite
     bends: dict[int, Bend] = field(default_factory=dict)  # those of the requirements that are about one
@@ -166,6 +166,7 @@ class Draft:
     fetched: list[Fetched] = field(default_factory=list)  # elements of repeats that have to be there
     named: list[Fetched] = field(default_factory=list)  # elements without which the statement that names them is void
     known: Expr = E.TRUE  # what holds where the expression that is being lowered counts
+    subject: Expr = E.TRUE  # where that is there which the statement that is being lowered goes with
     solids: dict[Hashable, Lowered] = field(default_factory=dict)  # by their symbols and the shapes of their paths
     labels: list[tuple[int, Label]] = field(default_factory=list)  # with the depths of their targets
     fields: dict[str, ast.FieldStmt] = field(default_factory=dict)  # the first of each name
@@ -196,6 +197,16 @@ class Draft:
             yield
         finally:
             self.known = before
+
+    @contextmanager
+    def going_with(self, subject: Expr, known: Expr = E.TRUE) -> Iterator[None]:
+        """While a statement is lowered that exists where its ``subject`` does; of what holds where it is asked for, it keeps ``known``."""
+        before = self.known, self.subject
+        self.known, self.subject = known, subject
+        try:
+            yield
+        finally:
+            self.known, self.subject = before
 
     def meaning(self, node: ast.Node) -> Meaning | None:
         """What a name stands for, as the checker found; None for what is no name."""

@@ -130,7 +130,8 @@ class Env:
                 )
             value.running = True
             try:
-                made = value.make()
+                with self.context.going_with(E.TRUE, self.context.known):
+                    made = value.make()
             except Abort:
                 value.failed = True
                 raise

@@ -137,11 +137,26 @@ def member(ev: Evaluator, value: Value, node: ast.MemberExpr) -> Value:
             f"{describe(value)} has no `{node.name}`",
             hint="name it of the part itself: `part.right`, not `part.left.right`",
         )
+    made = _surfaces(value) if found is None else ()
+    if made:
+        raise ev.env.context.error(
+            "unknown-port",
+            node.name_span,
+            f"the solid of {describe(value)} has no surface `{node.name}`",
+            hint=f"it has {', '.join(made)}",
+        )
     if found is None:
         if isinstance(value, At):
             ev.env.refuse_circle(node.name, node.name_span)
         raise ev.env.context.internal(node.name_span, f"{describe(value)} has no `{node.name}`")
     return found
+
+
+def _surfaces(value: Value) -> tuple[str, ...]:
+    """The surfaces of a part that operators make of curves: which of them close it depends on the curves."""
+    parts = [part for branch in value.branches for part, _ in branch.members] if isinstance(value, Ref) else []
+    solids = [instance.solid for part in parts for instance in part.instances if instance.solid is not None]
+    return solids[0].primitive.surfaces if solids else ()
 
 
 def inner(ev: Evaluator, value: Value, meaning: Inner, span: Span) -> Value | None:

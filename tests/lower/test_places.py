@@ -1,0 +1,90 @@
+"""A place that `at` names lies on its surface: beyond, the formulas of the surface would give places in the air."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from artipg_dsl.sampling.statistics import Statistics
+from artipg_dsl.session import Session
+
+USES = "use primitives { Cuboid, Cylinder, HollowFrustum }\nuse cups { Cup, BowlCup }"
+BODY = "root part body : Cylinder(radius = 4cm, height = 10cm)\n"
+PEG = "part a : Cuboid(size = [1cm, 1cm, 1cm]){}\nconnect a.bottom to {}\n"
+
+
+def session(body: str, before: str = "") -> Session:
+    return Session.of_text(f"apg 1\n{USES}\n{before}category T {{\n{body}}}\n")
+
+
+def warned(made: Session) -> list[str]:
+    """What `check` says of values that are not there."""
+    return [d.message for d in made.examine().diagnostics if d.code == "undefined-value"]
+
+
+def drawn(made: Session, name: str, count: int = 200) -> tuple[list[float], int]:
+    """The values of a parameter, and how many attempts they took."""
+    counted = Statistics()
+    batch = made.sampler.batch(np.arange(count), seed=2, statistics=counted)
+    return [float(v) for v in batch.values()[name]], counted.attempts
+
+
+@pytest.mark.parametrize(
+    ("solid", "place"),
+    [
+        ("Cylinder(radius = 4cm, height = 10cm)", "side.at(0.25turn, z = 5cm)"),  # on the rim
+        ("Cylinder(radius = 4cm, height = 10cm)", "side.at(-3.25turn, z = 0)"),  # it goes around
+        ("HollowFrustum(radius = 5cm, bore = 4cm, height = 5cm)", "outer.at(0.75turn, z = 1cm)"),
+        ("HollowFrustum(radius = 5cm, bore = 4cm, height = 5cm, span = 90deg)", "outer.at(45deg, z = 1cm)"),
+        ("HollowFrustum(radius = 5cm, bore = 4cm, height = 5cm, span = 90deg)", "outer.at(330deg, z = 1cm)"),
+        ("HollowFrustum(radius = 5cm, bore = 4cm, height = 5cm, span = 90deg)", "start.at(0.5, 0.5)"),
+    ],
+)
+def test_places_on_a_surface_ask_nothing(solid: str, place: str) -> None:
+    made = session(f"root part body : {solid}\n" + PEG.format("", f"body.{place}"))
+    assert not made.report.failed and warned(made) == []
+    assert made.lowering is not None and not made.lowering.context.undefined
+
+
+def test_an_object_whose_place_lies_beyond_is_drawn_again_and_told() -> None:
+    made = session("param h : length in 1cm .. 9cm\n" + BODY + PEG.format("", "body.side.at(0.25turn, z = h)"))
+    (message,) = warned(made)
+    assert message.startswith("`body.side.at(0.25turn, z = h)` has no value in ")
+    assert message.endswith(" attempts at an object: the place lies beyond the surface")
+    values, attempts = drawn(made, "h")
+    assert max(values) <= 0.05 and max(values) > 0.045  # half the height
+    assert attempts > 300
+
+
+@pytest.mark.parametrize("direct", [True, False])
+def test_a_place_counts_where_the_part_exists_that_goes_there(direct: bool) -> None:
+    """A part that is not there goes nowhere; a `let` is a value of every object."""
+    place = "body.side.at(0.25turn, z = h)"
+    let = "" if direct else f"let spot = {place}\n"
+    peg = PEG.format(" | none", place if direct else "spot")
+    made = session("param h : length in 1cm .. 9cm\n" + BODY + let + peg)
+    batch = made.sampler.batch(np.arange(200), seed=2)
+    alone = np.bincount(batch.parts().owner) == 1
+    absent = batch.values()["h"][alone]
+    assert len(absent) and (absent.max() > 0.06) == direct
+
+
+def test_a_condition_may_keep_a_place_on_its_surface() -> None:
+    chosen = "let high = body.side.at(0.25turn, z = h).origin.z if h <= 5cm else 5cm\n"
+    peg = "part a : Cuboid(size = [1cm, 1cm, 1cm])\nconnect a.back on body.front\nalign a.top = high\n"
+    made = session("param h : length in 1cm .. 9cm\n" + BODY + chosen + peg)
+    assert warned(made) == [] and max(drawn(made, "h")[0]) > 0.06
+
+
+def test_of_the_surfaces_of_a_slot_the_one_is_taken_on_which_the_place_lies() -> None:
+    """A bowl is round below and upright above: a place below its upright wall lies on the round part."""
+    bowl = "root part body : Cup(radius = 6cm, height = 10cm, wall = 3mm) = BowlCup(deep = 0.6, base_share = 0.5, flare = 1)\n"
+    made = session("param h : length in 1cm .. 95mm\n" + bowl + PEG.format("", "body.wall_face.at(0turn, z = h)"))
+    assert warned(made) == []
+    batch = made.sampler.batch(np.arange(60), seed=2)
+    parts, tall = batch.parts(), batch.values()["h"]
+    foot = parts.translation[2::3] + parts.rotation[2::3] @ [0, 0, -0.005] - parts.translation[::3]
+    across = np.sqrt(np.maximum(1 - (1 - tall / 0.06) ** 2, 0))
+    radius = np.where(tall < 0.06, 0.03 + 0.03 * across, 0.06)
+    np.testing.assert_allclose(foot[:, 2] + 0.05, tall, atol=1e-9)
+    np.testing.assert_allclose(foot[:, 0], radius, atol=1e-9)
