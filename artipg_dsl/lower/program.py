@@ -16,7 +16,7 @@ from ..semantics.check import TypedProgram
 from ..semantics.symbols import Symbol
 from ..syntax import ast
 from .elaborate import conditions as stated
-from .elaborate import drives, gates, labels, mimic, motions, nowhere, overridden, rings
+from .elaborate import drives, gates, handed, labels, mimic, motions, nowhere, overridden, rings
 from .elaborate.body import enter_when, lower_statements
 from .elaborate.drives import driven
 from .elaborate.legal import legalize
@@ -177,6 +177,11 @@ def bounds(lowering: Lowering) -> None:
     judge(lowering.context, attach_bounds(lowering.program), lowering.root.module.source.name)
 
 
+def arguments(lowering: Lowering) -> None:
+    """Warn of arguments outside the ranges of what they are for."""
+    handed.warn(lowering.context)
+
+
 def legality(lowering: Lowering) -> None:
     """Refuse numbers that are never legal; require of others that they are. It narrows no draw."""
     if not lowering.context.unclear:
@@ -223,6 +228,7 @@ STAGES = (
         Pass(bounds, "draws definitions requirements", "draws"),
     ),
     (
+        Pass(arguments, "draws definitions", ""),
         Pass(legality, "draws definitions parts sites joints labels grasps keypoints requirements", "requirements"),
         Pass(seal, "", "hash"),
     ),

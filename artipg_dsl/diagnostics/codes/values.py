@@ -100,8 +100,9 @@ VALUES = (
         """
         An argument replaces what the template would draw, and this one lies where the template never draws: the range
         says for which values it is made. Often the unit is wrong, such as `m` for `mm`. Correct the argument. If the
-        value is meant, widen the range, and look whether the template still holds together. Only numbers and named
-        constants are compared.
+        value is meant, widen the range, and look whether the template still holds together. What is computed is told
+        if it lies outside whatever is drawn. If it lies outside in some objects only, it takes effect there, and
+        nothing is said: a `require` in the template says what it cannot be.
         """,
         """
         apg 1

@@ -18,6 +18,7 @@ from ..expressions.evaluate import Evaluator
 from ..solids.primitives import lower_primitive
 from ..values.kinds import Choice, Frame, Plane, Value
 from .draws import draw_choice, open_parameter
+from .handed import note
 from .interface import own_parameter, parameters_of, within
 from .looks import look_of
 from .part import Component, Instance, Option
@@ -90,6 +91,7 @@ def _make_inputs(part: Component, interface: Symbol, arguments: tuple[ast.Argume
     for name, argument in given.items():
         if name in drawn_within:
             part.inputs[name] = _handed_in(part, env, drawn_within[name], name, argument)
+            note(interface, env, part.inputs, drawn_within[name], argument, part.inputs[name])
     local = Env(env.context, interface.module, interface, env.scope, part.path + ".", names=dict())
     asked = parameters_of(interface)
     needless = set() if part.role is None else _said_by_all(part) - set(given)
@@ -103,6 +105,7 @@ def _make_inputs(part: Component, interface: Symbol, arguments: tuple[ast.Argume
         stated = given.get(name)
         if stated is not None and not _has_hole(stated.value):
             value = _handed_in(part, env, declaration, name, stated)
+            note(symbol, env, part.inputs, declaration, stated, value)
         elif declaration.type.name == "material" and declaration.default is not None:
             value = look_of(local, declaration.default)
         else:
@@ -203,9 +206,11 @@ def _instantiate(part: Component, option: Option, lower_body: LowerBody) -> Inst
                     "`part lid : Lid(size = [_, _, 1cm]) = Flat | Domed`",
                 )
             own[name] = _handed_in(part, home, declared[name], name, argument)
+            note(option.symbol, part.env, own, declared[name], argument, own[name])
         for argument in part.more:
             name = argument.name or ""
             own[name] = _handed_in(part, part.env, declared[name], name, argument)
+            note(option.symbol, part.env, own, declared[name], argument, own[name])
         instance.values = own
         if option.symbol.kind == "primitive":
             complete(instance)

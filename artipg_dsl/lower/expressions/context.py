@@ -22,6 +22,7 @@ from ...syntax import ast
 
 if TYPE_CHECKING:
     from ...semantics.check import TypedProgram
+    from ..elaborate.handed import Handed
     from ..elaborate.nowhere import Holding
     from ..elaborate.overridden import Said
     from ..elaborate.part import Component
@@ -161,6 +162,7 @@ class Draft:
     )  # the preferences that the category itself states, and where
     said: dict[tuple[object, ...], list[Said]] = field(default_factory=dict)  # of one thing, in the order of the text
     holding: dict[int, list[Holding]] = field(default_factory=dict)  # of each label and field, where it holds
+    handed: list[Handed] = field(default_factory=list)  # arguments for parameters that have a range
     counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
     fetched: list[Fetched] = field(default_factory=list)  # elements of repeats that have to be there
