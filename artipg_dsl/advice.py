@@ -275,6 +275,31 @@ class _Looked:
                     "in a `ring` or a `mirror`, move it off the axis or the plane",
                 )
 
+    def warn_buried(self) -> None:
+        """Report parts of which all, or some elements of a repeat, lie inside another part of their link: nothing of them is seen."""
+        from .validity.buried import find_buried  # start-up
+
+        buried, told = find_buried(self.batch), set[str]()
+        unplaced = {found.span for found in self.report.diagnostics if found.code == "unplaced"}
+        sites = {table.path: table for table in self.batch.sites()}
+        for part in sorted(self.lowering.context.parts, key=lambda part: part.path.count(".")):
+            own = [path for path in sites if f"{path}.".startswith(f"{part.path}.")]
+            if part.span.source is not self.span.source or not own or not buried.keys() >= {*own} or told & {*own}:
+                continue
+            told |= {*own}
+            by, rows = buried[own[0]]
+            mirror = sites[own[0]].mirror
+            if part.span in unplaced:
+                continue  # told, with its cause
+            said, hint = f"nothing of `{part.path}` is seen: it lies", f"place it on a face of `{by}`, or leave it out"
+            if not rows.all():
+                said = f"some elements of `{part.path}` lie"
+                if len(set(mirror[rows])) == len(set(mirror[~rows])) == 1 and mirror[rows][0] != mirror[~rows][0]:
+                    said = f"one of the two halves of `{part.path}` lies"
+                    hint = "a `mirror` is across the plane through the origin of what it stands in, not through the middle of another part: "
+                    hint += "state the half on the positive side, by its distance from that plane"
+            self.report.warning("buried", part.span, f"{said} inside `{by}`, in every object examined", hint=hint)
+
     def warn_asymmetric(self) -> None:
         """Report parts that are said to look the same after a quarter turn, of which the box alone tells that they do not."""
         from .runtime.tables import plain_name  # start-up
@@ -331,6 +356,7 @@ class _Looked:
         solids = Solids(tree, body)
         self.warn_floating(solids)
         self.warn_coincident()
+        self.warn_buried()
         for stuck in find_stuck(tree, body):
             one, other = (plain_name(part) for part in stuck.parts)
             on = [

@@ -133,6 +133,31 @@ EQUATIONS = (
         """,
     ),
     Code(
+        "buried",
+        "a part lies inside another one",
+        """
+        In each of the few objects that `apgc check` draws, the part, or an element of a repeat, lies inside another part of
+        its link. Nothing of it is seen, no point lies on it, its labels say nothing, and its mass changes nothing. Often
+        nothing places the part along one axis, so that it is centred, or a sign is wrong. A `mirror` is across the plane
+        through the origin of what it stands in: of a part that is off that plane, the second half does not stand on the
+        other side of the part. Place it on the surface, or leave it out.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Stool {
+          root part seat : Cuboid(size = [30cm, 30cm, 30cm])
+          part knob : Cuboid(size = [3cm, 3cm, 3cm])
+          connect knob to seat
+          align knob.left = seat.left
+          material oak on seat, knob
+          label semantic.seat on seat, knob
+        }
+        """,
+    ),
+    Code(
         "bad-symmetry",
         "a part does not have the symmetry that is stated",
         """

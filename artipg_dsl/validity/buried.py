@@ -1,0 +1,60 @@
+"""Parts inside another part of their link, where nothing of them is seen: what can be asked of a few objects at once, for `check`."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+
+from ..geometry.box import bounds
+from ..geometry.patches import inside_split
+from ..geometry.runs import distinct
+from ..geometry.sites import SiteTable
+from ..runtime.batch import Batch
+
+_FLUSH = 1e-7  # metres: what lies flush with a surface is hidden, too
+_SHARES = np.array(
+    list(product((0.0, 0.5, 1.0), repeat=3))
+)  # of a box, at which it is asked: in a frame only its corners lie inside
+
+
+def find_buried(batch: Batch) -> dict[str, tuple[str, np.ndarray]]:
+    """The paths of primitives of which, in each object that has some, one at least lies wholly inside another one: the path of
+    that, and which rows of the site do (k,)."""
+    tables = batch.sites()
+    if not tables:
+        return {}
+    boxes = [table.boxes() for table in tables]
+    low, high = (np.concatenate(ends) for ends in zip(*boxes, strict=True))
+    owner, link = (np.concatenate([getattr(t, name) for t in tables]) for name in ("owner", "link"))
+    site = np.repeat(np.arange(len(tables)), [len(table) for table in tables])
+    found: dict[str, tuple[str, np.ndarray]] = {}
+    start = np.searchsorted(site, np.arange(len(tables)))
+    for number, table in enumerate(tables):
+        here = slice(start[number], start[number] + len(table))
+        within = (owner[here, None] == owner) & (link[here, None] == link) & (site != number)
+        within &= (low[here, None] >= low - _FLUSH).all(axis=2) & (high[here, None] <= high + _FLUSH).all(axis=2)
+        row, other = np.nonzero(within)
+        hidden, by = np.zeros(len(table), dtype=bool), ""
+        for around in distinct(site[other]).tolist():
+            mine = site[other] == around
+            deep = _lies_inside(table, row[mine], tables[around], other[mine] - start[around])
+            hidden[row[mine][deep]] = True
+            by = by or (tables[around].path if deep.any() else "")
+        if by and set(table.owner[hidden].tolist()) == set(table.owner.tolist()):
+            found[table.path] = by, hidden
+    return found
+
+
+def _lies_inside(table: SiteTable, rows: np.ndarray, around: SiteTable, others: np.ndarray) -> np.ndarray:
+    """Whether the boxes of rows lie inside the solids of other rows (k,)."""
+    low, high = (end[rows] for end in bounds(table.primitive, table.params))
+    at = low[:, None] + (high - low)[:, None] * _SHARES  # (k, 27, 3)
+    at[..., 1] *= table.mirror[rows, None]
+    at = np.einsum("kij,kcj->kci", table.rotation[rows], at) + table.translation[rows, None]
+    at = np.einsum("kji,kcj->kci", around.rotation[others], at - around.translation[others, None])
+    at[..., 1] *= around.mirror[others, None]
+    split = inside_split(around.primitive)
+    values = [value[np.repeat(others, len(_SHARES))] for value in split.rows(around.params)]
+    (depth,) = split.points(values, *at.reshape(-1, 3).T)
+    return np.asarray((depth.reshape(len(rows), -1) <= _FLUSH).all(axis=1))
