@@ -36,6 +36,8 @@ def check_connect(ck: Checker, ctx: Context, node: ast.ConnectStmt) -> None:
     check_place(ck, ctx, node, framed=True)
     if node.to is not None and isinstance(node.subject, ast.MemberExpr):
         check_mounted(ck, (node.subject, kind), (node.to.value, ck.types.get(id(node.to.value), UNKNOWN)))
+    elif node.to is not None and isinstance(node.subject, ast.NameExpr) and _is_half(ck, node.subject, node.to.value):
+        return
     check_on_face(ck, node, node.subject, kind)
     if node.to is None and node.on is None and node.in_ is None and node.between is None:
         ck.error(
@@ -116,6 +118,26 @@ def check_mounted(ck: Checker, *ends: tuple[ast.Expr, Type]) -> None:
                 "what is mounted, and on what, must be a port, a face or a line",
                 hint="name a face or a port of it; to attach a whole part, name two parts",
             )
+
+
+def _is_half(ck: Checker, part: ast.NameExpr, target: ast.Expr) -> bool:
+    """Whether a whole part is attached to a place, where it would not be placed, which is reported: two parts are attached, or two
+    places mounted."""
+    kind = ck.types.get(id(target), UNKNOWN)
+    if kind not in (FRAME, PLANE, EDGE, LINE, POINT, SURFACE, BOX):
+        return False
+    root, words = path_root(target).span.words, target.span.words
+    if kind == BOX:
+        meant = f"write `connect {part.name} in {words}`"
+    elif kind == POINT:
+        meant = f"write `connect {part.name} to {root}` and `align {part.name}.center = {words}`"
+    else:
+        word = "on" if kind == PLANE else "to"
+        meant = f"name a face or a port of it, too, as in `connect {part.name}.bottom {word} {words}`"
+    only = f"; to attach it alone, write `connect {part.name} to {root}`" if isinstance(target, ast.MemberExpr) else ""
+    message = f"`{part.name}` is a whole part: `to` attaches it to another part and does not place it"
+    ck.unfit(target, kind, message, hint=f"to place it there, {meant}{only}")
+    return True
 
 
 def check_on_face(ck: Checker, node: ast.Attaching, expr: ast.Expr, kind: Type) -> None:
