@@ -14,7 +14,7 @@ from ...syntax import ast
 from ..expressions.context import Abort
 from ..expressions.env import Env, Hinge, Thunk
 from ..expressions.evaluate import Evaluator
-from ..expressions.ports import Binding, PortArray
+from ..expressions.ports import Binding, PortArray, bound
 from ..solids.curves import let
 from ..solve.solve import settle
 from ..values.faces import centred
@@ -149,11 +149,9 @@ def register(env: Env, statement: ast.Stmt) -> None:
 
 
 def _register_port(env: Env, statement: ast.PortDecl) -> None:
-    value = statement.value
-    assert value is not None
 
     def make() -> Value:
-        found = Evaluator(env).value(value)
+        found = bound(env, statement)
         if isinstance(found, Ref):
             found = Evaluator(env).ref_box(found)
         return found
@@ -163,7 +161,7 @@ def _register_port(env: Env, statement: ast.PortDecl) -> None:
         return
     array = env.root.names.setdefault(statement.name, PortArray(statement.name, {}))
     assert isinstance(array, PortArray)
-    array.pending.append(Binding(env, statement.index, value))
+    array.pending.append(Binding(env, statement.index, statement))
     array.size = array.size or _port_count(env, statement.name)
 
 

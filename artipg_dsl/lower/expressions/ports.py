@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import field, replace
 from typing import NamedTuple
 
 from ...graph import expr as E
 from ...records import dataclass
 from ...semantics.meanings import Local
+from ...semantics.symbols import lineage
 from ...syntax import ast
-from ..values.kinds import Ports, Value
+from ..values.kinds import Ports, Value, Vec
 from .env import Env
 from .evaluate import Evaluator
 from .members import At, fetch
@@ -22,7 +23,21 @@ class Binding(NamedTuple):
 
     home: Env
     at: ast.Expr
-    value: ast.Expr
+    statement: ast.PortDecl
+
+
+def bound(env: Env, statement: ast.PortDecl, local: dict[str, Value] | None = None) -> Value:
+    """The value of a port. A vector is a place where a ``point`` is declared, by itself or by the role, and moves with its frame."""
+    assert statement.value is not None
+    value = Evaluator(env, local).value(statement.value)
+    return replace(value, point=True) if isinstance(value, Vec) and _is_point(env, statement) else value
+
+
+def _is_point(env: Env, statement: ast.PortDecl) -> bool:
+    declared = [statement]
+    for owner in lineage(env.symbol) if env.symbol is not None else ():
+        declared += [s for s in owner.body if isinstance(s, ast.PortDecl) and s.name == statement.name]
+    return any(port.type is not None and port.type.name == "point" for port in declared)
 
 
 @dataclass(slots=True, eq=False)
@@ -35,13 +50,13 @@ class PortArray(Ports):
     def settled(self) -> dict[int, Value]:
         """Evaluate the bindings: one per constant index, all of a repeat by its index, or all by an index of their own."""
         pending, self.pending = self.pending, []
-        for home, index, port in pending:
+        for home, index, statement in pending:
             meaning = home.context.meaning(index)
             if isinstance(meaning, Local):
                 for k in range(self.size):
-                    self.values[k] = Evaluator(home, {meaning.name: E.const(float(k))}).value(port)
+                    self.values[k] = bound(home, statement, {meaning.name: E.const(float(k))})
                 continue
-            value = Evaluator(home).value(port)
+            value = bound(home, statement)
             number = Evaluator(home).scalar(index)
             if number.constant is not None:
                 self.values[int(number.constant)] = value

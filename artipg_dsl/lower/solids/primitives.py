@@ -17,6 +17,7 @@ from ...syntax import ast
 from ..expressions.context import Draft, where
 from ..expressions.env import Env, Function, Thunk
 from ..expressions.evaluate import Evaluator
+from ..expressions.ports import bound
 from ..values.handed import Handed
 from ..values.kinds import Value, Vec
 from ..values.vectors import times
@@ -128,7 +129,7 @@ def make(context: Draft, symbol: Symbol, title: str, paths: dict[str, Handed]) -
             env.names[statement.name] = Function(statement.name, (statement.u, statement.v), statement.value, env)
         elif isinstance(statement, ast.PortDecl) and statement.value is not None:
             stated.append(statement.name)
-            env.names[statement.name] = Thunk(partial(Evaluator(env).value, statement.value), statement.name_span)
+            env.names[statement.name] = Thunk(partial(bound, env, statement), statement.name_span)
     for statement in symbol.body:
         if isinstance(statement, ast.RequireStmt) and statement.condition is not None:
             conditions.append(_condition_of(Evaluator(env), statement))
