@@ -166,7 +166,7 @@ STRUCTURE = (
           part pair : Pair
           connect pair to body
           part knob : Cuboid(size = [1cm, 1cm, 1cm])
-          connect knob to pair.mid
+          connect knob.bottom to pair.mid
         }
         """,
     ),
