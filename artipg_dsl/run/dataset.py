@@ -159,6 +159,8 @@ def _carry_out(
         done += len(piece.numbers) if piece.each or not each else 0
         if progress:
             progress(done, total)
+    if cluster and pieces:
+        sweep_all(pieces[0].out)  # others have written what a worker was at when it died
     room.keep()
 
 

@@ -52,6 +52,9 @@ def test_a_worker_is_killed_in_the_middle(tmp_path: Path) -> None:
                 killed.append(next(iter(cluster.workers.values())).pid)
                 os.kill(killed[0], signal.SIGKILL)
                 assert done < total
+                half = tmp_path / "o" / "objects" / f".000000.partial-{killed[0]}"  # as if it had been at that one
+                half.mkdir()
+                (half / "object.urdf").write_text("<robot")
 
         write_dataset(job(), tmp_path / "o", output, cluster=cluster.scheduler_address, progress=kill)
         text = tmp_path / "box.apg"
