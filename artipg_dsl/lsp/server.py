@@ -194,17 +194,17 @@ class _Server(LanguageServer):
     def uri(self, analysis: Analysis, source: Source) -> str:
         """The document that a text is of."""
         path = analysis.path_of(source) or Path(analysis.source.name)
-        known = (uri for uri in self.analyses if self.path(uri) == path)
+        known = (uri for uri in list(self.analyses) if self.path(uri) == path)  # as they are now: another thread asks
         return next(known, None) or uris.from_fs_path(str(path)) or ""
 
     def uses(self, uri: str, offset: int) -> list[lsp.Location]:
         """Where what stands at a place of a document is used: in it, in the other documents, and in the files beside it."""
-        analysis = self.analyses[uri]
-        others = [known for other, known in self.analyses.items() if other != uri]
+        analysis, texts = self.analyses[uri], dict(self.texts)
+        others = [known for other, known in list(self.analyses.items()) if other != uri]
         for path in sorted(Path(analysis.source.name).parent.glob("*.apg")):
-            source = None if path.resolve() in self.texts else load(path.resolve(), Report())
+            source = None if path.resolve() in texts else load(path.resolve(), Report())
             if source is not None:
-                others.append(Analysis(source, self.texts))
+                others.append(Analysis(source, texts))
         return [self.location(analysis, span) for span in uses(analysis, offset, others)]
 
     def location(self, analysis: Analysis, span: Span) -> lsp.Location:
