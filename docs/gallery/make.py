@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from artipg_dsl.diagnostics import did_you_mean
 from artipg_dsl.session import Session, categories
 from artipg_dsl.view.sheet import write_sheet
 
@@ -127,6 +128,9 @@ def together(names: list[str], known: dict[str, Image.Image]) -> Image.Image:
 
 def main(names: list[str]) -> None:
     shipped = categories()
+    for name in names:
+        if name not in shipped and name not in OTHERS:
+            sys.exit(f"there is no {name}: {did_you_mean(name, [*shipped, *OTHERS]) or 'give names such as Chair'}")
     for name in [name for name in names or OTHERS if name in OTHERS]:
         what, numbers, seed, colour, tile, columns = OTHERS[name]
         save(picture(what, np.array(numbers), tile, columns, seed, colour), HERE / f"{name}.webp")
