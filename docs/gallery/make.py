@@ -28,7 +28,7 @@ SHOWN = {
     "Faucet": (22, 26),
     "Foldingrack": (6, 12),
     "Bottle": (14, 4),
-    "Chair": (18, 23),
+    "Chair": (18, 17),
     "Scissors": (4, 13),
     "USB": (7, 15),
     "Window": (8, 3),
