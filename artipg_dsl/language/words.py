@@ -38,7 +38,12 @@ _TABLE = (
         "type",
         "three plain numbers; `length[2]`, `length[3]` and so on are two or three quantities of one dimension",
     ),
-    Word("point", "type", "a place, written as a vector of lengths", free=True),
+    Word(
+        "point",
+        "type",
+        "a place, written as a vector of lengths; one that a template is given counts in its own frame",
+        free=True,
+    ),
     Word("frame", "type", "a place with two directions, `out` and `up`"),
     Word("plane", "type", "a face: a plane across an axis; in a sum it stands for its coordinate, a length"),
     Word("edge", "type", "the line in which two faces of a box meet", free=True),
