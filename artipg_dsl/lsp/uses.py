@@ -18,8 +18,7 @@ def uses(analysis: Analysis, offset: int, others: Iterable[Analysis] = ()) -> It
     asked = find(analysis, offset)
     if asked is None or not asked.declared:
         return
-    wanted, name = _places(analysis, asked), asked.declared[0].text
-    word = re.compile(rf"\b{name}\b")
+    wanted, word = _places(analysis, asked), re.compile(rf"\b{asked.span.text}\b")
     for each in (analysis, *others):
         for found in word.finditer(each.source.text):
             meant = find(each, found.start())

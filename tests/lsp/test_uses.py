@@ -43,3 +43,9 @@ def test_uses_in_other_files_are_found_from_either(texts):
 def test_what_is_the_language_s_own_is_declared_nowhere(texts):
     assert not list(uses(texts.analysis(STAND), STAND.index("revolute")))
     assert not list(uses(texts.analysis(STAND), STAND.index("label semantic")))
+
+
+def test_a_module_is_used_where_it_is_named(texts):
+    text = STAND.replace("## From floor to board.", "## Lies on shelves.")
+    found = list(uses(texts.analysis(text), text.index("shelves ")))
+    assert lines(text, found) == ["use shelves      { Board }"] and found[0].text == "shelves"
