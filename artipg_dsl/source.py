@@ -63,6 +63,10 @@ class Span:
         """The same on one line."""
         return " ".join(self.text.split())
 
+    def holds(self, offset: int) -> bool:
+        """Whether a place is in it, or at its end."""
+        return self.start <= offset <= self.end
+
     def to(self, other: Span) -> Span:
         """The span from the start of this one to the end of the other."""
         return Span(self.source, self.start, max(self.end, other.end))

@@ -10,11 +10,11 @@ from ..diagnostics import Report
 from ..garbage import uncollected
 from ..resources import library_dir
 from ..semantics.check import TypedProgram, check
-from ..semantics.modules import Workspace
+from ..semantics.modules import Loader, Workspace
 from ..semantics.scope import BodyScope
 from ..semantics.symbols import ModuleScope, Symbol
 from ..session import Session
-from ..source import Source, Span
+from ..source import Source
 from ..syntax import ast
 from ..syntax.parse import parse_rest
 from ..syntax.trees import KeptTree, tree_of
@@ -47,9 +47,13 @@ class Analysis:
         if self._session.typed is not None:
             return self._session.typed
         with uncollected():
-            workspace = Workspace(Report(), [library_dir()], self._rest, self._session.read)
+            workspace = self.workspace(self._rest)
             module = workspace.load_source(self.source)
             return None if module is None else check(workspace, module, workspace.report)
+
+    def workspace(self, loader: Loader | None = None) -> Workspace:
+        """Modules as the editor has them, with nothing read yet."""
+        return Workspace(Report(), [library_dir()], loader, self._session.read)
 
     def _rest(self, source: Source, report: Report) -> ast.Module | KeptTree | None:
         return parse_rest(source) if source is self.source else tree_of(source, report)
@@ -64,10 +68,6 @@ class Analysis:
         if "{" in line or "}" in line:
             return self
         return Analysis(Source(self.source.name, text[:start] + " " * len(line) + text[end:]), self._texts)
-
-    def workspace(self) -> Workspace:
-        """Where to look for modules, with nothing read yet."""
-        return Workspace(Report(), [library_dir()], reader=self._session.read)
 
     @property
     def module(self) -> ModuleScope | None:
@@ -88,24 +88,17 @@ class Analysis:
     def around(self, offset: int) -> Symbol | None:
         """The declaration of the file that is around a place."""
         for symbol in [] if self.module is None else self.module.own():
-            if _holds(symbol.decl.span, offset):
+            if symbol.decl.span.holds(offset):
                 return symbol
         return None
 
     def scope(self, offset: int) -> BodyScope | None:
         """The innermost body around a place."""
         symbol = self.around(offset)
-        if symbol is None or self.typed is None or not isinstance(symbol.decl, _WITH_BODY):
+        if symbol is None or self.typed is None or not hasattr(symbol.decl, "body"):
             return None
         found = self.typed.checker.scope_of(symbol)
         for stmt in walk(symbol.body):
-            if isinstance(stmt, ast.RepeatStmt) and _holds(stmt.span, offset) and id(stmt) in found.inner:
+            if isinstance(stmt, ast.RepeatStmt) and stmt.span.holds(offset) and id(stmt) in found.inner:
                 found = found.inner[id(stmt)]
         return found
-
-
-_WITH_BODY = (ast.RoleDecl, ast.TemplateDecl, ast.PrimitiveDecl, ast.CategoryDecl)
-
-
-def _holds(span: Span, offset: int) -> bool:
-    return span.start <= offset <= span.end

@@ -8,17 +8,18 @@ types are those of the rest.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
 from ..language import FUNCTIONS, JOINTS, TYPES, WORDS
+from ..semantics.alternatives import taken
 from ..semantics.check import TypedProgram
 from ..semantics.parts import box_member
 from ..semantics.scope import BodyScope
-from ..semantics.symbols import Symbol, members
 from ..semantics.types import UNKNOWN, Type
 from ..syntax import ast
+from ..syntax.grammar import terminal_words
 from ..syntax.words import file_words, statement_words
 from .analysis import Analysis
 from .lookup import feature, features, inside
@@ -75,7 +76,7 @@ def _suggested(analysis: Analysis, before: str, offset: int) -> Iterator[Suggest
             yield from _behind(typed, scope, re.findall(r"[A-Za-z_]\w*(?=\s*(?:\[[^\[\]]*\])?\s*\.)", path[1]), line)
         return
     if scope is None and analysis.around(offset) is None:
-        yield from (Suggestion(word.lower(), "keyword") for word in sorted(file_words()))
+        yield from _beginnings(file_words())
         return
     if _JOINT.search(line):
         yield from (Suggestion(name, "keyword") for name in JOINTS)
@@ -84,12 +85,17 @@ def _suggested(analysis: Analysis, before: str, offset: int) -> Iterator[Suggest
         yield from (Suggestion(word.name, "type", word.about) for word in TYPES.values())
         return
     if _BEGIN.search(line):
-        yield from (Suggestion(word.lower().removesuffix("_block"), "keyword") for word in sorted(statement_words()))
+        yield from _beginnings(statement_words())
         return
     if not _OPERAND.search(line):
         yield from (Suggestion(word, "keyword") for word in _clauses(line))
     yield from _arguments(analysis, before)
     yield from _names(analysis, scope)
+
+
+def _beginnings(terminals: Iterable[str]) -> Iterator[Suggestion]:
+    words = terminal_words()
+    return (Suggestion(words[terminal], "keyword") for terminal in sorted(terminals))
 
 
 def _usable(analysis: Analysis, module: str | None) -> Iterator[Suggestion]:
@@ -134,17 +140,10 @@ def _arguments(analysis: Analysis, before: str) -> Iterator[Suggestion]:
         if depth < 0:
             called = _CALL.search(before, 0, at) if before[at] == "(" else None
             symbol = None if called is None or analysis.module is None else analysis.module.find(called[1])
-            if symbol is not None:
-                yield from _parameters(symbol)
+            if symbol is not None and analysis.typed is not None:
+                for entry in taken(analysis.typed.checker, symbol):
+                    yield Suggestion(entry.name, "parameter", entry.node.doc)
             return
-
-
-def _parameters(symbol: Symbol) -> Iterator[Suggestion]:
-    for stmt in members(symbol):
-        if isinstance(stmt, ast.ParamDecl) and stmt.keyword != "out" and not stmt.derived:
-            yield from (Suggestion(name, "parameter", stmt.doc) for name in stmt.names)
-        elif isinstance(stmt, ast.CountDecl | ast.StyleDecl):
-            yield Suggestion(stmt.name, "parameter", stmt.doc)
 
 
 def _names(analysis: Analysis, scope: BodyScope | None) -> Iterator[Suggestion]:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ..language import FUNCTIONS, JOINTS, MEMBERS, TYPES, WORDS
 from ..records import dataclass
+from ..semantics.alternatives import taken
 from ..semantics.check import TypedProgram
 from ..semantics.meanings import BuiltIn, Declared, Feature, Global, Inner, Local, Word
 from ..semantics.parts import box_member, place_member, place_names
@@ -37,15 +38,15 @@ def find(analysis: Analysis, offset: int) -> Found | None:
     if typed is None or module is None:
         return None
     for use in module.tree.uses:
-        if _at(use.span, offset):
+        if use.span.holds(offset):
             return _used(typed, use, offset)
     symbol = analysis.around(offset)
     if symbol is None:
         return None
-    if _at(symbol.decl.name_span, offset):
+    if symbol.decl.name_span.holds(offset):
         return _of_symbol(symbol, symbol.decl.name_span)
     scope = analysis.scope(offset)
-    narrow = [node for node in walk(symbol.decl) if _at(node.span, offset)]
+    narrow = [node for node in walk(symbol.decl) if node.span.holds(offset)]
     for node in reversed(narrow):
         found = _in_node(typed, symbol, scope, node, offset)
         if found is not None:
@@ -53,17 +54,13 @@ def find(analysis: Analysis, offset: int) -> Found | None:
     return None
 
 
-def _at(span: Span | None, offset: int) -> bool:
-    return span is not None and span.start <= offset <= span.end
-
-
 def _used(typed: TypedProgram, use: ast.UseDecl, offset: int) -> Found | None:
     for name, span in zip(use.names, use.name_spans, strict=True):
-        if _at(span, offset):
+        if span.holds(offset):
             symbol = typed.main.find(name)
             return None if symbol is None else _of_symbol(symbol, span)
     modules = [m for m in typed.modules.values() if m.name == use.module]
-    if not _at(use.module_span, offset) or not modules:
+    if not use.module_span.holds(offset) or not modules:
         return None
     names = ", ".join(symbol.name for symbol in modules[0].own())
     start = Span(modules[0].source, 0, 0)
@@ -73,31 +70,31 @@ def _used(typed: TypedProgram, use: ast.UseDecl, offset: int) -> Found | None:
 def _in_node(typed: TypedProgram, owner: Symbol, scope: BodyScope | None, node: ast.Node, offset: int) -> Found | None:
     """What stands at a place of a node itself, not of those in it."""
     match node:
-        case ast.RoleDecl(parent=str(name), parent_span=Span() as span) if _at(span, offset):
+        case ast.RoleDecl(parent=str(name), parent_span=Span() as span) if span.holds(offset):
             return _named(owner, scope, name, span)
-        case ast.TemplateDecl(role=str(name), role_span=Span() as span) if _at(span, offset):
+        case ast.TemplateDecl(role=str(name), role_span=Span() as span) if span.holds(offset):
             return _named(owner, scope, name, span)
-        case ast.PartDecl(role=str(name), role_span=Span() as span) if _at(span, offset):
+        case ast.PartDecl(role=str(name), role_span=Span() as span) if span.holds(offset):
             return _named(owner, scope, name, span)
-        case ast.StyleDecl(role=name, role_span=span) if _at(span, offset):
+        case ast.StyleDecl(role=name, role_span=span) if span.holds(offset):
             return _named(owner, scope, name, span)
-        case ast.Alternative(name=str(name), name_span=span) if _at(span, offset):
+        case ast.Alternative(name=str(name), name_span=span) if span.holds(offset):
             return _named(owner, scope, name, span)
         case (
             ast.Alternative(name=str(name), arguments=arguments) | ast.PartDecl(role=str(name), arguments=arguments)
-        ) if found := _argument(owner.module.find(name), arguments, offset):
+        ) if found := _argument(typed, owner.module.find(name), arguments, offset):
             return found
-        case ast.IsExpr(type_name=name, type_span=span) if _at(span, offset):
+        case ast.IsExpr(type_name=name, type_span=span) if span.holds(offset):
             return _named(owner, scope, name, span)
-        case ast.MaterialStmt(material=name, material_span=span) if _at(span, offset):
+        case ast.MaterialStmt(material=name, material_span=span) if span.holds(offset):
             return _named(owner, scope, name, span)
-        case ast.LabelStmt(vocabulary=vocabulary, label=word, label_span=span) if _at(span, offset):
+        case ast.LabelStmt(vocabulary=vocabulary, label=word, label_span=span) if span.holds(offset):
             return _word(typed, vocabulary, word, span)
         case ast.LabelStmt(vocabulary=vocabulary, label_span=span) if (
             span.start - len(vocabulary) - 1 <= offset < span.start
         ):
             return _named(owner, scope, vocabulary, Span(span.source, span.start - len(vocabulary) - 1, span.start - 1))
-        case ast.JointDecl(kind=str(kind), kind_span=Span() as span) if _at(span, offset) and kind in JOINTS:
+        case ast.JointDecl(kind=str(kind), kind_span=Span() as span) if span.holds(offset) and kind in JOINTS:
             needed, taken = (
                 ", ".join(f"`{word}`" for word in words) for words in (JOINTS[kind].needs, JOINTS[kind].takes)
             )
@@ -106,7 +103,7 @@ def _in_node(typed: TypedProgram, owner: Symbol, scope: BodyScope | None, node: 
             return _named(owner, scope, name, span) or _language(name, span)
         case ast.NameExpr(span=span):
             return _name(typed, owner, scope, node)
-        case ast.MemberExpr(name_span=span) if _at(span, offset):
+        case ast.MemberExpr(name_span=span) if span.holds(offset):
             return _member(typed, node)
         case ast.Stmt():
             return _declaration(typed, scope, node, offset)
@@ -122,19 +119,17 @@ def _named(owner: Symbol, scope: BodyScope | None, name: str, span: Span) -> Fou
     return None if symbol is None else _of_symbol(symbol, span)
 
 
-def _argument(symbol: Symbol | None, arguments: Sequence[ast.Argument], offset: int) -> Found | None:
+def _argument(
+    typed: TypedProgram, symbol: Symbol | None, arguments: Sequence[ast.Argument], offset: int
+) -> Found | None:
     """The parameter that an argument names."""
     for argument in arguments:
         if argument.name is None or symbol is None:
             continue
         span = Span(argument.span.source, argument.span.start, argument.span.start + len(argument.name))
-        if _at(span, offset):
-            for stmt in members(symbol):
-                if isinstance(stmt, ast.ParamDecl) and argument.name in stmt.names:
-                    declared = stmt.name_spans[stmt.names.index(argument.name)]
-                    return Found(span, _head(stmt), stmt.doc, (declared,))
-                if isinstance(stmt, ast.CountDecl | ast.StyleDecl) and stmt.name == argument.name:
-                    return Found(span, _head(stmt), stmt.doc, (stmt.name_span,))
+        if span.holds(offset):
+            entries = [entry for entry in taken(typed.checker, symbol) if entry.name == argument.name]
+            return _of_entries(entries, span) if entries else None
     return None
 
 
@@ -224,7 +219,7 @@ def _declaration(typed: TypedProgram, scope: BodyScope | None, node: ast.Stmt, o
     else:
         return None
     for span in spans:
-        if _at(span, offset):
+        if span.holds(offset):
             entries = [] if scope is None else [e for e in scope.find(span.text) if e.node is node]
             return _of_entries(entries, span, typed.checker.entry_type(entries[0])) if entries else None
     return None
@@ -253,12 +248,10 @@ def _of_entries(entries: Sequence[Entry], span: Span, kind: Type = UNKNOWN) -> F
 def _of_symbol(symbol: Symbol, span: Span) -> Found:
     """A declaration of a file: its head, and what it takes and shows."""
     decl = symbol.decl
-    lines = [_head(decl)]
-    if isinstance(decl, ast.RoleDecl | ast.TemplateDecl | ast.PrimitiveDecl | ast.CategoryDecl):
-        shown = [_head(stmt) for stmt in members(symbol) if isinstance(stmt, _INTERFACE)]
-        lines += [f"  {text}" for text in shown[:_SHOWN]]
-        if len(shown) > _SHOWN:
-            lines.append(f"  # and {len(shown) - _SHOWN} more")
+    shown = [_head(stmt) for stmt in members(symbol) if isinstance(stmt, _INTERFACE)]
+    lines = [_head(decl), *(f"  {text}" for text in shown[:_SHOWN])]
+    if len(shown) > _SHOWN:
+        lines.append(f"  # and {len(shown) - _SHOWN} more")
     return Found(span, "\n".join(lines), decl.doc, (decl.name_span,))
 
 
@@ -267,10 +260,5 @@ _INTERFACE = (ast.ParamDecl, ast.CountDecl, ast.StyleDecl, ast.PartDecl, ast.Slo
 
 def _head(stmt: ast.Stmt) -> str:
     """A statement on one line, without the body that it has."""
-    body = getattr(stmt, "body", ())
-    text = stmt.span.text
-    if body or isinstance(
-        stmt, ast.RoleDecl | ast.TemplateDecl | ast.PrimitiveDecl | ast.CategoryDecl | ast.RepeatStmt
-    ):
-        text = text.partition("{")[0]
+    text = stmt.span.text.partition("{")[0] if hasattr(stmt, "body") else stmt.span.text
     return " ".join(text.split())

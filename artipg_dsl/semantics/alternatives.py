@@ -372,7 +372,12 @@ def _parameter(ck: Checker, symbol: Symbol, name: str) -> Type | None:
 
 def parameters(ck: Checker, symbol: Symbol) -> list[str]:
     """The names that may be given as arguments."""
-    return list(dict.fromkeys(e.name for e in ck.scope_of(symbol).entries if _given_by_user(e)))
+    return list(dict.fromkeys(entry.name for entry in taken(ck, symbol)))
+
+
+def taken(ck: Checker, symbol: Symbol) -> list[Entry]:
+    """The declarations that an argument may give a value."""
+    return [entry for entry in ck.scope_of(symbol).entries if _given_by_user(entry)]
 
 
 def _given_by_user(entry: Entry) -> bool:

@@ -14,7 +14,7 @@ from .fold import is_unitless
 from .guards import consistent
 from .meanings import BuiltIn, Declared, Inner
 from .remedies import instead
-from .surfaces import check_place
+from .surfaces import check_parameters
 from .types import (
     ANGLE,
     BOOL,
@@ -333,7 +333,7 @@ def method(ck: Checker, ctx: Context, expr: ast.CallExpr, function: ast.MemberEx
         )
     ck.mean(function, BuiltIn(form))
     kind = _typed(ck, ctx, expr, form, bound or [])
-    return kind if kind == UNKNOWN or check_place(ck, named, bound or []) else UNKNOWN
+    return kind if kind == UNKNOWN or check_parameters(ck, named, bound or []) else UNKNOWN
 
 
 def _all_have_surface(ck: Checker, face: ast.MemberExpr) -> bool:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .symbols import Symbol
 
 
-def check_place(ck: Checker, named: ast.Expr, bound: list[tuple[ast.Argument, Parameter]]) -> bool:
+def check_parameters(ck: Checker, named: ast.Expr, bound: list[tuple[ast.Argument, Parameter]]) -> bool:
     """Whether ``u`` and ``v`` of ``at`` have the dimensions that they have on the surface, as far as those are known here; what has
     not is reported."""
     part = ck.types.get(id(named.obj)) if isinstance(named, ast.MemberExpr) else None
