@@ -1,31 +1,24 @@
-"""What a program says that is legal and perhaps not meant: told by its text, and by a few of its objects."""
+"""What a program says that is legal and perhaps not meant: told by its text, and by a few of its objects (see ``examined``)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .diagnostics import CompileError, Report
-from .diagnostics.suggest import any_of
-from .records import dataclass
+from .examined import Examined, how_to_place, why_endless
 from .source import Span
 
 if TYPE_CHECKING:
-    from .graph.program import Where
-    from .lower.elaborate.part import Component
     from .lower.program import Lowering
     from .runtime.batch import Batch
     from .sampling.statistics import Statistics
     from .semantics.check import TypedProgram
-    from .validity.floating import Solids
 
 _OBJECTS = 8  # that are drawn, to see what floats, what collides and what their check takes
 _NAMED = 6  # parts that a warning names
-_SLACK = 1e-6  # radians or metres, by which rounding takes a joint out of its range
-_APART = 1e-4  # metres: what is farther apart does not touch
-_UNEVEN = 0.01  # of a size: by how much the two sizes of what a quarter turn leaves alike may differ
 
 Draw = Callable[[np.ndarray, "Statistics"], "Batch"]
 """The objects of some numbers, unchecked, counting attempts. Raises CompileError, which it has told the report, and what sampling raises.
@@ -48,11 +41,11 @@ def advise(typed: TypedProgram, lowering: Lowering | None, draw: Draw, report: R
             "unplaced",
             part.span,
             f"nothing places `{part.name}`: it is centred along x, y and z",
-            hint=f"place it {_how_to_place(part)}; if the centre is meant, write `align {part.name}.center = ...`",
+            hint=f"place it {how_to_place(part)}; if the centre is meant, write `align {part.name}.center = ...`",
         )
     batch = _drawn(draw, lowering, span, report)
     if batch is not None:
-        _Looked(batch, lowering, span, report).warn()
+        Examined(batch, lowering, span, report).warn()
     warn_unlabelled(lowering, span)
     _warn_of_materials(lowering, span, report)
 
@@ -81,7 +74,7 @@ def _drawn(draw: Draw, lowering: Lowering, span: Span, report: Report) -> Batch 
             span,
             f"no valid `{program.name}` in {error.attempts} attempts at an object; what failed most: "
             + describe_cause(program, worst)
-            + (_why_endless(lowering, worst[1]) if worst[0] == "requirement" else ""),
+            + (why_endless(lowering, worst[1]) if worst[0] == "requirement" else ""),
             hint="what is drawn never equals a number: give the value itself, or write `align` and declare it `derived`"
             if equation
             else "widen the ranges, or state what one value leaves to the next",
@@ -106,16 +99,6 @@ def _warn_of_undefined(lowering: Lowering, counted: Statistics, report: Report) 
             )
 
 
-def _why_endless(lowering: Lowering, requirement: int) -> str:
-    """The operation that may make the number infinite that a requirement is about."""
-    from .graph.defined import PARTIAL  # start-up
-
-    if requirement not in lowering.context.endless:
-        return ""
-    span, op = lowering.context.endless[requirement]
-    return f"; `{span.words}` has no value, or a very large one: {PARTIAL[op]}"
-
-
 def _warn_of_materials(lowering: Lowering, span: Span, report: Report) -> None:
     program = lowering.program
     bare = list(dict.fromkeys(program.parts[site.part].path for site in program.sites if not site.materials))
@@ -130,372 +113,3 @@ def _warn_of_materials(lowering: Lowering, span: Span, report: Report) -> None:
         f"{what} no material",
         hint="write for example `material oak on body`; the default is 700 kg/m3 and light grey",
     )
-
-
-def _how_to_place(part: Component) -> str:
-    """How a part is placed that has its attachment already: a joint places by its own faces, a second `connect` is an error."""
-    mount = next(_mounts(part), None)
-    if any(attachment.joint is not None for attachment in part.attachments):
-        by = "faces" if mount is None else "its port and another"
-        return f"with `align`, or by {by} in its joint, as in `... -> {part.name}.{mount or 'bottom'}`"
-    return f"with `connect {part.name}.{'bottom on' if mount is None else f'{mount} to'} ...` or `align`"
-
-
-def _mounts(part: Component) -> Iterator[str]:
-    """The ports by which a part can be mounted, whatever it is."""
-    from .lower.values.kinds import Frame  # start-up
-    from .syntax import ast  # start-up
-
-    bodies = [instance.symbol.body for instance in part.instances]
-    for port in bodies[0] if bodies else ():
-        if isinstance(port, ast.PortDecl) and port.index is None:
-            shared = all(any(isinstance(s, ast.PortDecl) and s.name == port.name for s in body) for body in bodies)
-            if shared and isinstance(part.own(port.name), Frame):
-                yield port.name
-
-
-@dataclass(frozen=True, slots=True)
-class _Looked:
-    """A few objects, and what is to be said of them; ``span``: where the category is declared."""
-
-    batch: Batch
-    lowering: Lowering
-    span: Span
-    report: Report
-
-    def warn(self) -> None:
-        from .geometry.errors import PrimitiveError  # start-up
-
-        self.warn_excluded()
-        if not self.follow():
-            return
-        self.warn_rigid()
-        self.warn_beyond()
-        self.warn_asymmetric()
-        for look in (self.warn_of_cost, self.warn_untested, self.warn_invalid):
-            try:
-                look()
-            except PrimitiveError:
-                return  # told elsewhere, or when objects are drawn
-
-    def follow(self) -> bool:
-        """Whether every joint that follows another by a formula can; the first that cannot is reported."""
-        from .runtime.curves import TurnsBack  # start-up
-
-        if all(joint.curve is None for joint in self.batch.program.joints):
-            return True
-        try:
-            self.batch.joints()
-        except TurnsBack as wrong:
-            words = wrong.message.split(": ", 1)[1]  # the report says where
-            where = self.lowering.links.mimics[wrong.definition][1].span
-            self.report.error("bad-mimic", where, words, hint=wrong.hint)
-            return False
-        return True
-
-    def warn_excluded(self) -> None:
-        """Name the values of counts and choices that requirements leave hardly any object."""
-        from .quality.excluded import find_excluded  # start-up
-
-        told = {found.span for found in self.report.diagnostics if found.code in ("impossible", "undefined-value")}
-        for one in find_excluded(self.batch):
-            draw, column = self.batch.program.draws[one.draw], self.batch.program.draws[one.draw].column
-            places = [self._stated(number) for number in one.requirements[:_NAMED]]
-            spans = list(dict.fromkeys(span for span in places if span is not None))
-            drawn = self.lowering.context.spans.get(column)
-            own = [drawn] if drawn is not None and drawn.source is self.span.source else []
-            if told.intersection(spans) or not (own or spans):
-                continue
-            value = f"`{draw.options[int(one.value)]}`" if draw.kind == "choice" else f"{one.value:.0f}"
-            first = self.batch.program.requirements[one.requirements[0]]
-            it = f"`{' '.join((first.text or first.message).split())}` ({first.where})"
-            if spans:
-                it = "this requirement"
-                if one.requirements[0] not in self.lowering.context.stated:
-                    it = f"what must hold here ({first.message}{_why_endless(self.lowering, one.requirements[0])})"
-            why = (
-                f"{'all' if not one.kept else f'{one.tried - one.kept} of'} {one.tried} objects tried with it break {it}"
-                if one.tried
-                else f"{it} leaves it out"
-            )
-            chain = [(span, "and this one, perhaps") for span in spans[1:]] + [(span, "drawn here") for span in own]
-            self.report.warning(
-                "excluded-value",
-                (spans or own)[0],
-                f"`{column.name}` is {'hardly ever' if one.kept else 'never'} {value}: {why}",
-                hint="widen the ranges of what is required, or write `align` for an equation; "
-                "if the value is not meant, leave it out of the range or the alternatives",
-                notes=tuple(chain) if spans else (),
-            )
-
-    def _stated(self, requirement: int) -> Span | None:
-        """Where a requirement is written, if that is in the file of the category."""
-        stated = self.lowering.context.stated.get(requirement)
-        span = self._line(self.batch.program.requirements[requirement].where) if stated is None else stated[0]
-        return span if span is not None and span.source is self.span.source else None
-
-    def warn_floating(self, solids: Solids) -> None:
-        """Report the parts that float in each of the objects that have them: none of those is ever valid."""
-        from .validity.adrift import find_adrift  # start-up
-        from .validity.floating import alone  # start-up
-
-        links = find_adrift(solids)
-        paths, floating = solids.paths(), set(links)
-        here = [part for part in self.lowering.context.parts if part.span.source is self.lowering.root.module.source]
-        for whole in (True, False):  # what floats as a whole is told as one part, else the innermost part of the file
-            for part in sorted(here, key=lambda part: part.path.count("."), reverse=not whole):
-                within = f"{part.path}."
-                own = {path for path in floating if f"{path}.".startswith(within)}
-                if not own or whole and any(f"{path}.".startswith(within) and path not in own for path in paths):
-                    continue
-                floating -= own
-                first = min(own, key=list(links).index)
-                self.report.warning(
-                    "floating-part",
-                    part.span,
-                    alone(first, links[first]),
-                    hint=f'{self._how_to_hold(part, solids)}; if that is meant, write `allow floating {part.name} because "..."`',
-                )
-
-    def warn_coincident(self) -> None:
-        """Report parts of which elements of a repeat fill the same space: they look like one."""
-        from .validity.twins import find_twins  # start-up
-
-        twins = find_twins(self.batch)
-        for part in self.lowering.context.parts:
-            own = [path for path in twins if path == part.path or path.startswith(f"{part.path}.")]
-            if own and part.span.source is self.lowering.root.module.source:
-                twins = [path for path in twins if path not in own]
-                repeat = part.path.split(".")[-2] if "." in part.path else "row"
-                self.report.warning(
-                    "coincident",
-                    part.span,
-                    f"elements of `{own[0]}` fill the same space, in every object examined",
-                    hint=f"place it by what differs between elements, such as `align {part.name}.center.y = {repeat}.center.y`; "
-                    "in a `ring` or a `mirror`, move it off the axis or the plane",
-                )
-
-    def warn_buried(self) -> None:
-        """Report parts of which all, or some elements of a repeat, lie inside another part of their link: nothing of them is seen."""
-        from .validity.buried import find_buried  # start-up
-
-        buried, told = find_buried(self.batch), set[str]()
-        unplaced = {found.span for found in self.report.diagnostics if found.code == "unplaced"}
-        sites = {table.path: table for table in self.batch.sites()}
-        for part in sorted(self.lowering.context.parts, key=lambda part: part.path.count(".")):
-            own = [path for path in sites if f"{path}.".startswith(f"{part.path}.")]
-            if part.span.source is not self.span.source or not own or not buried.keys() >= {*own} or told & {*own}:
-                continue
-            told |= {*own}
-            by, rows = buried[own[0]]
-            mirror = sites[own[0]].mirror
-            if part.span in unplaced:
-                continue  # told, with its cause
-            said, hint = f"nothing of `{part.path}` is seen: it lies", f"place it on a face of `{by}`, or leave it out"
-            if not rows.all():
-                said = f"some elements of `{part.path}` lie"
-                if len(set(mirror[rows])) == len(set(mirror[~rows])) == 1 and mirror[rows][0] != mirror[~rows][0]:
-                    said = f"one of the two halves of `{part.path}` lies"
-                    hint = "a `mirror` is across the plane through the origin of what it stands in, not through the middle of another part: "
-                    hint += "state the half on the positive side, by its distance from that plane"
-            self.report.warning("buried", part.span, f"{said} inside `{by}`, in every object examined", hint=hint)
-
-    def warn_asymmetric(self) -> None:
-        """Report parts that are said to look the same after a quarter turn, of which the box alone tells that they do not."""
-        from .runtime.tables import plain_name  # start-up
-
-        parts = self.batch.parts()
-        turns, axis = parts.symmetry.T
-        size = np.take_along_axis(parts.high - parts.low, (axis[:, None] + [1, 2]) % 3, axis=1)
-        quarter = (turns == 0) | (turns > 1) & (turns % 4 == 0)
-        uneven = quarter & (np.ptp(size, axis=1) > _UNEVEN * size.max(axis=1))
-        for definition in sorted(set(parts.definition[uneven].tolist())):
-            rows = np.flatnonzero((parts.definition == definition) & quarter)
-            if not uneven[rows].all():
-                continue
-            path, about = plain_name(parts.name[rows[0]]), "xyz"[axis[rows[0]]]
-            one, other = (f"{100 * length:.3g}" for length in size[rows[0]].tolist())
-            self.report.warning(
-                "bad-symmetry",
-                self._of(path) or self.span,
-                f"`{path}` does not look the same after a quarter turn about its {about}: across it, it is {one} by {other} cm",
-                hint="name what is round or square, with the axes of the part itself, or write `turn 2`",
-            )
-
-    def _how_to_hold(self, part: Component, solids: Solids) -> str:
-        """What to write so that a part that floats touches its link. Axes along which it reaches what carries it are not to blame."""
-        from .lower.values.kinds import part_of  # start-up
-        from .validity.adrift import find_gaps  # start-up
-
-        free = self.lowering.context.centred.get(part, set())
-        carrier = next((part_of(other).path for attachment in part.attachments for other in attachment.to), None)
-        gaps = None if carrier is None else find_gaps(solids, part.path, carrier)
-        apart = set() if gaps is None else set(np.flatnonzero(gaps > _APART).tolist())
-        if gaps is not None and apart and not apart & free:
-            away = " and ".join(f"{1000 * gaps[axis]:.3g} mm along {'xyz'[axis]}" for axis in sorted(apart))
-            return f"it is {away} from `{carrier}`: bring the two together, or attach it to what it does touch"
-        axes = ["xyz"[axis] for axis in sorted(free & apart if apart else free)]
-        if not 0 < len(axes) < 3:
-            return f"place it {_how_to_place(part)}, or attach it to what it does touch"
-        return (
-            f"nothing places it along {' and '.join(axes)}, where it is centred by default: "
-            f"say where with `align`; behind `on` a face, `at center` puts it in the middle of that face"
-        )
-
-    def warn_invalid(self) -> None:
-        """Report parts that float, links that collide at rest in each of the objects that have both, and other faults that all
-        objects have."""
-        from .runtime.tables import plain_name  # start-up
-        from .validity.bodies import gather  # start-up
-        from .validity.floating import Solids  # start-up
-        from .validity.stuck import find_never, find_stuck  # start-up
-        from .validity.tree import Tree  # start-up
-
-        tree = Tree(self.batch)
-        body = gather(self.batch, tree.first, tree.turn, tree.shift)
-        solids = Solids(tree, body)
-        self.warn_floating(solids)
-        self.warn_coincident()
-        self.warn_buried()
-        for stuck in find_stuck(tree, body):
-            one, other = (plain_name(part) for part in stuck.parts)
-            on = [
-                f"`{part}` is on the link of `{link}`"
-                for part, link in zip((one, other), stuck.links, strict=True)
-                if part != link and not part.startswith(f"{link}.")
-            ]
-            self.report.warning(
-                "colliding-links",
-                self._later(one, other),
-                f"`{stuck.parts[0]}` and `{stuck.parts[1]}` overlap with all joints at rest, in every object examined that has both"
-                + (f" ({' and '.join(on)})" if on else ""),
-                hint="leave a gap, as in `align lid.bottom = body.top + 1mm`; "
-                f'if the overlap is meant, write `allow overlap {one}, {other} because "..."`',
-            )
-        for fault in find_never(solids):
-            span = self._line(fault.where)
-            told = fault.what if span or fault.where is None else fault.words
-            self.report.warning(
-                "never-valid",
-                span or self._of(fault.part or "") or self.span,
-                f"{told}, in every object examined",
-                hint=f"no object would be valid{': ' * bool(fault.example)}{fault.example}; "
-                "`apgc render --unchecked` draws some as they are",
-            )
-
-    def warn_rigid(self) -> None:
-        """Name the joints of objects whose loops leave none of them to move."""
-        loops, names, links = self.batch.loops, self.batch.joints().name, self.batch.links()
-        if loops is None:
-            return
-        for number, (joints, follows) in enumerate(zip(loops.variable, loops.follows, strict=True)):
-            there = joints >= 0
-            if there.any() and follows[there].all():
-                held = any_of([names[k] for k in joints[there][:_NAMED].tolist()], "and")
-                pairs = links.definition[loops.link[:, loops.owner == number]].T.tolist()
-                one, other = (f"`{self.batch.program.links[k].path}`" for k in pairs[0])
-                self.report.warning(
-                    "rigid-loop",
-                    self.span,
-                    f"no joint on the loops of `{self.batch.program.name}` can move: `close` determines {held}",
-                    hint=f"it ties the link of {one} to that of {other}: a place lies on the link of the parts that its formula "
-                    "names; a loop of four hinges with parallel axes moves, a triangle does not: add a joint, or `connect` the parts",
-                )
-                return
-
-    def warn_beyond(self) -> None:
-        """Name joints that what they follow takes out of their own range, in every object that has them."""
-        from .lower.solve.feasible import plain  # start-up
-
-        joints = self.batch.joints()
-        led = np.flatnonzero(joints.mimic >= 0)
-        leader = np.searchsorted(joints.owner, joints.owner)[led] + joints.mimic[led]
-        ends = [joints.multiplier[led] * end[leader] + joints.offset[led] for end in (joints.low, joints.high)]
-        least, most = np.minimum(*ends), np.maximum(*ends)
-        beyond = (least < joints.low[led] - _SLACK) | (most > joints.high[led] + _SLACK)
-        endless = np.isnan(joints.low[leader]) & np.isfinite(joints.low[led]) & (joints.multiplier[led] != 0.0)
-        beyond |= endless
-        for number in np.unique(joints.definition[led]).tolist():
-            mine = joints.definition[led] == number
-            joint = self.batch.program.joints[number]
-            if joint.curve is not None or not beyond[mine].all():
-                continue
-            k, unit = int(np.flatnonzero(mine)[0]), "m" if joint.kind == "prismatic" else "rad"
-            taken, own = (
-                f"{plain(float(low), unit)} .. {plain(float(high), unit)}"
-                for low, high in ((least[k], most[k]), (joints.low[led][k], joints.high[led][k]))
-            )
-            said = f"is taken through {taken}"
-            hint = "widen its range, narrow that of what it follows, or change the factor or the offset"
-            if endless[k]:
-                lead = self.batch.program.joints[joints.definition[leader[k]]].path
-                said = f"follows `{lead}`, which turns without end"
-                hint = f"give `{lead}` a range: `revolute ... range 0turn .. 3turn`"
-            self.report.warning(
-                "bad-mimic",
-                self._line(joint.where) or self.span,
-                f"`{joint.path}` {said}, and its range is {own}",
-                hint=hint,
-            )
-
-    def warn_of_cost(self) -> None:
-        """Name the parts that the check of an object takes long for."""
-        from .quality.cost import find_heavy, measure_costs  # start-up
-
-        for cost in find_heavy(measure_costs(self.batch)):
-            pairs = f", and {cost.pairs:.0f} pairs of them with pieces on other links" if cost.pairs >= 1 else ""
-            if cost.shared >= 1:
-                pairs += f", and {cost.shared:.0f} pairs of primitives that may overlap, which `require stable` weighs"
-            self.report.warning(
-                "expensive-check",
-                self.span,
-                f"`{cost.part}` has {cost.pieces:.0f} convex pieces in an object{pairs}: its check takes long",
-                hint="use fewer or simpler primitives, or `--unchecked`; `apgc profile` shows all parts",
-            )
-
-    def warn_untested(self) -> None:
-        """Name the primitives whose box does not hold them at values that their `test` ranges leave out."""
-        from .quality.untested import find_untested  # start-up
-
-        for wrong in find_untested(self.batch):
-            low, high = wrong.test
-            what = "a convex piece of " if wrong.piece else ""
-            self.report.warning(
-                "untested-values",
-                self._of(wrong.part) or self.span,
-                f"{what}`{wrong.part}` reaches {1000 * wrong.reach:.3g} mm out of its box: here `{wrong.parameter}` of `{wrong.primitive}` "
-                f"is {wrong.value:.4g}, and its `test` range is {low:.4g} .. {high:.4g} (a length in metres, an angle in radians)",
-                hint=f"its box is made for the values tested: in `{wrong.primitive}`, state a wider `test low .. high` of `{wrong.parameter}`",
-            )
-
-    def _of(self, path: str) -> Span | None:
-        """Where the part with this path is declared, or the one that it is in, if that is in the file of the category."""
-        while path:
-            here = (part.span for part in self.lowering.context.parts if part.path == path)
-            if found := next((span for span in here if span.source is self.span.source), None):
-                return found
-            path = path.rpartition(".")[0]
-        return None
-
-    def _later(self, *paths: str) -> Span:
-        """Where the last of these parts in the text is declared: it came to those before it. Of parts in templates that is the
-        part of the category that they are in, whose place is told there, unless it is the same for all."""
-        for within in (self._around, self._of):
-            spans = [span for path in paths if (span := within(path)) is not None]
-            if len(set(spans)) == len(set(paths)):
-                break
-        return max(spans, key=lambda span: span.start, default=self.span)
-
-    def _around(self, path: str) -> Span | None:
-        """Where the part of the category is declared that the part with this path is in."""
-        parts = (part for part in self.lowering.context.parts if f"{path}.".startswith(f"{part.path}."))
-        return min(parts, key=lambda part: len(part.path)).span
-
-    def _line(self, where: Where | None) -> Span | None:
-        """The whole of a line, if it is in the file of the category."""
-        source = self.span.source
-        if where is None or where.file != source.name:
-            return None
-        text = source.line(where.line)
-        start = source.start(where.line) + len(text) - len(text.lstrip())
-        return Span(source, start, start + len(text.strip()))
