@@ -8,7 +8,7 @@ the way. Begin with ``faults``.
     validate, following, loops    links that penetrate one another, at rest or while one joint moves; loops that do not close
     contact, evidence         which parts meet, where, and at which value of a joint
     apart, together, cells, clearance    distances kept in every state of the other joints; how far a joint can move
-    floating, adrift          parts that nothing holds; those that nothing holds in any object
+    floating, adrift, neighbours    parts that nothing holds; those that nothing holds in any object; which primitives of a link are near
     stance, hull              whether an object stands without tipping over
     materials, mass           mass, centre and inertia of links
     formulas                  labels evaluated at points, and whether they have a value

@@ -11,6 +11,7 @@ from ..geometry.patches import inside_split
 from ..geometry.runs import distinct
 from ..geometry.sites import SiteTable
 from ..runtime.batch import Batch
+from .neighbours import find_neighbours
 
 _FLUSH = 1e-7  # metres: what lies flush with a surface is hidden, too
 _SHARES = np.array(
@@ -28,13 +29,16 @@ def find_buried(batch: Batch) -> dict[str, tuple[str, np.ndarray]]:
     low, high = (np.concatenate(ends) for ends in zip(*boxes, strict=True))
     owner, link = (np.concatenate([getattr(t, name) for t in tables]) for name in ("owner", "link"))
     site = np.repeat(np.arange(len(tables)), [len(table) for table in tables])
+    _, body = np.unique(np.stack([owner, link]), axis=1, return_inverse=True)
+    pairs = np.stack(find_neighbours(body.reshape(-1), low, high, np.full(len(owner), _FLUSH)))
+    inner, outer = np.concatenate([pairs, pairs[::-1]], axis=1)
+    within = (low[inner] >= low[outer] - _FLUSH).all(axis=1) & (high[inner] <= high[outer] + _FLUSH).all(axis=1)
+    inner, outer = inner[within], outer[within]
     found: dict[str, tuple[str, np.ndarray]] = {}
     start = np.searchsorted(site, np.arange(len(tables)))
     for number, table in enumerate(tables):
-        here = slice(start[number], start[number] + len(table))
-        within = (owner[here, None] == owner) & (link[here, None] == link) & (site != number)
-        within &= (low[here, None] >= low - _FLUSH).all(axis=2) & (high[here, None] <= high + _FLUSH).all(axis=2)
-        row, other = np.nonzero(within)
+        own = np.flatnonzero((site[inner] == number) & (site[outer] != number))
+        row, other = inner[own] - start[number], outer[own]
         hidden, by = np.zeros(len(table), dtype=bool), ""
         for around in distinct(site[other]).tolist():
             mine = site[other] == around

@@ -19,6 +19,7 @@ from ..runtime.batch import Batch
 from .bodies import Pieces, Placed, enumerate_ranges, link_boxes
 from .fault import Fault, Key, list_faults
 from .meant import find_meant, sites_of
+from .neighbours import find_neighbours
 from .tree import Tree
 
 _TOUCH = 1e-4  # metres: what is farther apart does not touch
@@ -105,7 +106,7 @@ class Solids:
     def loose(self) -> np.ndarray:
         """Which primitives (S,) hang together with the first of their link by no chain of contacts."""
         group, margin = np.arange(len(self.site)), self.margin()
-        first, second = _find_neighbours(self.link, self.low, self.high, margin)
+        first, second = find_neighbours(self.link, self.low, self.high, margin)
         most, least = np.maximum(self.low[first], self.low[second]), np.minimum(self.high[first], self.high[second])
         shared = (least - most).min(axis=1)  # the deeper boxes overlap, the sooner a pair is asked
         while True:
@@ -320,38 +321,6 @@ def _may_float(batch: Batch) -> np.ndarray:
     inside = sites_of(batch, distinct(np.concatenate(rows)))
     start = np.cumsum([0, *(len(table) for table in batch.sites())])
     return np.concatenate([begin + row for begin, (row, _) in zip(start[:-1], inside, strict=True)])
-
-
-def _find_neighbours(
-    link: np.ndarray, low: np.ndarray, high: np.ndarray, margin: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of primitives of one link whose boxes, larger by the margin (S,), overlap; by link, then by first and second."""
-    sort, stop = min((_swept(link, low[:, k], high[:, k], margin) for k in range(3)), key=lambda found: found[1].sum())
-    place = np.arange(len(sort))
-    i, j = enumerate_ranges(place + 1, stop - place - 1)
-    first, second = np.minimum(sort[i], sort[j]), np.maximum(sort[i], sort[j])
-    room = np.maximum(margin[first], margin[second])
-    for k in range(3):
-        near = (low[first, k] < high[second, k] + room) & (low[second, k] < high[first, k] + room)
-        first, second, room = first[near], second[near], room[near]
-    order = np.lexsort((second, first, link[first]))
-    return first[order], second[order]
-
-
-def _swept(link: np.ndarray, low: np.ndarray, high: np.ndarray, margin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The intervals of each link in the order of their low ends (S,), and before which of them those end that may reach one."""
-    sort = np.lexsort((low, link))
-    ends = np.searchsorted(link[sort], link[sort], side="right")
-    reach = high + margin.max(initial=0.0)
-    span = 2.0 * (reach.max(initial=0.0) - low.min(initial=0.0)) + 1.0  # links lie apart on one axis
-    key, wanted = (low + link * span)[sort], (reach + link * span)[sort]
-    if not np.isfinite(key).all() or not np.isfinite(wanted).all():
-        return sort, ends
-    slack = 1e-12 * (
-        np.abs(wanted).max(initial=0.0) + 1.0
-    )  # what the sums are rounded by: a pair too many does no harm
-    stop = np.searchsorted(key, wanted + slack, side="right")
-    return sort, np.clip(stop, np.arange(len(sort)) + 1, ends)
 
 
 def _find_loose(batch: Batch, link: np.ndarray, group: np.ndarray) -> np.ndarray:

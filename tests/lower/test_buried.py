@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import tracemalloc
+from textwrap import dedent
+
+import numpy as np
 import pytest
 
+from artipg_dsl.diagnostics import CODES
 from artipg_dsl.session import Session
+from artipg_dsl.validity.buried import find_buried
 
 BODY = "param wide : length in 30cm .. 40cm\nroot part body : Cuboid(size = [30cm, wide, 20cm])\n"
 POST = "part post : Cuboid(size = [10cm, 16cm, 20cm])\nconnect post.bottom on body.top\nalign post.center.y = {}\n"
@@ -60,3 +66,13 @@ def test_some_elements_of_a_row_that_lie_within_are_told() -> None:
     assert buried(POST.format("0") + text) == [
         ("peg", "some elements of `row.peg` lie inside `post`, in every object examined")
     ]
+
+
+def test_of_many_parts_only_neighbours_are_compared() -> None:
+    mat = Session.of_text(dedent(CODES["expensive-check"].example)).sampler.batch(np.arange(4), 0)
+    mat.sites()
+    tracemalloc.start()
+    assert find_buried(mat) == {}
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 6400 * 6400 / 4, "a byte for every fourth pair"

@@ -13,8 +13,8 @@ from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
 from artipg_dsl.validity.faults import find_faults
-from artipg_dsl.validity.floating import _find_neighbours
 from artipg_dsl.validity.mass import Weighing, find_crossed, find_weightless
+from artipg_dsl.validity.neighbours import find_neighbours
 
 HEAD = "apg 1\nuse primitives { Cuboid, Cylinder, RoundedCuboid }\ncategory Case {\n"
 BODY = "root part body : Cuboid(size = [20cm, 20cm, 20cm])\n"
@@ -117,9 +117,9 @@ def test_neighbours_are_all_pairs_of_a_link_whose_boxes_overlap(axis: int) -> No
         and (low[i] < high[j] + max(margin[i], margin[j])).all()
         and (low[j] < high[i] + max(margin[i], margin[j])).all()
     ]
-    first, second = _find_neighbours(link, low, high, margin)
+    first, second = find_neighbours(link, low, high, margin)
     assert list(zip(first.tolist(), second.tolist(), strict=True)) == expected and len(expected) > 50
-    assert all(len(found) == 0 for found in _find_neighbours(link[:0], low[:0], high[:0], margin[:0]))
+    assert all(len(found) == 0 for found in find_neighbours(link[:0], low[:0], high[:0], margin[:0]))
 
 
 JOINTED = (
