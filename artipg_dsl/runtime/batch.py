@@ -78,7 +78,7 @@ class Batch:
         """The state to evaluate again what this is."""
         old = self.state
         asked = (old.seed, old.objects, old.attempt, old.given, old.defaults, old.kept, old.salt, old.lane)
-        return State(*asked, weigh=weigh)
+        return State(*asked, weigh=weigh, asked=old.asked)
 
     # ------------------------------------------------------------ reading
 

@@ -1,10 +1,14 @@
 """Draws of the generated code: a value per row within what the requirements leave, by the address of its row alone.
 
-A draw has its value from what is given, else from what was kept, else from its default where those are asked for, else from its law.
+A draw has its value from what its object is asked for, else from what is given, else from what was kept, else from its default where those
+are wanted, else from its law.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from functools import wraps
 from typing import Any
 
 import numpy as np
@@ -103,6 +107,37 @@ def _given(
     return np.where(bad, low, found)
 
 
+def _each_its_own(draw: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
+    """A draw of which some objects are asked for a value: drawn as if all were, and as if none was, and each object has its own of it."""
+
+    @wraps(draw)
+    def drawn(state: State, rows: Rows, number: int, *how: Any) -> np.ndarray:
+        value = state.asked.get(number)
+        if value is None:
+            return draw(state, rows, number, *how)
+        free = np.isnan(value)
+        found = np.empty(rows.size)
+        for given, own in (
+            ({**state.given, number: np.where(free, 0.0, value)[rows.owner]}, ~free),
+            (state.given, free),
+        ):
+            nothing = np.zeros(len(own))
+            way = replace(
+                state, given=given, failed=nothing > 0, missed={}, faults={}, values={}, log_weight=nothing.copy()
+            )
+            found = np.where(own[rows.owner], draw(way, rows, number, *how), found)
+            for bad in way.faults.get(("draw", number), []):
+                mine = np.zeros(rows.size, dtype=bool)
+                mine[bad] = own[rows.owner[bad]]
+                _no_room(state, rows, number, mine)
+            state.log_weight += np.where(own, way.log_weight, 0.0)
+        state.values[number] = found
+        return found
+
+    return drawn
+
+
+@_each_its_own
 def draw_real(
     state: State,
     rows: Rows,
@@ -227,6 +262,7 @@ def _near(
     return np.where(known, np.minimum(first + unit * (last - first), last), fresh)
 
 
+@_each_its_own
 def draw_count(
     state: State,
     rows: Rows,
@@ -333,6 +369,7 @@ def _other_count(
     return np.where(known, np.where(swap & (last > first), other, old), fresh)
 
 
+@_each_its_own
 def draw_choice(
     state: State,
     rows: Rows,

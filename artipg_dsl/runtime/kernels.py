@@ -67,10 +67,11 @@ class State:
     which the values were drawn. ``leaning`` (objects,) are the weights of the preferences that an object does not keep,
     added up, and ``unkept`` the objects per preference.
 
-    ``given`` maps the index of a draw to its value (a scalar, or one per row), ``kept`` to the values of an object that
-    this one is made from; ``salt``, and ``lane`` per object, set the random numbers of one such making apart. ``missed`` counts the objects for
-    which a draw found no room, per draw; ``broken`` those that break a requirement, per requirement. ``faults`` has the
-    rows in question: of the table of the draw ("draw", number), or of that of the requirement ("requirement", number).
+    ``given`` maps the index of a draw to its value (a scalar, or one per row), ``asked`` to one per object, nan for those
+    that draw it, and ``kept`` to the values of an object that this one is made from; ``salt``, and ``lane`` per object,
+    set the random numbers of one such making apart. ``missed`` counts the objects for which a draw found no room, per
+    draw; ``broken`` those that break a requirement, per requirement. ``faults`` has the rows in question: of the table of
+    the draw ("draw", number), or of that of the requirement ("requirement", number).
     ``crowd`` (objects,) is the size of a table that is too large to be made, 0 where none is.
     """
 
@@ -92,6 +93,11 @@ class State:
     leaning: np.ndarray = field(default_factory=lambda: np.zeros(0))
     unkept: dict[int, int] = field(default_factory=dict)
     crowd: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    asked: dict[int, np.ndarray] = field(default_factory=dict)
+
+    def asked_of(self, objects: np.ndarray) -> dict[int, np.ndarray]:
+        """What the objects at these places are asked for."""
+        return {number: values[objects] for number, values in self.asked.items()}
 
     def lanes(self) -> np.ndarray:
         return np.zeros(len(self.objects), dtype=np.int64) if self.lane is None else self.lane

@@ -53,6 +53,12 @@ def keep_draw(
     )
 
 
+def owners_kept(batch: Batch, number: int, objects: np.ndarray) -> np.ndarray:
+    """For each value that ``keep_draw`` keeps, the place among the objects named."""
+    at = rows_of_draw(batch, number, objects)
+    return at.owner[np.argsort(at.key, kind="stable")]
+
+
 def evaluate_again(
     batch: Batch,
     objects: np.ndarray,
@@ -77,6 +83,7 @@ def evaluate_again(
         dict(old.given),
         salt=old.salt if salt is None else salt,
         lane=old.lanes()[objects] if lane is None else lane,
+        asked=old.asked_of(objects),
     )
     draws = range(len(batch.program.draws))
     state.kept = dict(enumerate(values)) if values is not None else {k: keep_draw(batch, k, objects) for k in draws}
