@@ -139,7 +139,7 @@ def relaid(
         none = np.zeros(len(key))
         if len(key):
             still[number] = Kept(key[order], value[order], none, none.astype(bool))
-    state = State(old.seed, old.objects[of], old.attempt[of], old.given_to(of), salt=old.salt, lane=lane)
+    state = State(old.seed, old.objects[of], old.attempt[of], dict(old.given), salt=old.salt, lane=lane)
     state.kept = still
     return make_batch(model.program, model.plan, state, batch.numbers[of])
 

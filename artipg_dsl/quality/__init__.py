@@ -6,5 +6,6 @@ objects are in ``reference.json``.
     card, text, page                     all figures together; shown on a terminal, in Markdown, as a page
     graphs, distance, fingerprint        kinematic graphs, how far apart they are, what can be observed of an object
     coverage, duplicates, dead, sizes    pairs of choices seen, near-duplicates, what has no effect, real sizes and ratios
+    asking                               objects asked for on purpose, many questions at once
     variants                             what a buyer would call another model: seen, and reached by settings
 """

@@ -8,7 +8,7 @@ is, guards and requirements exclude it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -19,11 +19,12 @@ from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import State
 from ..runtime.plan import make_plan
-from ..sampling.known import make_batch
 from ..sampling.sample import Sampler
+from .asking import Question, ask
 
 _LEVELS = 4  # values of a count that are told apart
 _TRIED = 128  # objects asked for a pair that was not seen
+_TOGETHER = 8192  # objects evaluated at once: as many one by one take hundreds of times as long
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,25 +102,46 @@ def _levels(draw: Draw, drawn: np.ndarray) -> tuple[Level, ...]:
     return tuple(Level(f"{a}..{b - 1}" if b - a > 1 else str(a), a, b - 1) for a, b in pairwise(ends))
 
 
+@dataclass(frozen=True, slots=True)
+class _Unseen:
+    """A level of each of two factors that no object shows together."""
+
+    first: Factor
+    i: int
+    second: Factor
+    j: int
+
+    @property
+    def table(self) -> Scope:
+        return _common(self.first, self.second)
+
+    def ends(self) -> Iterator[tuple[float, float]]:
+        """What to ask for: the least values of both levels, and the largest."""
+        one, two = self.first.levels[self.i], self.second.levels[self.j]
+        yield one.low, two.low
+        if one.low != one.high or two.low != two.high:
+            yield one.high, two.high
+
+    def plain(self) -> LevelPair:
+        first, second = self.first, self.second
+        return LevelPair(first.name, first.levels[self.i].name, second.name, second.levels[self.j].name)
+
+
 def measure_coverage(sampler: Sampler, batch: Batch, progress: Callable[[int, int], None] | None = None) -> Coverage:
     """The pair coverage of a batch; whether a pair that it does not show is possible is found by trial.
 
-    ``progress(done, total)`` counts pairs of factors.
+    ``progress(done, total)`` counts values that are tried, then pairs of values.
     """
     seen = 0
-    missed: list[LevelPair] = []
-    excluded: list[LevelPair] = []
-    trials = _Trials(sampler, batch.state)
-    together = list(combinations(list_factors(batch), 2))
-    for k, (first, second) in enumerate(together):
-        if progress is not None:
-            progress(k, len(together))
+    unseen: list[_Unseen] = []
+    for first, second in combinations(list_factors(batch), 2):
         table = find_together(batch, first, second)
         seen += int(table.sum())
-        for i, j in np.argwhere(~table).tolist():
-            pair = LevelPair(first.name, first.levels[i].name, second.name, second.levels[j].name)
-            (missed if trials.possible(first, i, second, j) else excluded).append(pair)
-    return Coverage(seen, seen + len(missed), tuple(missed), tuple(excluded))
+        unseen += [_Unseen(first, i, second, j) for i, j in np.argwhere(~table).tolist()]
+    may = _find_possible(sampler, batch.state, unseen, progress or (lambda done, total: None))
+    missed = tuple(pair.plain() for k, pair in enumerate(unseen) if k in may)
+    excluded = tuple(pair.plain() for k, pair in enumerate(unseen) if k not in may)
+    return Coverage(seen, seen + len(missed), missed, excluded)
 
 
 def _common(first: Factor, second: Factor) -> Scope:
@@ -130,63 +152,85 @@ def _common(first: Factor, second: Factor) -> Scope:
 def find_together(batch: Batch, first: Factor, second: Factor) -> np.ndarray:
     """(levels, levels) which levels of two factors some row of their deepest common table shows."""
     table = _common(first, second)
-    return (_shown(batch, first, table).T.astype(np.int64) @ _shown(batch, second, table)) > 0
+    whole = slice(0, len(batch))
+    return (_shown(batch, first, table, whole).T.astype(np.int64) @ _shown(batch, second, table, whole)) > 0
 
 
-def _shown(batch: Batch, factor: Factor, table: Scope) -> np.ndarray:
-    """(rows of ``table``, levels) bool: whether a row of the factor at or below it has the level."""
-    value = batch.state.values[factor.number]
-    row = batch.rowmap.up(factor.scope, table)
-    found = np.zeros((batch.rowmap.rows(table).size, len(factor.levels)), dtype=bool)
+def _shown(batch: Batch, factor: Factor, table: Scope, objects: slice) -> np.ndarray:
+    """(rows of ``table`` in ``objects``, levels) bool: whether a row of the factor at or below it has the level."""
+    own, inside = _rows(batch, factor.scope, objects), _rows(batch, table, objects)
+    value = batch.state.values[factor.number][own]
+    row = batch.rowmap.up(factor.scope, table)[own] - inside.start
+    found = np.zeros((inside.stop - inside.start, len(factor.levels)), dtype=bool)
     for k, level in enumerate(factor.levels):
         found[row[(value >= level.low) & (value <= level.high)], k] = True
     return found
 
 
-class _Trials:
-    """Objects with values given on purpose, evaluated for their draws and requirements alone, and kept."""
-
-    def __init__(self, sampler: Sampler, like: State):
-        self.program, self.seed, self.fixed = sampler.program, like.seed, like.given
-        self.plan = make_plan(sampler.program, ())
-        self.made: dict[tuple[tuple[int, float], ...], Batch] = {}
-
-    def given(self, *values: tuple[int, float]) -> Batch:
-        if len(values) > 1:  # asked for once
-            return self.evaluate(values)
-        if values not in self.made:
-            self.made[values] = self.evaluate(values)
-        return self.made[values]
-
-    def evaluate(self, values: tuple[tuple[int, float], ...]) -> Batch:
-        numbers = np.arange(_TRIED)
-        state = State(self.seed, numbers, np.zeros(len(numbers), dtype=np.int64), {**self.fixed, **dict(values)})
-        return make_batch(self.program, self.plan, state)
-
-    def possible(self, first: Factor, i: int, second: Factor, j: int) -> bool:
-        """Whether a valid object shows both levels when it is asked to."""
-        table = _common(first, second)
-        for one, two in _ends(first.levels[i], second.levels[j]):
-            alone = [
-                (first, i, second, self.given((first.number, one))),
-                (second, j, first, self.given((second.number, two))),
-            ]
-            meet = True
-            for factor, level, other, batch in alone:
-                has, around = _shown(batch, factor, table)[:, level], _shown(batch, other, table)
-                fine = ~batch.state.failed[batch.owner(table)]
-                if (fine & has & around[:, j if other is second else i]).any():
-                    return True
-                meet &= bool((has & around.any(axis=1)).any())
-            if meet:  # both can stand in one row, so it is worth while to ask for both
-                batch = self.given((first.number, one), (second.number, two))
-                both = _shown(batch, first, table)[:, i] & _shown(batch, second, table)[:, j]
-                if (both & ~batch.state.failed[batch.owner(table)]).any():
-                    return True
-        return False
+def _rows(batch: Batch, scope: Scope, objects: slice) -> slice:
+    return slice(*np.searchsorted(batch.owner(scope), [objects.start, objects.stop]).tolist())
 
 
-def _ends(one: Level, two: Level) -> Iterator[tuple[float, float]]:
-    yield one.low, two.low
-    if one.low != one.high or two.low != two.high:
-        yield one.high, two.high
+class _Asked:
+    """Objects that were asked for a level, or for two."""
+
+    def __init__(self, batch: Batch, objects: slice):
+        self.batch, self.objects = batch, objects
+        self.known: dict[tuple[int, Scope], np.ndarray] = {}
+
+    def shown(self, factor: Factor, table: Scope) -> np.ndarray:
+        place = factor.number, table
+        if place not in self.known:
+            self.known[place] = _shown(self.batch, factor, table, self.objects)
+        return self.known[place]
+
+    def show(self, pair: _Unseen) -> bool:
+        """Whether a valid one shows the pair."""
+        table = pair.table
+        both = self.shown(pair.first, table)[:, pair.i] & self.shown(pair.second, table)[:, pair.j]
+        owner = self.batch.owner(table)[_rows(self.batch, table, self.objects)]
+        return bool((both & ~self.batch.state.failed[owner]).any())
+
+    def have_room(self, pair: _Unseen, for_second: bool) -> bool:
+        """Whether one shows a level of the pair where the other factor has a value, too."""
+        first, second = self.shown(pair.first, pair.table), self.shown(pair.second, pair.table)
+        room = first[:, pair.i] & second.any(axis=1) if for_second else second[:, pair.j] & first.any(axis=1)
+        return bool(room.any())
+
+
+def _find_possible(
+    sampler: Sampler, like: State, unseen: Sequence[_Unseen], progress: Callable[[int, int], None]
+) -> set[int]:
+    """The pairs that a valid object shows that is asked for one of the levels, or for both where they can stand in one row.
+
+    Objects are evaluated for their draws and requirements alone.
+    """
+    plan, numbers = make_plan(sampler.program, ()), np.arange(_TRIED)
+
+    def asked(wanted: Sequence[Mapping[int, float]]) -> Iterator[_Asked]:
+        for answers in ask(
+            sampler.program, plan, like.seed, like.given, [Question(w, numbers) for w in wanted], _TOGETHER
+        ):
+            progress(answers.first, len(wanted))
+            yield from (_Asked(answers.batch, objects) for objects in answers.objects())
+
+    asks = [(k, ends) for k, pair in enumerate(unseen) for ends in pair.ends()]
+    alone: dict[tuple[int, float], list[int]] = {}
+    for place, (k, ends) in enumerate(asks):
+        for number, value in zip((unseen[k].first.number, unseen[k].second.number), ends, strict=True):
+            alone.setdefault((number, value), []).append(place)
+    found: set[int] = set()
+    room = dict.fromkeys(range(len(asks)), 0)
+    for (number, value), some in zip(alone, asked([{number: value} for number, value in alone]), strict=True):
+        for place in alone[number, value]:
+            pair = unseen[asks[place][0]]
+            if some.show(pair):
+                found.add(asks[place][0])
+            room[place] += some.have_room(pair, for_second=number == pair.first.number)
+    both = [place for place, (k, _) in enumerate(asks) if k not in found and room[place] == 2]
+    pairs = [(unseen[asks[place][0]], asks[place][1]) for place in both]
+    wanted = [{pair.first.number: one, pair.second.number: two} for pair, (one, two) in pairs]
+    for place, some in zip(both, asked(wanted), strict=True):
+        if some.show(unseen[asks[place][0]]):
+            found.add(asks[place][0])
+    return found

@@ -7,8 +7,9 @@ taken on purpose, and compared with the others; a label is looked for at points 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -21,13 +22,15 @@ from ..graph.expr import TRUE
 from ..graph.program import Draw, Label
 from ..records import dataclass
 from ..runtime.batch import Batch
-from ..runtime.kernels import Kept, State
-from ..sampling.known import evaluate_again, find_differing, keep_draw, make_batch
+from ..runtime.kernels import Kept
+from ..sampling.known import evaluate_again, find_differing, keep_draw, owners_kept
 from ..sampling.sample import Sampler
+from .asking import Question, ask
 from .fingerprint import fingerprint_objects
 
 _FEW = 48  # objects tried at first
 _MANY = 400  # objects tried before a parameter is called dead
+_TOGETHER = 1024  # objects evaluated at once
 _LOOKS = ((_FEW, 64), (_MANY, 512))  # objects, and points on each primitive that a label names
 _ROWS = 8  # of primitives on which a label may hold, at least, for it to be called dead
 _HINDERS = {
@@ -53,50 +56,82 @@ class Dead:
 
 def find_dead_parameters(batch: Batch, progress: Callable[[int, int], None] | None = None) -> list[Dead]:
     """Numbers that are drawn and change nothing that can be observed; ``progress(done, total)`` counts draws."""
+    draws = batch.program.draws
+    tried = [k for k, draw in enumerate(draws) if draw.kind != "choice" and k not in batch.state.given]
+    having = {number: np.unique(batch.owner(draws[number].column.scope)) for number in tried}
+    told = {number: _Told() for number in tried if len(having[number])}
+    for most in (_FEW, _MANY):
+        left = {number: having[number][:most] for number in told if most == _FEW or len(having[number]) > _FEW}
+        for step in _ROUND:
+            left = {number: objects for number, objects in left.items() if not told[number].alive}
+            done = len(told) - len(left)
+            for group in _in_groups(left):
+                if progress is not None:
+                    progress(done, len(told))
+                _move(batch, group, step, told)
+                done += len(group)
     found = []
-    for number, draw in enumerate(batch.program.draws):
-        if progress is not None:
-            progress(number, len(batch.program.draws))
-        if draw.kind == "choice" or number in batch.state.given:
-            continue
-        having = np.unique(batch.owner(draw.column.scope))
-        why = _effect(batch, number, having) if len(having) else "is never drawn"
+    for number in tried:
+        why = told[number].why() if number in told else "is never drawn"
         if why:
-            found.append(Dead(draw.column.name, str(draw.where or ""), why))
+            found.append(Dead(draws[number].column.name, str(draws[number].where or ""), why))
     return found
 
 
-def _effect(batch: Batch, number: int, having: np.ndarray) -> str:
-    """Why a draw counts as dead; nothing said if it shows somewhere."""
-    everything = [keep_draw(batch, k, having[:_MANY]) for k in range(len(batch.program.draws))]
-    others = [k for k in range(len(batch.program.draws)) if k != number]
-    moved, alone = False, False
-    shown = False
-    for count in (_FEW, _MANY):
-        objects = having[:count]
-        if count > _FEW and len(having) <= _FEW:
-            break
-        values = (
-            everything if count == _MANY else [keep_draw(batch, k, objects) for k in range(len(batch.program.draws))]
-        )
-        before = fingerprint_objects(evaluate_again(batch, objects, values=values))
-        for step in _ROUND:
-            other = list(values)
-            other[number] = _moved(batch.program.draws[number], batch.state.values[number], values[number], step)
-            after = evaluate_again(batch, objects, values=other)
-            changed = find_differing(batch, objects, after, [number]) & ~after.state.failed
-            look = changed & (fingerprint_objects(after) != before)
-            still = changed & ~find_differing(batch, objects, after, others)  # nothing else had to give way
-            if (look & still).any():
-                return ""
-            moved, alone, shown = moved or bool(changed.any()), alone or bool(still.any()), shown or bool(look.any())
-    if shown and not alone:
-        return ""
-    return "changes nothing" if moved else "has no room to vary"
+@dataclass(slots=True)
+class _Told:
+    """What objects told in which a draw was moved: whether it changed, changed ``alone``, whether they ``look`` otherwise; and whether one
+    did so where nothing else had to give way."""
+
+    moved: bool = False
+    alone: bool = False
+    look: bool = False
+    alive: bool = False
+
+    def why(self) -> str:
+        """Why the draw counts as dead; nothing said if it shows somewhere."""
+        if self.alive or (self.look and not self.alone):
+            return ""
+        return "changes nothing" if self.moved else "has no room to vary"
 
 
-def _moved(draw: Draw, drawn: np.ndarray, values: Kept, step: float) -> Kept:
-    """The values moved within the range of the draw by a share of it, coming in again at the other end."""
+def _in_groups(objects: Mapping[int, np.ndarray]) -> Iterator[dict[int, np.ndarray]]:
+    """The draws, about as many at a time as have ``_TOGETHER`` objects."""
+    group: dict[int, np.ndarray] = {}
+    for number, own in objects.items():
+        group[number] = own
+        if sum(map(len, group.values())) >= _TOGETHER:
+            yield group
+            group = {}
+    if group:
+        yield group
+
+
+def _move(batch: Batch, group: Mapping[int, np.ndarray], step: float, told: Mapping[int, _Told]) -> None:
+    """Move each draw of a group in its own objects (places in the batch), all of them evaluated together."""
+    draws = batch.program.draws
+    objects = np.concatenate(list(group.values()))
+    mover = np.repeat(list(group), [len(own) for own in group.values()])
+    values = [keep_draw(batch, k, objects) for k in range(len(draws))]
+    there, place = np.unique(objects, return_inverse=True)
+    before = fingerprint_objects(evaluate_again(batch, there))[place]
+    for number in group:
+        own = mover[owners_kept(batch, number, objects)] == number
+        values[number] = _moved(draws[number], batch.state.values[number], values[number], np.where(own, step, 0.0))
+    after = evaluate_again(batch, objects, values=values)
+    differs = np.stack([find_differing(batch, objects, after, [k]) for k in range(len(draws))])
+    seen = fingerprint_objects(after) != before
+    for number in group:
+        own = mover == number
+        changed = differs[number, own] & ~after.state.failed[own]
+        still = changed & (differs[:, own].sum(axis=0) == 1)  # nothing else had to give way
+        look, about = changed & seen[own], told[number]
+        about.moved, about.alone = about.moved or bool(changed.any()), about.alone or bool(still.any())
+        about.look, about.alive = about.look or bool(look.any()), about.alive or bool((look & still).any())
+
+
+def _moved(draw: Draw, drawn: np.ndarray, values: Kept, step: np.ndarray) -> Kept:
+    """The values moved within the range of the draw by a share of it each, coming in again at the other end; by none, they stay."""
     low, high = float(drawn.min()), float(drawn.max())
     if draw.low is not None and draw.low.constant is not None:
         low = float(draw.low.constant)
@@ -105,34 +140,32 @@ def _moved(draw: Draw, drawn: np.ndarray, values: Kept, step: float) -> Kept:
     span = high - low + (draw.kind == "count")
     if span <= 0.0:
         return values
-    shift = max(1.0, round(abs(step) * span)) if draw.kind == "count" else step * span
-    return replace(values, value=low + np.mod(values.value - low + shift, span))
+    shift = np.maximum(1.0, np.round(np.abs(step) * span)) if draw.kind == "count" else step * span
+    moved = low + np.mod(values.value - low + shift, span)
+    return replace(values, value=np.where(step == 0.0, values.value, moved))
 
 
 def find_dead_alternatives(
     sampler: Sampler, batch: Batch, progress: Callable[[int, int], None] | None = None
 ) -> list[Dead]:
-    """Alternatives that no object takes or that look exactly like another; ``progress(done, total)`` counts draws."""
+    """Alternatives that no object takes or that look exactly like another; ``progress(done, total)`` counts options."""
+    chosen = [k for k, d in enumerate(batch.program.draws) if d.kind == "choice" and k not in batch.state.given]
+    count = {
+        k: np.bincount(batch.state.values[k].astype(np.int64), minlength=len(batch.program.draws[k].options))
+        for k in chosen
+    }
+    taken = [(number, option) for number in chosen for option in np.flatnonzero(count[number]).tolist()]
+    looks = dict(zip(taken, _take(sampler, batch, taken, progress or (lambda done, total: None)), strict=True))
     found = []
-    for number, draw in enumerate(batch.program.draws):
-        if progress is not None:
-            progress(number, len(batch.program.draws))
-        if draw.kind != "choice" or number in batch.state.given:
-            continue
-        count = np.bincount(batch.state.values[number].astype(np.int64), minlength=len(draw.options))
-        for option in np.flatnonzero(count == 0).tolist():
-            found.append(Dead(draw.column.name, str(draw.where or ""), "is never taken", draw.options[option]))
-        numbers = batch.numbers[np.unique(batch.owner(draw.column.scope))[:_FEW]]  # of those in which it is drawn
-        seen: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-        for option in np.flatnonzero(count).tolist():
-            look, valid = _taken(sampler, batch, number, option, numbers)
-            for other, (second, too) in seen.items():
-                both = valid & too
-                if both.any() and np.array_equal(look[both], second[both]):
-                    why = f"cannot be told from {draw.options[other]}"
-                    found.append(Dead(draw.column.name, str(draw.where or ""), why, draw.options[option]))
-                    break
-            seen[option] = look, valid
+    for number in chosen:
+        draw = batch.program.draws[number]
+        told = {option: "is never taken" for option in np.flatnonzero(count[number] == 0).tolist()}
+        seen = {option: look for (of, option), look in looks.items() if of == number}
+        for (other, (first, valid)), (option, (second, too)) in combinations(seen.items(), 2):
+            both = valid & too
+            if both.any() and np.array_equal(first[both], second[both]):
+                told.setdefault(option, f"cannot be told from {draw.options[other]}")
+        found += [Dead(draw.column.name, str(draw.where or ""), why, draw.options[k]) for k, why in told.items()]
     return found
 
 
@@ -210,13 +243,18 @@ def _statement(label: Label) -> tuple[str, str]:
     return field_name(label), str(label.where or "")
 
 
-def _taken(
-    sampler: Sampler, batch: Batch, number: int, option: int, numbers: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """The fingerprints of some objects in which a choice is given, and which of them are valid and have the choice."""
-    given = {**batch.state.given, number: float(option)}
-    state = State(batch.seed, numbers, np.zeros(len(numbers), dtype=np.int64), given)
-    taken = make_batch(sampler.program, sampler.plan, state)
-    there = np.zeros(len(numbers), dtype=bool)
-    there[taken.owner(batch.program.draws[number].column.scope)] = True
-    return fingerprint_objects(taken), there & ~state.failed
+def _take(
+    sampler: Sampler, batch: Batch, taken: Sequence[tuple[int, int]], progress: Callable[[int, int], None]
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """For each choice and an option of it that it is given: the fingerprints of some objects, and which of them are valid and have the
+    choice."""
+    scopes = {number: batch.program.draws[number].column.scope for number, _ in taken}
+    numbers = {k: batch.numbers[np.unique(batch.owner(scope))[:_FEW]] for k, scope in scopes.items()}
+    questions = [Question({number: float(option)}, numbers[number]) for number, option in taken]
+    for answers in ask(sampler.program, sampler.plan, batch.seed, batch.state.given, questions, _TOGETHER):
+        progress(answers.first, len(taken))
+        looks = fingerprint_objects(answers.batch)
+        for (number, _), objects in zip(taken[answers.first :], answers.objects(), strict=False):
+            there = ~answers.batch.state.failed
+            there &= np.bincount(answers.batch.owner(scopes[number]), minlength=len(looks)) > 0
+            yield looks[objects], there[objects]

@@ -6,18 +6,22 @@ the value. Whether settings reach it is tried: a few objects are sampled with th
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ..records import dataclass
 from ..runtime.batch import Batch
-from ..sampling.sample import Sampler
-from ..sampling.statistics import Exhausted
+from ..sampling.known import evaluate_again
+from ..sampling.sample import Sampler, find_faulty, is_examined
+from ..sampling.statistics import Exhausted, Statistics
+from .asking import Question, ask
 
 _NEAR = 1e-6  # of values that are not whole, as people write them
-_TRIED = 4  # objects sampled with the settings of a variant
+_FIRST = 16  # first attempts with the settings of a variant
+_TRIED = 4  # objects sampled with those that none of them reach
+_TOGETHER = 256  # objects examined at once
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,12 +45,15 @@ def find_variants(
     ``given``: the settings of each by draws, nan where an alternative cannot have the value. ``settings``: the same as they
     are written. ``checked``: collisions were looked for.
     """
+    wanted = {name: values for name, values in given.items() if not _contradicts(batch.state.given, values)}
     found = []
-    for name, values in given.items():
-        if not _contradicts(batch.state.given, values):
-            seen = int(_shown(batch, values).sum())
-            written = " ".join(f"{key}={value}" for key, value in settings[name].items())
-            found.append(Variant(name, written, seen, _refused(sampler, batch.seed, values, checked)))
+    for (name, values), reached in zip(
+        wanted.items(), _reach(sampler, batch, [*wanted.values()], checked), strict=True
+    ):
+        seen = int(_shown(batch, values).sum())
+        written = " ".join(f"{key}={value}" for key, value in settings[name].items())
+        refused = "" if reached else _refused(sampler, batch.seed, values, checked)
+        found.append(Variant(name, written, seen, refused))
     return found
 
 
@@ -71,6 +78,20 @@ def _shown(batch: Batch, values: Mapping[int, float]) -> np.ndarray:
                 some[owner[_same(batch.state.values[number], value)]] = True
         every &= some
     return every
+
+
+def _reach(sampler: Sampler, batch: Batch, wanted: Sequence[Mapping[int, float]], checked: bool) -> Iterator[bool]:
+    """Whether a first attempt with these settings gives a valid object that shows them."""
+    beyond = [{k: np.inf if np.isnan(value) else value for k, value in values.items()} for values in wanted]
+    questions = [Question(values, np.arange(_FIRST)) for values in beyond]  # nan would leave the draw open
+    for answers in ask(sampler.program, sampler.plan, batch.seed, batch.state.given, questions, _TOGETHER):
+        hopeful = np.zeros(len(answers.batch), dtype=bool)
+        for values, objects in zip(wanted[answers.first :], answers.objects(), strict=False):
+            hopeful[objects] = (_shown(answers.batch, values) & ~answers.batch.state.failed)[objects]
+        if is_examined(sampler.program, checked) and hopeful.any():
+            places = np.flatnonzero(hopeful)
+            hopeful[places[find_faulty(evaluate_again(answers.batch, places), Statistics(), checked)]] = False
+        yield from (bool(hopeful[objects].any()) for objects in answers.objects())
 
 
 def _refused(sampler: Sampler, seed: int, values: Mapping[int, float], checked: bool) -> str:

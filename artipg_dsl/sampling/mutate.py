@@ -334,12 +334,7 @@ class _Step:
         """An attempt at the objects at some places of the batch, what is kept reaching as far as ``how`` says."""
         old = self.batch.state
         state = State(
-            old.seed,
-            old.objects[objects],
-            attempt[objects],
-            old.given_to(objects),
-            salt=self.salt,
-            lane=self.lane[objects],
+            old.seed, old.objects[objects], attempt[objects], dict(old.given), salt=self.salt, lane=self.lane[objects]
         )
         for number in range(len(self.batch.program.draws)):
             state.kept[number] = self.keep_values(number, objects, how(number, attempt))

@@ -204,12 +204,7 @@ class Search:
         """The candidates as a batch, and for each draw the row here of each value kept."""
         old, place = self.batch.state, moves.place
         state = State(
-            old.seed,
-            old.objects[place],
-            old.attempt[place],
-            old.given_to(place),
-            salt=old.salt,
-            lane=old.lanes()[place],
+            old.seed, old.objects[place], old.attempt[place], dict(old.given), salt=old.salt, lane=old.lanes()[place]
         )
         sources = []
         for number in range(len(self.target)):

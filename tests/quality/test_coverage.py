@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from typing import Any
+
 import numpy as np
 import pytest
 
+from artipg_dsl.quality import asking
 from artipg_dsl.quality.coverage import find_together, list_factors, measure_coverage
 from artipg_dsl.quality.dead import (
     find_dead_alternatives,
@@ -14,6 +18,7 @@ from artipg_dsl.quality.dead import (
     find_idle_labels,
 )
 from artipg_dsl.quality.fingerprint import fingerprint_objects
+from artipg_dsl.sampling import known
 
 from .programs import CHEST, sampled
 
@@ -90,6 +95,25 @@ category Elements {
   }
 }
 """
+
+
+def test_questions_are_put_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Evaluations do not grow with the pairs, the alternatives or the parameters that are tried."""
+    made = Counter[str]()
+    for module in (asking, known):
+
+        def counted(*given: Any, evaluate: Any = module.make_batch, name: str = module.__name__, **named: Any) -> Any:
+            made[name] += 1
+            return evaluate(*given, **named)
+
+        monkeypatch.setattr(module, "make_batch", counted)
+    sampler, batch = sampled(GUARDED, 3)
+    found = measure_coverage(sampler, batch)
+    assert len(found.missed) > 2 and len(found.excluded) > 2 and made == {asking.__name__: 2}
+    find_dead_alternatives(sampler, batch)
+    assert made == {asking.__name__: 3}
+    find_dead_parameters(batch)
+    assert made[known.__name__] <= 2 * 3  # before and after, for each of three steps
 
 
 def test_choices_of_one_element_meet_in_the_element() -> None:
