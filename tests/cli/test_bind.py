@@ -52,6 +52,7 @@ def test_details_that_force_leaves_out_leave_no_files(apgc: Apgc, tmp_path: Path
     assert set(tree(out)) == {"bind.json", "notes.json", "records/second.json", "second.npz"}
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("name", ["bind", "records", "details"])
 def test_objects_may_be_called_like_what_lies_beside_them(apgc: Apgc, tmp_path: Path, name: str) -> None:
     one, other, out = fit_one(tmp_path / "one", 0, name), fit_one(tmp_path / "other", 1), tmp_path / "bound"

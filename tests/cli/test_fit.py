@@ -183,6 +183,7 @@ def test_a_map_of_labels_that_no_file_has(apgc: Apgc, real: Path, tmp_path: Path
     assert code == 0 and "no file has a label `Lid`" in err and "their labels are `Box` and `Knob`" in err
 
 
+@pytest.mark.slow
 def test_fits_of_other_files_are_not_lost(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     files = [tmp_path / side / "object.npz" for side in "ab"]
     for k, file in enumerate(files):

@@ -262,6 +262,7 @@ def test_originals_do_not_count_however_the_work_is_divided(chest):
     assert whole.counts() == parts.counts() and whole.counts()["objects"] == len(job.request.objects)
 
 
+@pytest.mark.slow
 def test_replay_in_python():
     batch = apg.sample("Microwave", n=3, seed=5)
     mutants = batch.mutate(one="width")

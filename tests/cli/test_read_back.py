@@ -47,6 +47,7 @@ def changes(value: Any) -> Iterator[Any]:
         yield {**value, "unheard_of": 1}
 
 
+@pytest.mark.slow
 def test_traces(folder: Path, tmp_path: Path, apgc: Apgc) -> None:
     first, *others = (folder / "m" / "trace-00000.jsonl").read_text(encoding="utf-8").splitlines()
     trace = tmp_path / "trace-00000.jsonl"

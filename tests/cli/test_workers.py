@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from artipg_dsl.errors import NoObject, SettingError, UserError
-from artipg_dsl.export import objects
+from artipg_dsl.export import content, objects
 from artipg_dsl.export.write import ExportError
 from artipg_dsl.run import memory, sharing, workers
 from artipg_dsl.run.job import Job
@@ -35,9 +35,10 @@ category Box {
 """
 
 
-def test_the_same_files_as_by_one(apgc: Apgc, tmp_path: Path) -> None:
+def test_the_same_files_as_by_one(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Shards and counts are one piece, the folders of objects are shared in smaller ones."""
-    arguments = ["sample", CHEST, "-n", 300, "--points", 8, "--format", "points,urdf", "--stats", "-o"]
+    monkeypatch.setattr(content, "SHARD", 40)
+    arguments = ["sample", CHEST, "-n", 50, "--points", 8, "--format", "points,urdf", "--stats", "-o"]
     code, out, err = apgc(*arguments, tmp_path / "one")
     assert code == 0, err
     code, shared, err = apgc(*arguments, tmp_path / "two", "--workers", 2)

@@ -141,6 +141,7 @@ def test_objects_wear_their_own_if_these_were_bound_to_their_values(
             assert np.array_equal(held["points"], points)
 
 
+@pytest.mark.slow
 def test_objects_by_any_prior_borrow_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     bound = tmp_path / "bound"
     assert apgc("bind", fitted, "-o", bound, "--points", 2048)[0] == 0

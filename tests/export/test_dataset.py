@@ -96,6 +96,7 @@ def test_arrays_are_as_the_manifest_says(tmp_path: Path) -> None:
     assert described["identity"]["program"] == "f" * 64 and described["cpu"] and described["objects"] == 5
 
 
+@pytest.mark.slow
 def test_bytes_are_the_same_in_another_process_and_under_another_hash_seed(tmp_path: Path) -> None:
     def run(seed: str) -> str:
         environment = os.environ | {"PYTHONHASHSEED": seed}

@@ -15,6 +15,7 @@ class _Node:
         self.args = args
 
 
+@pytest.mark.slow
 def test_an_interrupt_while_expressions_are_let_go_is_heard():
     """What is raised in a callback of a weak reference is lost."""
     made = [var("x") + const(float(k)) for k in range(60_000)]

@@ -39,6 +39,7 @@ def test_files_that_lists_are_made_of_are_missed(lay: Lay) -> None:
     assert [fault for fault in faults(folder) if "Mug-0.h5" in fault] == ["objects/Mug-0.h5: the file is missing"]
 
 
+@pytest.mark.some
 @pytest.mark.parametrize(
     ("layout", "category", "pattern"),
     [
@@ -79,6 +80,7 @@ def test_a_category_without_its_record_was_not_finished(lay: Lay) -> None:
     assert not faults(folder)
 
 
+@pytest.mark.slow
 def test_a_folder_of_before_checksums_is_read(lay: Lay) -> None:
     folder = lay("ditto", "Laptop", n=1)
     assert not unlike(folder)

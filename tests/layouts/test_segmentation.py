@@ -362,6 +362,7 @@ KINDS = {
 }
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("name", sorted(KINDS))
 def test_which_tree_an_object_has_is_told_by_what_was_chosen(lay: Lay, name: str) -> None:
     """And its points are of classes of that tree: PartNet numbers those of all trees of a category in one list."""

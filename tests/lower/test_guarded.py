@@ -35,6 +35,7 @@ from .guarded import (
 )
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize(
     ("parts", "yes", "no", "look", "holds", "fails"),
@@ -192,6 +193,7 @@ def test_both_branches_act(
         assert look(batch, number, prefix) == (holds if truth else fails), (number, prefix)
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize(
     ("declared", "said", "look", "holds", "fails"),

@@ -90,6 +90,7 @@ def test_sections_and_outlines_pass_the_self_test(text):
     assert findings == []
 
 
+@pytest.mark.some
 @pytest.mark.parametrize(
     ("text", "curves"), [(BALUSTER, 1), (SHOULDER, 1), (HANDLE, 4)], ids=["circles", "ovals", "corners"]
 )

@@ -58,6 +58,7 @@ def lowered(name: str | Path) -> str:
     return to_text(lowering.program)
 
 
+@pytest.mark.slow
 def test_a_program_is_the_same_of_kept_primitives(kept, made, monkeypatch):
     """Faucets have lathes, and spouts that are swept along paths which uses hand in."""
     monkeypatch.setenv("APGC_CACHE", "off")

@@ -147,6 +147,7 @@ class Killed(BaseException):
     pass
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("formats", [OUTPUT.formats, ("urdf",)])
 def test_a_run_goes_on_where_it_was_killed(tmp_path: Path, made: list[int], formats: tuple[str, ...]) -> None:
     output = Output(formats, OUTPUT.content, 8)
@@ -171,6 +172,7 @@ def test_a_run_goes_on_where_it_was_killed(tmp_path: Path, made: list[int], form
     assert len(made) == 40
 
 
+@pytest.mark.slow
 def test_parts_leave_nothing_to_make(tmp_path: Path, made: list[int]) -> None:
     write_dataset(job(40), tmp_path / "whole", OUTPUT)
     made.clear()

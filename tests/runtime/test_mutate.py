@@ -185,6 +185,7 @@ def test_an_edited_trace_is_made_as_far_as_it_fits(microwave, batch):
 # ---------------------------------------------------------------- one value
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("name", ["width", "handle", "handle.size.z", "pad.rows"])
 def test_pairs_differ_in_one_value(microwave, batch, name):
     pair = mutate(microwave, batch, only=name, one=True)

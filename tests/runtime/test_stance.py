@@ -210,6 +210,7 @@ def test_bounds_of_masses_decide_as_masses_do(name: str) -> None:
     assert (falls | stands).mean() > 0.7
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("name", ["Fan", "Suitcase"])
 def test_whether_objects_are_heavy_is_mostly_told_by_bounds(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     sampler, asked = Session.of(name).sampler, []

@@ -79,6 +79,7 @@ def check(text: str) -> None:
     render(report.diagnostics, colour=False)
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("path", sorted(DESIGN.glob("*.apg")), ids=lambda p: p.stem)
 def test_mutated_programs(path: Path, seed: int) -> None:

@@ -29,6 +29,7 @@ def places(tree):
     return [numbers.setdefault(id(node), len(numbers)) for node in walk(tree)]
 
 
+@pytest.mark.some
 @pytest.mark.parametrize("path", [FORMS, *sorted(library_dir().glob("[m-t]*.apg"))], ids=lambda path: path.stem)
 def test_a_tree_comes_back_as_it_was(path):
     source = read(path)
