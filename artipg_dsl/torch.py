@@ -18,9 +18,9 @@ try:
     from torch.utils.data import Dataset, IterableDataset, get_worker_info
     from torch.utils.data._utils.collate import default_collate_fn_map
 except ImportError as missing:
-    from .errors import UserError
+    from .extras import TORCH
 
-    raise UserError("PyTorch is not installed", "pip install 'artipg_dsl[torch]'") from missing
+    raise TORCH.missing("artipg_dsl.torch") from missing
 
 from . import loaders
 from .arguments import read_whole

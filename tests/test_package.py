@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tomllib
 import venv
 from pathlib import Path
 
 import pytest
 
 import artipg_dsl
+from artipg_dsl import extras
+from artipg_dsl.errors import UserError
 
 ROOT = Path(__file__).parents[1]
 HEAVY = {"trimesh", "scipy", "lark", "jinja2", "numpy"}
@@ -52,6 +55,16 @@ def test_the_public_names_exist() -> None:
     assert all(getattr(artipg_dsl, name) is not None for name in artipg_dsl.__all__)
     with pytest.raises(AttributeError, match="nothing"):
         _ = artipg_dsl.nothing
+
+
+def test_what_is_missing_is_installed_by_the_extra_that_the_message_names() -> None:
+    known = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    for package in (value for value in vars(extras).values() if isinstance(value, extras.Package)):
+        assert any(line.startswith(package.module) for line in known[package.extra]), package
+    with pytest.raises(UserError) as caught:
+        extras.Package("no_such_module", "Nothing", "sim").require("mjcf")
+    assert caught.value.message == "mjcf needs Nothing, which is not installed"
+    assert caught.value.hint == "pip install 'artipg_dsl[sim]' installs it"
 
 
 @pytest.mark.skipif("ARTIPG_TEST_WHEEL" not in os.environ, reason="fetches packages; set ARTIPG_TEST_WHEEL=1")

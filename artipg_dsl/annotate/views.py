@@ -8,6 +8,7 @@ import numpy as np
 
 from .. import random
 from ..errors import UsageError, UserError
+from ..extras import EMBREE
 from ..geometry.rays import ENGINES, NEAR, Caster, Grid, best_engine, intersect, rotate_vectors
 from ..records import dataclass
 from ..runtime.columns import Columns
@@ -56,7 +57,7 @@ def make_views(
     if engine not in ENGINES:
         raise UsageError(f"there is no engine `{engine}` to cast rays with", f"there are {', '.join(ENGINES)}")
     if engine == "embree" and best_engine() != "embree":
-        raise UsageError("embree is not installed", "pip install 'artipg_dsl[rays]', or leave `engine` out")
+        raise EMBREE.missing("the engine `embree`")
     made = _Views(batch, cameras or Cameras(), states, engine)
     pixels = made.each * _cameras_pixels(made.cameras)
     step = min(max(1, _PIXELS // pixels), 16)

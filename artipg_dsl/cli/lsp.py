@@ -6,17 +6,13 @@ import argparse
 import os
 import sys
 from contextlib import redirect_stdout
-from importlib.util import find_spec
 
-from ..errors import UserError
+from ..extras import PYGLS
 from .messages import say
 
 
 def run(_: argparse.Namespace) -> int:
-    if find_spec("pygls") is None:
-        raise UserError(
-            "the language server needs pygls, which is not installed", "pip install 'artipg_dsl[editor]' installs it"
-        )
+    PYGLS.require("the language server")
     from ..lsp.server import make_server  # start-up: for those who have it
 
     if sys.stdin.isatty():

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from importlib import import_module
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, cast
 
+from ..extras import H5PY, PYARROW, ZARR, Package
 from ..records import dataclass
 from .write import ExportError
 
@@ -29,14 +29,14 @@ class Container:
     title: str
     suffix: str
     write: str
-    needs: tuple[str, str, str] | None = None
+    needs: Package | None = None
 
 
 _NPZ = Container("NumPy", ".npz", "containers:npz_bytes")
 OTHERS = {
-    "hdf5": Container("HDF5", ".h5", "containers:hdf5_bytes", ("h5py", "h5py", "hdf5")),
-    "zarr": Container("Zarr", ".zarr.zip", "containers:zarr_bytes", ("zarr", "Zarr", "zarr")),
-    "parquet": Container("Parquet", ".parquet", "containers:parquet_bytes", ("pyarrow", "pyarrow", "parquet")),
+    "hdf5": Container("HDF5", ".h5", "containers:hdf5_bytes", H5PY),
+    "zarr": Container("Zarr", ".zarr.zip", "containers:zarr_bytes", ZARR),
+    "parquet": Container("Parquet", ".parquet", "containers:parquet_bytes", PYARROW),
 }
 """The containers that a format is written in instead, by what follows its name: ``points.hdf5``."""
 
@@ -50,7 +50,7 @@ class Format:
     ``robot(robot)``: the files of one object, bytes by path relative to its folder. ``member(robots, i)``: the same
     where more than the model of links and joints is needed. ``file`` is one of these files that is always there; ``tells``
     one that no other format has, where that is another. ``clears``: what another format has left and this one does not have.
-    ``needs``: (module, package, extra) that the writer imports beyond what is always installed.
+    ``needs``: what the writer imports beyond what is always installed.
     """
 
     name: str
@@ -62,7 +62,7 @@ class Format:
     file: str = ""
     tells: str = ""
     clears: tuple[str, ...] = ()
-    needs: tuple[str, str, str] | None = None
+    needs: Package | None = None
     seen: bool = False  # it has what is seen alone, nothing that collides or weighs
     weighs: bool = True  # what collides has masses, and joints what follows from them
     container: Container | None = None
@@ -207,7 +207,7 @@ def find_formats(names: str | Sequence[str]) -> list[Format]:
     """Formats by name, ``"urdf,glb"`` or a list, in the order of the registry; ``hdf5`` is short for ``points.hdf5``. Raises
     ExportError.
 
-    A name that is not known, or whose package is not installed, is told before any work is done.
+    A name that is not known is told before any work is done; so is, as a UserError, a package that is not installed.
     """
     wanted = [name.strip() for name in (names.split(",") if isinstance(names, str) else names)]
     wanted = [f"{DEFAULT[0]}.{name}" if name in OTHERS else name for name in wanted if name]
@@ -218,7 +218,9 @@ def find_formats(names: str | Sequence[str]) -> list[Format]:
             close = get_close_matches(name.lower(), FORMATS, n=1)
             meant = f"did you mean {close[0]}? " if close else ""
             raise ExportError(f"unknown format {name!r}", f"{meant}the formats are {', '.join(FORMATS)}")
-        _require(FORMATS[name])
+        needs = FORMATS[name].needs
+        if needs is not None:
+            needs.require(name)
         if name.removesuffix(_BARE) != name and name.removesuffix(_BARE) in wanted:
             raise ExportError(f"{name} has the files of {name.removesuffix(_BARE)}", "choose one of the two")
     return [entry for name, entry in FORMATS.items() if name in wanted]
@@ -233,17 +235,6 @@ def without_meshes(formats: Sequence[Format]) -> list[Format]:
     if not any(entry.per_object for entry in formats):
         raise ExportError("none of the formats has meshes to leave out", f"--no-meshes is for {', '.join(known)}")
     return [FORMATS[f"{entry.name.removesuffix(_BARE)}{_BARE}"] if entry.per_object else entry for entry in formats]
-
-
-def _require(entry: Format) -> None:
-    """Raise ExportError where a format's package is not installed."""
-    if entry.needs is None:
-        return
-    module, package, extra = entry.needs
-    if find_spec(module) is None:
-        raise ExportError(
-            f"{entry.name} needs {package}, which is not installed", f"pip install 'artipg_dsl[{extra}]' installs it"
-        )
 
 
 def choose_formats(names: str | Sequence[str] | None, *, views: bool = False) -> list[Format]:

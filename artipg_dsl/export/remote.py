@@ -9,11 +9,11 @@ import os
 import re
 from collections.abc import Iterator
 from fnmatch import fnmatchcase
-from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ..errors import UserError
+from ..extras import FSSPEC
 
 MARK = ".partial-"
 _ADDRESS = re.compile(r"([a-z][a-z0-9+.-]+)://(.*)", re.IGNORECASE | re.DOTALL)
@@ -54,10 +54,7 @@ class Remote:
     @property
     def _place(self) -> tuple[Any, str]:
         """The file system and the path in it. Raises UserError."""
-        if find_spec("fsspec") is None:
-            raise UserError(
-                f"{self} needs fsspec, which is not installed", "pip install 'artipg_dsl[remote]' installs it"
-            )
+        FSSPEC.require(self)
         from fsspec.core import url_to_fs
 
         try:

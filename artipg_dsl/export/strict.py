@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import UserError
+from ..extras import MANIFOLD
 from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.motion import apply
@@ -86,11 +86,7 @@ def join_strict(found: Sequence[Strict]) -> Strict:
 
 def require_manifold() -> None:
     """Raise UserError where manifold3d is not installed."""
-    if find_spec("manifold3d") is None:
-        raise UserError(
-            "looking at meshes needs manifold3d, which is not installed",
-            "pip install 'artipg_dsl[collide]' installs it",
-        )
+    MANIFOLD.require("looking at meshes")
 
 
 def _configurations(tree: Tree, states: int) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:

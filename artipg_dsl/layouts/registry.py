@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from ..diagnostics.suggest import any_of, did_you_mean
 from ..errors import UserError
+from ..extras import H5PY, SAPIEN, Package
 from ..records import dataclass
 from .words import Term, check_words, vocabulary
 
@@ -33,12 +33,13 @@ class Layout:
     stream), ``index(entries, folder)`` where it ``gathers`` from what has been written; ``check(folder, entry, batch, shard,
     findings)`` reads the files of a chunk as the field's loaders do and compares them with the model.
 
-    ``vocabulary``: a closed one, which has to have a class for the category; ``judge(term)`` says what is wrong with a map
-    to it. ``words(program)``: what the index needs of a program beside that. ``needs``: (module, package, extra), ``too`` another.
-    ``chunk``: objects that are made together. ``divides``: each point has a class of its own, so words that hold on some of a part
-    count. ``alone``: names of objects say their class and no more, so two categories of one class need a folder each. ``frame``: the
-    shipped one by which objects lie as in the data set, where they do not lie so by themselves. ``stumbles``: text in a path that its
-    loaders read as something else. ``least``: by split, how many objects training needs, and why.
+    ``vocabulary``: a closed one, which has to have a class for the category; ``judge(term)`` says what is wrong with a map to
+    it. ``words(program)``: what the index needs of a program beside that. ``needs``: a package beyond what is always installed,
+    ``too`` another. ``chunk``: objects that are made together. ``divides``: each point has a class of its own, so words that
+    hold on some of a part count. ``alone``: names of objects say their class and no more, so two categories of one class need a
+    folder each. ``frame``: the shipped one by which objects lie as in the data set, where they do not lie so by themselves.
+    ``stumbles``: text in a path that its loaders read as something else. ``least``: by split, how many objects training needs,
+    and why.
     """
 
     name: str
@@ -49,8 +50,8 @@ class Layout:
     vocabulary: str = ""
     judge_by: str = ""
     words_by: str = ""
-    needs: tuple[str, str, str] | None = None
-    too: tuple[str, str, str] | None = None
+    needs: Package | None = None
+    too: Package | None = None
     chunk: int = 64
     gathers: bool = False
     divides: bool = False
@@ -114,7 +115,6 @@ def _function(place: str) -> Any:
     return getattr(import_module(f".{module}", __package__), function)
 
 
-_H5 = ("h5py", "h5py", "hdf5")
 _BATCH = (32, "PointNet's script takes whole batches, of 32 unless --batch says otherwise, and divides by their number")
 _TENTH = (10, "PoinTr's training divides by a tenth of their number")
 LAYOUTS: dict[str, Layout] = {
@@ -138,7 +138,7 @@ LAYOUTS: dict[str, Layout] = {
             "shapenetpart:check_h5",
             "shapenetpart",
             "shapenetpart:check_term",
-            needs=_H5,
+            needs=H5PY,
             divides=True,
             gathers=True,
             least={"train": _BATCH, "val": _BATCH},
@@ -150,7 +150,7 @@ LAYOUTS: dict[str, Layout] = {
             "partnet_seg:index",
             "partnet_seg:check",
             words_by="partnet_seg:words",
-            needs=_H5,
+            needs=H5PY,
             chunk=32,
             gathers=True,
             frame="partnet",
@@ -185,7 +185,7 @@ LAYOUTS: dict[str, Layout] = {
             "ancsh_check:check",
             "ancsh",
             "ancsh:check_term",
-            needs=_H5,
+            needs=H5PY,
             chunk=4,
             gathers=True,
             alone=True,
@@ -216,7 +216,7 @@ LAYOUTS: dict[str, Layout] = {
             "opd_check:check",
             "opd",
             "opd:check_term",
-            needs=_H5,
+            needs=H5PY,
             chunk=4,
             gathers=True,
             alone=True,
@@ -249,8 +249,8 @@ LAYOUTS: dict[str, Layout] = {
             "where2act:simulated_files",
             "where2act:index",
             "where2act_check:check_simulated",
-            needs=_H5,
-            too=("sapien", "SAPIEN", "sim"),
+            needs=H5PY,
+            too=SAPIEN,
             chunk=1,
             gathers=True,
             frame="partnet",
@@ -261,7 +261,7 @@ LAYOUTS: dict[str, Layout] = {
             "where2act:foretold_files",
             "where2act:index",
             "where2act_check:check_foretold",
-            needs=_H5,
+            needs=H5PY,
             chunk=1,
             gathers=True,
             frame="partnet",
@@ -293,9 +293,6 @@ LAYOUTS: dict[str, Layout] = {
 
 def require(layout: Layout) -> None:
     """Raise UserError where a layout's package is not installed."""
-    for module, package, extra in (known for known in (layout.needs, layout.too) if known is not None):
-        if find_spec(module) is None:
-            raise UserError(
-                f"{layout.name} needs {package}, which is not installed",
-                f"pip install 'artipg_dsl[{extra}]' installs it",
-            )
+    for package in (layout.needs, layout.too):
+        if package is not None:
+            package.require(layout.name)

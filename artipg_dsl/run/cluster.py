@@ -12,13 +12,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from importlib import import_module
-from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError, UserError
 from ..export.write import is_there
+from ..extras import DASK
 from .chunk import Chunk
 from .job import Job
 from .memory import Room
@@ -76,8 +76,7 @@ def require_cluster(address: str, workers: int) -> None:
 
 def _import_dask() -> Any:
     """Raises UserError."""
-    if find_spec("distributed") is None:
-        raise UserError("--cluster needs Dask, which is not installed", "pip install 'artipg_dsl[cluster]' installs it")
+    DASK.require("--cluster")
     return import_module("distributed")  # loosely typed
 
 

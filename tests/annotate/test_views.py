@@ -299,7 +299,7 @@ def test_wrong_engines_are_told_in_words(batch: Batch, monkeypatch: pytest.Monke
     with pytest.raises(UsageError, match="there is no engine `optix`"):
         make_views(batch, SMALL, engine="optix")
     monkeypatch.setattr("artipg_dsl.annotate.views.best_engine", lambda: "numpy")
-    with pytest.raises(UsageError, match="embree is not installed") as caught:
+    with pytest.raises(UserError, match="the engine `embree` needs embreex, which is not installed") as caught:
         make_views(batch, SMALL, engine="embree")
     assert "artipg_dsl[rays]" in str(caught.value.hint)
 

@@ -17,6 +17,7 @@ import pytest
 from artipg_dsl import sample
 from artipg_dsl.errors import UserError
 from artipg_dsl.export import objects, registry
+from artipg_dsl.extras import Package
 from artipg_dsl.layouts.registry import LAYOUTS
 
 from .helpers import CHEST, Apgc, command, environment, tree
@@ -165,13 +166,13 @@ def test_an_unknown_format_lists_the_known_ones(apgc: Apgc, made: Path) -> None:
 
 def test_a_missing_package_is_named_with_its_extra(apgc: Apgc, made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     entry = registry.Format(
-        "ply", "a test", robot="urdf:urdf_files", file="x", needs=("no_such_module", "ply-io", "ply")
+        "ply", "a test", robot="urdf:urdf_files", file="x", needs=Package("no_such_module", "ply-io", "ply")
     )
     monkeypatch.setitem(registry.FORMATS, "ply", entry)
     before = tree(made)
     for arguments in (("export", made), ("sample", CHEST, "-n", 1, "-o", made.parent / "p")):
         code, _, err = apgc(*arguments, "--format", "ply")
-        assert code == 2 and "ply-io" in err and "pip install 'artipg_dsl[ply]'" in err
+        assert code == 1 and "ply-io" in err and "pip install 'artipg_dsl[ply]'" in err
     assert tree(made) == before and not (made.parent / "p").exists()
 
 

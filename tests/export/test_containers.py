@@ -14,9 +14,9 @@ import pytest
 from artipg_dsl.annotate.cameras import Cameras
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.annotate.states import read_states
+from artipg_dsl.errors import UserError
 from artipg_dsl.export.content import Content
 from artipg_dsl.export.registry import FORMATS, OTHERS, find_formats
-from artipg_dsl.export.write import ExportError
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session
 
@@ -99,7 +99,7 @@ def test_a_container_alone_is_that_of_points() -> None:
 
 
 def test_a_container_whose_package_is_missing_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("artipg_dsl.export.registry.find_spec", lambda name: None)
-    with pytest.raises(ExportError, match="points.zarr needs Zarr") as caught:
+    monkeypatch.setattr("artipg_dsl.extras.find_spec", lambda name: None)
+    with pytest.raises(UserError, match="points.zarr needs Zarr") as caught:
         find_formats("points.zarr")
     assert "artipg_dsl[zarr]" in caught.value.hint

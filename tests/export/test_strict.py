@@ -141,6 +141,6 @@ def test_both_ways_of_looking_agree(strict: ModuleType, tmp_path: Path) -> None:
 def test_without_its_package_a_message_names_the_extra(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("artipg_dsl.export.strict.find_spec", lambda name: None)
+    monkeypatch.setattr("artipg_dsl.extras.find_spec", lambda name: None)
     assert main(["validate", "Window", "-n", "1", "--meshes"]) == 1
     assert "artipg_dsl[collide]" in capsys.readouterr().err

@@ -197,7 +197,7 @@ def test_what_it_cannot_hold_is_refused(lay: Lay, monkeypatch: pytest.MonkeyPatc
     with pytest.raises(UserError, match="nothing of StorageFurniture opens"):
         own = {"StorageFurniture": {"class": "Table", "parts": {"lid/revolute": "lid"}}}
         lay("opd", "StorageFurniture", n=1, own=own)
-    monkeypatch.setattr("artipg_dsl.layouts.registry.find_spec", lambda name: None)
+    monkeypatch.setattr("artipg_dsl.extras.find_spec", lambda name: None)
     with pytest.raises(UserError, match="opd needs h5py, which is not installed") as refused:
         lay("opd", "StorageFurniture", n=1)
     assert "artipg_dsl[hdf5]" in (refused.value.hint or "")

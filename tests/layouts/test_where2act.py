@@ -118,7 +118,7 @@ def test_what_is_wrong_is_found(trials: Path, tmp_path: Path) -> None:
 def test_what_it_cannot_hold_is_refused(lay: Lay, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(UserError, match="there is no trial of Pen"):
         lay("where2act", "Pen", n=1)  # nothing of the first one moves
-    monkeypatch.setattr("artipg_dsl.layouts.registry.find_spec", lambda name: None if name == "sapien" else True)
+    monkeypatch.setattr("artipg_dsl.extras.find_spec", lambda name: None if name == "sapien" else True)
     with pytest.raises(UserError, match="where2act needs SAPIEN, which is not installed") as refused:
         lay("where2act", "Door", n=1)
     assert "artipg_dsl[sim]" in (refused.value.hint or "")

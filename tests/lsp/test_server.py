@@ -163,6 +163,6 @@ def test_an_editor_is_given_names_an_outline_colours_and_a_layout(texts):
 
 
 def test_without_pygls_the_command_says_what_to_install(monkeypatch, capsys):
-    monkeypatch.setattr("artipg_dsl.cli.lsp.find_spec", lambda _: None)
+    monkeypatch.setattr("artipg_dsl.extras.find_spec", lambda _: None)
     assert main(["lsp"]) == 1
     assert "pip install 'artipg_dsl[editor]'" in capsys.readouterr().err

@@ -66,7 +66,7 @@ def test_a_worker_is_killed_in_the_middle(tmp_path: Path) -> None:
 
 
 def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr("artipg_dsl.run.cluster.find_spec", lambda name: None)
+    monkeypatch.setattr("artipg_dsl.extras.find_spec", lambda name: None)
     with pytest.raises(UserError, match="needs Dask") as caught:
         write_dataset(job(), tmp_path / "o", Output(("annotation",)), cluster="local")
     assert "artipg_dsl[cluster]" in caught.value.hint

@@ -96,7 +96,7 @@ def test_elsewhere_files_are_moved_into_place(tmp_path: Path, monkeypatch: pytes
 
 
 def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("artipg_dsl.export.remote.find_spec", lambda name: None)
+    monkeypatch.setattr("artipg_dsl.extras.find_spec", lambda name: None)
     with pytest.raises(UserError, match="needs fsspec") as caught:
         Remote("s3://bucket").exists()
     assert "artipg_dsl[remote]" in caught.value.hint
