@@ -159,9 +159,7 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
             message = "a joint that follows another cannot wait for one: it moves whenever its leader does"
             ck.error("bad-gate", when.span, message, hint="put `when` on the joint that leads")
     if (pitch := _taken(ck, kind, node.pitch)) is not None:
-        given = ck.infer(ctx, pitch.value)
-        if not isinstance(given, ScalarType) and given != UNKNOWN:
-            ck.mismatch(pitch.value, given, LENGTH, "the pitch")
+        ck.expect(ctx, pitch.value, LENGTH, "the pitch")
     if (positions := _taken(ck, kind, node.positions)) is not None:
         _positions(ck, ctx, node, positions)
     if (stiffness := _taken(ck, kind, node.stiffness)) is not None:
