@@ -19,7 +19,7 @@ from .guards import TRUE, Condition, conjunction, implies
 from .meanings import Inner, Meaning
 from .modules import Workspace
 from .presence import excludes
-from .remedies import instead, likely_units, usual_unit
+from .remedies import instead, usual_unit, with_likely_units
 from .scope import BodyScope, Entry, Guards, build_scope, interface
 from .symbols import ModuleScope, Symbol
 from .types import NONE, UNKNOWN, ScalarType, Type, VecType, fits
@@ -202,8 +202,7 @@ class Checker:
             if given.dimension == NONE and need not in (NONE, None) and is_unitless(expr):
                 hint = f"give the numbers units: {usual_unit(need)}"
                 if isinstance(expr, ast.NumberExpr):
-                    units = likely_units(need, expr.value)
-                    hint = f"write {' or '.join(expr.span.text + unit for unit in units)}"
+                    hint = f"write {with_likely_units(expr, need)}"
                 self.error("missing-unit", expr.span, f"{what} needs a unit: {wanted} is expected", hint=hint)
                 return
             self.error(

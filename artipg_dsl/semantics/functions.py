@@ -13,7 +13,7 @@ from ..syntax.walk import walk
 from .fold import is_unitless
 from .guards import consistent
 from .meanings import BuiltIn, Declared, Inner
-from .remedies import instead
+from .remedies import instead, with_likely_units
 from .surfaces import check_parameters
 from .types import (
     ANGLE,
@@ -146,7 +146,7 @@ def _one(ck: Checker, ctx: Context, expr: ast.CallExpr, form: Form, bound: Bound
 def _angle(value: ast.Expr) -> str:
     """How a number without a unit becomes an angle."""
     if isinstance(value, ast.NumberExpr):
-        return f"an angle needs a unit: write {value.span.words}deg or {value.span.words}rad"
+        return f"an angle needs a unit: write {with_likely_units(value, ANGLE.dimension)}"
     return "an angle needs a unit: multiply by 1deg, 1rad or 1turn"
 
 

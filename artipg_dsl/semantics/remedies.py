@@ -42,11 +42,14 @@ def usual_unit(dimension: Dimension) -> str:
     return _UNITS.get(dimension_name(dimension), "")
 
 
-def likely_units(dimension: Dimension, value: float) -> list[str]:
-    """The units to suggest for a number: small ones may be metres or radians."""
-    small = {"length": ("m", value < 1), "angle": ("rad", value < 2 * pi and value % 1 > 0)}
-    unit, meant = small.get(dimension_name(dimension), ("", False))
-    return [usual_unit(dimension), *[unit] * meant]
+def with_likely_units(number: ast.NumberExpr, dimension: Dimension) -> str:
+    """A number with each of the units that may be meant: small ones may be metres, radians or turns."""
+    value, text = number.value, number.span.text
+    broken = value % 1 > 0
+    small = {"length": {"m": value < 1}, "angle": {"rad": broken and value < 2 * pi, "turn": broken and value < 1}}
+    rarer = [unit for unit, meant in small.get(dimension_name(dimension), {}).items() if meant]
+    *others, last = [f"{text}{unit}" for unit in (usual_unit(dimension), *rarer)]
+    return f"{', '.join(others)} or {last}" if others else last
 
 
 def instead(expr: ast.Node, given: Type, wanted: Type) -> str | None:
