@@ -231,22 +231,38 @@ def _scaled(form: Parts, factor: Expr) -> Parts:
 _INVERSES: dict[str, Callable[[Expr], Expr]] = {
     "neg": E.neg,
     "sqrt": lambda v: E.mul(v, v),
+    "asin": lambda v: E.call("sin", v),
+    "exp": lambda v: E.call("log", v),
+    "log": lambda v: E.call("exp", v),
+}
+_EVEN = (2.0, 4.0, 6.0, 8.0)
+_PRINCIPAL: dict[str, Callable[[Expr], Expr]] = {
     "abs": lambda v: v,  # lengths: the positive root
     "sin": lambda v: E.call("asin", v),
     "cos": lambda v: E.call("acos", v),
     "tan": lambda v: E.call("atan", v),
-    "asin": lambda v: E.call("sin", v),
-    "exp": lambda v: E.call("log", v),
-    "log": lambda v: E.call("exp", v),
 }
 
 
 def isolate(node: Expr, target: Column, value: Expr, linear: Linear) -> Expr | None:
     """Solve ``node = value`` for a column that stands in it once; the principal root where there are several."""
+    found = roots(node, target, value, linear, lambda *given: [given[-1]])
+    return None if found is None else found[0]
+
+
+def roots(
+    node: Expr, target: Column, value: Expr, linear: Linear, others: Callable[[str, Expr, Expr, Expr], list[Expr]]
+) -> list[Expr] | None:
+    """The roots of ``node = value`` for a column that stands in it once, None where they cannot be told.
+
+    ``others(op, argument, value, root)``: of an operation that takes one value at several arguments, those to go on with, given
+    the principal one. Where that is of an absolute value or of ``hypot``, the value may be negative, and there is none.
+    """
+    values = [value]
     while True:
         if node.op == "col":
             if node.value is target:
-                return value
+                return values
             definition = linear.definitions.get(node.value)
             if definition is None:
                 return None
@@ -255,30 +271,42 @@ def isolate(node: Expr, target: Column, value: Expr, linear: Linear) -> Expr | N
         inside = [k for k, a in enumerate(node.args) if linear.reads(a)]
         if len(inside) != 1:
             if node.op == "mul" and node.args[0] is node.args[1]:
-                node, value = node.args[0], E.call("sqrt", value)
+                values = [root for v in values for root in others("mul", node.args[0], v, E.call("sqrt", v))]
+                node = node.args[0]
                 continue
             return None
         k = inside[0]
-        other = node.args[1 - k] if len(node.args) == 2 else ONE  # of one argument: not asked for
-        if node.op in _INVERSES:
-            value = _INVERSES[node.op](value)
-        elif len(node.args) != 2:
+        inverse = _inverse(node, k)
+        if inverse is None:
             return None
-        elif node.op == "add":
-            value = E.sub(value, other)
-        elif node.op == "sub":
-            value = E.add(value, other) if k == 0 else E.sub(other, value)
-        elif node.op == "mul":
-            value = E.div(value, other)
-        elif node.op == "div":
-            value = E.mul(value, other) if k == 0 else E.div(other, value)
-        elif node.op == "hypot":
-            value = E.call("sqrt", E.sub(E.mul(value, value), E.mul(other, other)))
-        elif node.op == "pow" and k == 0:
-            value = E.call("pow", value, E.div(ONE, other))
+        if node.op in _PRINCIPAL or node.op == "hypot" or node.op == "pow" and node.args[1].constant in _EVEN:
+            values = [root for v in values for root in others(node.op, node.args[k], v, inverse(v))]
         else:
-            return None
+            values = [inverse(v) for v in values]
         node = node.args[k]
+
+
+def _inverse(node: Expr, k: int) -> Callable[[Expr], Expr] | None:
+    """What gives the argument ``k`` of an operation for its value, None where nothing does."""
+    if node.op in _INVERSES or node.op in _PRINCIPAL:
+        return _INVERSES.get(node.op) or _PRINCIPAL[node.op]
+    if len(node.args) != 2:
+        return None
+    other = node.args[1 - k]
+    match node.op:
+        case "add":
+            return lambda v: E.sub(v, other)
+        case "sub":
+            return (lambda v: E.add(v, other)) if k == 0 else (lambda v: E.sub(other, v))
+        case "mul":
+            return lambda v: E.div(v, other)
+        case "div":
+            return (lambda v: E.mul(v, other)) if k == 0 else (lambda v: E.div(other, v))
+        case "hypot":
+            return lambda v: E.call("sqrt", E.sub(E.mul(v, v), E.mul(other, other)))
+        case "pow" if k == 0:
+            return lambda v: E.call("pow", v, E.div(ONE, other))
+    return None
 
 
 def solve_block(forms: list[LinearForm], columns: list[Column]) -> dict[Column, Expr] | None:

@@ -76,6 +76,42 @@ def test_a_condition_may_keep_a_place_on_its_surface() -> None:
     assert warned(made) == [] and max(drawn(made, "h")[0]) > 0.06
 
 
+HALVES = """primitive Halves {{
+  param r : length > 0  test 4cm .. 6cm
+  surface round  (u in 0 .. 1, v in {0}turn .. {1}turn) = [r * cos(v), r * sin(v), (1/2 - u) * 4cm]
+  surface other  (u in 0 .. 1, v in {1}turn .. {0}turn + 1turn) = [r * cos(v), r * sin(v), (1/2 - u) * 4cm]
+  surface upper  (u in 0 .. 1, v in {0}turn .. {1}turn) = [u * r * cos(v), u * r * sin(v), 2cm]
+  surface upper2 (u in 0 .. 1, v in {1}turn .. {0}turn + 1turn) = [u * r * cos(v), u * r * sin(v), 2cm]
+  surface lower  (u in 0 .. 1, v in {0}turn .. {1}turn) = [(1 - u) * r * cos(v), (1 - u) * r * sin(v), -2cm]
+  surface lower2 (u in 0 .. 1, v in {1}turn .. {0}turn + 1turn) = [(1 - u) * r * cos(v), (1 - u) * r * sin(v), -2cm]
+  inside (p) = max(hypot(p.x, p.y) - r, abs(p.z) - 2cm)
+  box = [2 * r, 2 * r, 4cm]
+}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("turns", "way", "place"),
+    [
+        ((0.25, 0.75), "y = 3cm", [-0.04, 0.03]),  # past the quarter turn at which the inverse of the sine ends
+        ((0.25, 0.75), "y = -3cm", [-0.04, -0.03]),
+        ((-0.25, 0.25), "x = 4cm", [0.04, -0.03]),  # of two places that of the lower v
+        ((0.5, 1), "x = -3cm", [-0.03, -0.04]),
+        ((0, 0.5), "y = 4cm", [0.03, 0.04]),
+    ],
+)
+def test_a_place_is_found_all_along_a_curve_that_turns_back(
+    turns: tuple[float, float], way: str, place: list[float]
+) -> None:
+    made = session(
+        "root part body : Halves(r = 5cm)\n" + PEG.format("", f"body.round.at(0.5, {way})"), HALVES.format(*turns)
+    )
+    assert made.lowering is not None and not made.lowering.context.undefined
+    parts = made.sampler.batch(np.arange(2), seed=1).parts()
+    foot = parts.translation[1::2] + parts.rotation[1::2] @ [0, 0, -0.005] - parts.translation[::2]
+    np.testing.assert_allclose(foot, [[*place, 0]] * 2, atol=1e-9)
+
+
 def test_of_the_surfaces_of_a_slot_the_one_is_taken_on_which_the_place_lies() -> None:
     """A bowl is round below and upright above: a place below its upright wall lies on the round part."""
     bowl = "root part body : Cup(radius = 6cm, height = 10cm, wall = 3mm) = BowlCup(deep = 0.6, base_share = 0.5, flare = 1)\n"

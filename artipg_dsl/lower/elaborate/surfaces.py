@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from ...graph import expr as E
 from ...graph.derive import derive
-from ...graph.expr import Column, Expr, Scope
-from ...graph.linear import Linear, isolate
+from ...graph.expr import Expr, Scope
 from ...graph.primitive import Patch, pair, triple
+from ...graph.roots import lowest_root
 from ...graph.substitution import substitute
 from ...language import Form
 from ...records import dataclass
@@ -161,6 +161,9 @@ def _ask_whether_on(
     (place,) = places
     for name in ("u", "v"):
         value, ends, word, remedy = place.values[E.var(name)], place.range_of(name), name, _WITHIN
+        if axis is not None and name == "v" and value.op == "where":  # one of several, between the ends of the curve
+            ask(place.inside_of(name), ON, OnSurface(node.span, _BEYOND, _FROM_ORIGIN.format(axis)))
+            continue
         if axis is not None and name == "v":
             coordinate = place.patch.position[AXES.index(axis)]
             ends = pair(substitute(coordinate, {**place.values, E.var("v"): end}) for end in ends)
@@ -198,15 +201,14 @@ def _unit(ev: Evaluator, node: ast.Expr) -> str:
 def _solve_v(
     ev: Evaluator, node: ast.CallExpr, arguments: dict[str, ast.Expr], patch: Patch, mapping: dict[Expr, Expr], u: Expr
 ) -> Expr:
-    """The v at which a coordinate of the surface takes the given value."""
+    """The lowest v of the surface at which a coordinate takes the given value; where it never does, any."""
     axis = next((a for a in AXES if a in arguments), None)
     if axis is None:
         raise ev.env.context.internal(node.span, "neither v nor a coordinate is given")
-    coordinate = substitute(patch.position[AXES.index(axis)], {**mapping, E.var("u"): u})
-    marker = Column(coordinate.scope or Scope("surface"), "v")
-    target = E.col(marker)
-    linear = Linear(lambda c: c is marker, {})
-    found = isolate(substitute(coordinate, {E.var("v"): target}), marker, ev.scalar(arguments[axis]), linear)
+    values = {**mapping, E.var("u"): u}
+    coordinate = substitute(patch.position[AXES.index(axis)], values)
+    ends = pair(substitute(end, values) for end in patch.v_range)
+    found = lowest_root(coordinate, "v", ends, ev.scalar(arguments[axis]))
     if found is None:
         raise ev.env.context.error(
             "not-solvable", node.span, f"u and v cannot be found from {axis} on this surface", hint="give u and v"
