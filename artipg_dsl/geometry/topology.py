@@ -208,7 +208,8 @@ def _match(
             continue
         names = [f"{_EDGES[e % 4]} of {surfaces(primitive)[patches[e // 4]].name}" for e in (edge, *partners)]
         name = surfaces(primitive)[patches[edge // 4]].name
-        place = _where(params, curves[0, edge, len(_ALONG) // 2] * scale[0])
+        row = _first_alone(curves, edge, ~points)
+        place = _where(params, row, curves[row, edge, len(_ALONG) // 2] * scale[row])
         if len(partners):
             message = f"its edge {names[0]} is shared by {len(partners) + 1} surfaces: {', '.join(names)} ({place})"
             raise PrimitiveError(primitive, name, message)
@@ -232,10 +233,17 @@ def _apart(curves: np.ndarray, edge: int, others: np.ndarray) -> tuple[np.ndarra
     return forward.max(axis=(0, 2, 3)), back.max(axis=(0, 2, 3))
 
 
-def _where(params: Params, point: np.ndarray) -> str:
-    """A place (3,) in metres and the first test value, for messages."""
+def _first_alone(curves: np.ndarray, edge: int, asked: np.ndarray) -> int:
+    """The first row in which none of the edges ``asked`` (E,) bool is near one, 0 where there is no such row."""
+    own, others = curves[:, edge, None], np.delete(curves, edge, axis=1)[:, np.delete(asked, edge)]
+    apart = [np.abs(others - way).max(axis=(2, 3)) for way in (own, own[:, :, ::-1])]
+    return int(np.argmax((np.minimum(*apart) >= _TOLERANCE).all(axis=1)))
+
+
+def _where(params: Params, row: int, point: np.ndarray) -> str:
+    """A place (3,) in metres and a test value, for messages."""
     at = ", ".join(f"{1000 * float(c):.4g}" for c in point)
-    return f"about [{at}] mm, test value " + ", ".join(f"{n} = {float(v[0]):.4g}" for n, v in params.items() if n)
+    return f"about [{at}] mm, test value " + ", ".join(f"{n} = {float(v[row]):.4g}" for n, v in params.items() if n)
 
 
 def _classes(count: int, pairs: Sequence[tuple[int, int, bool]]) -> np.ndarray:
@@ -361,7 +369,7 @@ def _outwards(primitive: Primitive) -> np.ndarray:
             fault = "both sides are" if (votes[0] & votes[1]).mean() > 0.5 else "neither side is"
             if min(outward, inward) > 0.125:
                 fault = "sometimes one side, sometimes the other is"
-            place = _where(chosen, point[0, point.shape[1] // 2])
+            place = _where(chosen, 0, point[0, point.shape[1] // 2])
             raise PrimitiveError(
                 primitive, surface.name, f"the inside function disagrees with it: {fault} inside ({place})"
             )

@@ -59,7 +59,7 @@ class Piece:
 @dataclass(frozen=True, slots=True, eq=False)
 class Primitive:
     """``parameters`` are the scalar parameter names in order; ``test`` their test ranges (metres, radians) in the same
-    order; ``whole`` those that count something; ``requires`` predicates that the parameters must meet. Without
+    order; ``whole`` those that count something, and switches, which are 0 or 1; ``requires`` predicates that the parameters must meet. Without
     ``pieces`` a primitive is the hull of its mesh.
     """
 

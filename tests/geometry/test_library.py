@@ -224,6 +224,29 @@ def test_a_piece_that_reaches_out_of_its_solid_is_told_of():
     assert "a piece of the primitive `Plate` reaches out of it: this piece reaches" in finding.message
 
 
+SWITCHED = """apg 1
+primitive Peg {
+  param radius, height : length > 0  test 1mm .. 1m
+  param short : bool
+  let tall = height / 2 if short else height
+  surface side   (u in 0turn .. 1turn, v in 0 .. 1) = [radius * cos(u), radius * sin(u), v * tall]
+  surface top    (u in 0turn .. 1turn, v in 0 .. 1) = [v * radius * cos(u), v * radius * sin(u), TOP]
+  surface bottom (u in 0turn .. 1turn, v in 0 .. 1) = [v * radius * cos(u), -v * radius * sin(u), 0cm]
+  inside (p) = max(hypot(p.x, p.y) - radius, p.z - tall, -p.z)
+  box = [-radius, -radius, 0] .. [radius, radius, tall]
+}
+category C { root part a : Peg(radius = 1cm, height = 4cm, short = SHORT) }
+"""
+
+
+@pytest.mark.parametrize("given", ["true", "false"])
+@pytest.mark.parametrize(("top", "leaks"), [("tall", ""), ("height", "short = 1"), ("height / 2", "short = 0")])
+def test_a_switch_is_tested_both_ways(top, leaks, given):
+    found = findings(SWITCHED.replace("TOP", top).replace("SHORT", given))
+    assert [d.code for d in found] == ["leaky-primitive"] * bool(leaks)
+    assert all(leaks in d.message for d in found)
+
+
 @pytest.mark.parametrize("name", WRONG)
 def test_wrong_declarations_say_which_surface_leaks_and_where(name):
     old, new, told = WRONG[name]

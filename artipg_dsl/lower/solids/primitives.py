@@ -134,7 +134,7 @@ def make(context: Draft, symbol: Symbol, title: str, paths: dict[str, Handed]) -
         if isinstance(statement, ast.RequireStmt) and statement.condition is not None:
             conditions.append(_condition_of(Evaluator(env), statement))
     limits = domains(env, symbol.body)
-    whole = [n for s in parameters if s.type.name == "count" for n in s.names]
+    whole = [n for s in parameters if s.type.name in ("count", "bool") for n in s.names]
     patches, pieces = [], []
     inside: Expr | None = None
     low = high = None

@@ -128,11 +128,15 @@ def candidates(env: Env) -> dict[str, np.ndarray]:
     """Values of the parameters over their test ranges."""
     assert env.symbol is not None
     number = np.arange(CANDIDATES, dtype=np.uint64)
+    parameters = (s for s in env.symbol.body if isinstance(s, ast.ParamDecl))
+    switches = {name for s in parameters if s.type.name == "bool" for name in s.names}
     values: dict[str, np.ndarray] = {"": np.zeros(CANDIDATES)}
     for name, (low, high) in test_ranges(env):
         q = random.uniform(random.key(0, "probe", env.symbol.name, name), number)
         value = low + q * (high - low)
-        if low > 0:  # small ones too: every other row by ratio
+        if name in switches:
+            value = np.round(q)
+        elif low > 0:  # small ones too: every other row by ratio
             value = np.where(number % 2 == 1, np.clip(low * np.power(high / low, q), low, high), value)
         values[name] = value
     return values
@@ -165,7 +169,7 @@ def test_ranges(env: Env) -> Iterable[tuple[str, tuple[float, float]]]:
         for name in statement.names:
             size = statement.type.size
             for k in range(size or 1):
-                ends = [0.01, 0.5]
+                ends = [0.0, 1.0] if statement.type.name == "bool" else [0.01, 0.5]
                 for side, node in enumerate((source.low, source.high) if source is not None else ()):
                     end = Evaluator(env).value(node)
                     end = end.items[k] if isinstance(end, Vec) else end
