@@ -58,7 +58,7 @@ def test_an_object_whose_place_lies_beyond_is_drawn_again_and_told() -> None:
 
 @pytest.mark.parametrize("direct", [True, False])
 def test_a_place_counts_where_the_part_exists_that_goes_there(direct: bool) -> None:
-    """A part that is not there goes nowhere; a `let` is a value of every object."""
+    """A part that is not there goes nowhere, be the place named by a `let` or written out."""
     place = "body.side.at(0.25turn, z = h)"
     let = "" if direct else f"let spot = {place}\n"
     peg = PEG.format(" | none", place if direct else "spot")
@@ -66,7 +66,46 @@ def test_a_place_counts_where_the_part_exists_that_goes_there(direct: bool) -> N
     batch = made.sampler.batch(np.arange(200), seed=2)
     alone = np.bincount(batch.parts().owner) == 1
     absent = batch.values()["h"][alone]
-    assert len(absent) and (absent.max() > 0.06) == direct
+    assert len(absent) and absent.max() > 0.06
+    assert batch.values()["h"][~alone].max() <= 0.05
+
+
+SPOT = "let spot = body.side.at(0.25turn, z = h)\n"
+PLATE = "part a : Cuboid(size = [1cm, 1cm, 1cm])\nconnect a.back on body.front\nalign a.top = {}\n"
+CHOICE = "param kind : choice on_it | apart\n"
+
+
+@pytest.mark.parametrize(
+    ("body", "counts"),
+    [
+        (PLATE.format("0cm"), "never"),  # nothing reads it
+        (CHOICE + "let high = spot.origin.z\n" + PLATE.format("high if kind == on_it else 0cm"), "sometimes"),
+        (CHOICE + "let high = spot.origin.z if kind == on_it else 5cm\n" + PLATE.format("high"), "sometimes"),
+        (CHOICE + "when kind == on_it {\n" + PEG.format("", "spot") + "}\n", "sometimes"),
+        (
+            CHOICE + "when kind == on_it {\nrepeat row[i] in 0 ..< 2 {\n" + PEG.format("", "spot") + "}\n}\n",
+            "sometimes",
+        ),
+        (
+            "let far = spot.origin.z if h > 9cm else 0cm\n"
+            + PLATE.format("far")
+            + PEG.format("", "spot").replace("part a", "part b").replace("connect a", "connect b"),
+            "always",
+        ),
+        (PLATE.format("5cm if spot.origin.z > 9cm else spot.origin.z"), "always"),
+    ],
+)
+def test_a_let_that_names_a_place_counts_where_it_is_read(body: str, counts: str) -> None:
+    made = session("param h : length in 1cm .. 9cm\n" + BODY + SPOT + body)
+    batch = made.sampler.batch(np.arange(100), seed=2)
+    values = batch.values()
+    there = {
+        "never": np.zeros(100, bool),
+        "always": np.ones(100, bool),
+        "sometimes": np.array([v == "on_it" for v in values.get("kind", ())]),
+    }[counts]
+    assert (values["h"][there] <= 0.05 + 1e-6).all()
+    assert there.all() or values["h"][~there].max() > 0.06
 
 
 def test_a_condition_may_keep_a_place_on_its_surface() -> None:

@@ -108,7 +108,7 @@ def lower(env: Env, body: tuple[ast.Stmt, ...]) -> None:
                     lower(branch, inner)
             elif not isinstance(statement, _WAITING):
                 for name in names_of(statement):
-                    env.force(name)
+                    env.lower(name)
     _bind_slots(env, body)
 
 

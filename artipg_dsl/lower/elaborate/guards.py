@@ -10,21 +10,6 @@ from ..expressions.env import Env
 from ..solve.solve import lifted
 
 
-def has_row(scope: Scope, to: Scope) -> Expr:
-    """Whether a row of ``to`` has one in ``scope``: whether the guards between hold, in any element of the repeats between."""
-    found = E.TRUE
-    while not to.within(scope):
-        assert scope.parent is not None and scope.count is not None
-        if scope.kind == "repeat":
-            found = E.reduce("any", scope, found)
-        elif found.scope is not None and found.scope.within(scope):
-            found = E.phi(scope.parent, [(scope, found)], E.FALSE)
-        else:
-            found = E.both(scope.count, found)
-        scope = scope.parent
-    return found
-
-
 def shown(value: Expr, to: Scope) -> Expr:
     """A value of a statement, or a formula, as one of the rows of ``to``: what a ``when`` around the statement declares is
     carried out of it. Raises ScopeError where it reads what each element of a repeat has of its own and ``to`` is not in it.

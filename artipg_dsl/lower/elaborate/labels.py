@@ -18,13 +18,14 @@ from ...syntax.walk import walk as nodes_in
 from ..expressions.context import Draft, where
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
+from ..expressions.rows import has_row
 from ..values.carry import moved
 from ..values.faces import extent
 from ..values.kinds import Box, Frame, Line, Look, Ref, Surface, Value, Vec, carriers_of
 from ..values.vectors import compose, inverse, place, sole_axis, unit
 from . import nowhere
 from .drives import Drive
-from .guards import has_row, shown
+from .guards import shown
 from .links import Links
 from .looks import sole_look
 from .overridden import Said, note

@@ -13,11 +13,11 @@ from ...syntax import ast
 from ..expressions.context import where
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
+from ..expressions.rows import has_row
 from ..solve.solve import lifted
 from ..values.kinds import Frame, Line, Vec
 from ..values.vectors import cross, direct, dot, minus, norm, place, plus, times
 from .connect import carriers
-from .guards import has_row
 from .joints import clears, ends
 from .links import Links
 from .paths import joints

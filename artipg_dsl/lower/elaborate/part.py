@@ -19,11 +19,11 @@ from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.extents import frame_in, union_of
 from ..expressions.members import refuse_repeats
+from ..expressions.rows import has_row
 from ..values.carry import merged, moved, united
 from ..values.faces import centred
 from ..values.kinds import Box, Branch, Choice, Lying, Ports, Ref, Surface, Value, Vec
 from ..values.vectors import IDENTITY, Matrix, compose, matrix
-from .guards import has_row
 from .paths import Reached, walk
 from .style import Style
 from .turns import apply_placements

@@ -17,6 +17,7 @@ from ..expressions.context import Abort, Equation
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.members import describe
+from ..expressions.rows import has_row
 from ..solve.cases import covered
 from ..solve.recurrent import closed
 from ..values.carry import merged
@@ -43,7 +44,6 @@ from ..values.vectors import (
     turn,
     unit,
 )
-from .guards import has_row
 
 if TYPE_CHECKING:
     from .part import Component

@@ -73,6 +73,10 @@ class Quantity:
     guard: Expr = E.TRUE
     place: OnSurface | None = None
 
+    def is_of(self, other: Quantity) -> bool:
+        """Whether the same is asked of the same value."""
+        return (self.scope, self.value, self.legal) == (other.scope, other.value, other.legal)
+
 
 NUMBER = Legal(-1e12, 1e12, "every value of an object must be a finite number", beyond="values are at most 1e12")
 PLACE = Legal(-_FAR, _FAR, "places must lie within 1 km of the origin", True)

@@ -19,12 +19,12 @@ from ...semantics.types import ANGLE, LENGTH
 from ...syntax import ast
 from ..expressions.builtins import bound
 from ..expressions.context import Abort, where
+from ..expressions.rows import has_row
 from ..solve.solve import lifted
 from ..values.carry import mapped_pose, moved, whichever
 from ..values.faces import frame_of
 from ..values.kinds import Frame, Surface
 from ..values.vectors import AXES, cross, normalized, unit
-from .guards import has_row
 from .ranges import NEAR, ON, THERE, Legal, OnSurface, Quantity
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ def _ask_whether_on(
 
     def ask(value: Expr, legal: Legal, on: OnSurface) -> None:
         if not value.reads:  # in the formula of a label it is of every point
-            context.asked.append(Quantity(on.told, scope, value, legal, where(node.span), guard, on))
+            context.ask(Quantity(on.told, scope, value, legal, where(node.span), guard, on))
 
     for place in places:
         if place.patch.guard is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import field
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...diagnostics import Report
@@ -19,6 +19,7 @@ from ...semantics.meanings import BuiltIn, Global, Meaning
 from ...semantics.symbols import Symbol
 from ...source import Span
 from ...syntax import ast
+from .rows import either_of
 
 if TYPE_CHECKING:
     from ...semantics.check import TypedProgram
@@ -167,8 +168,12 @@ class Draft:
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
     fetched: list[Fetched] = field(default_factory=list)  # elements of repeats that have to be there
     named: list[Fetched] = field(default_factory=list)  # elements without which the statement that names them is void
+    held: list[Quantity] | None = (
+        None  # the same that the `let` asks which is being lowered: they count where it is read
+    )
     known: Expr = E.TRUE  # what holds where the expression that is being lowered counts
     subject: Expr = E.TRUE  # where that is there which the statement that is being lowered goes with
+    reader: Scope | None = None  # the table of the expression that reads a name
     solids: dict[Hashable, Lowered] = field(default_factory=dict)  # by their symbols and the shapes of their paths
     labels: list[tuple[int, Label]] = field(default_factory=list)  # with the depths of their targets
     fields: dict[str, ast.FieldStmt] = field(default_factory=dict)  # the first of each name
@@ -201,14 +206,33 @@ class Draft:
             self.known = before
 
     @contextmanager
-    def going_with(self, subject: Expr, known: Expr = E.TRUE) -> Iterator[None]:
-        """While a statement is lowered that exists where its ``subject`` does; of what holds where it is asked for, it keeps ``known``."""
+    def going_with(self, subject: Expr) -> Iterator[None]:
+        """While a statement is lowered that exists where its ``subject`` does, or a declaration by itself."""
         before = self.known, self.subject
-        self.known, self.subject = known, subject
+        self.known, self.subject = E.TRUE, subject
         try:
             yield
         finally:
             self.known, self.subject = before
+
+    @contextmanager
+    def holding_back(self, held: list[Quantity] | None) -> Iterator[None]:
+        """While a declaration is lowered: the places that it asks for are ``held``, or (None) count wherever it is there."""
+        before = self.held, self.reader
+        self.held, self.reader = held, None
+        try:
+            yield
+        finally:
+            self.held, self.reader = before
+
+    def ask(self, quantity: Quantity) -> None:
+        """Ask for a place on a surface: once, wherever one that asks for it is there."""
+        asked = self.asked if self.held is None else self.held
+        k = next((k for k, other in enumerate(asked) if other.place is not None and other.is_of(quantity)), None)
+        if k is None:
+            asked.append(quantity)
+        else:
+            asked[k] = replace(asked[k], guard=either_of(asked[k].guard, quantity.guard))
 
     def meaning(self, node: ast.Node) -> Meaning | None:
         """What a name stands for, as the checker found; None for what is no name."""

@@ -24,9 +24,11 @@ from ..values.carry import merged, moved, united
 from ..values.kinds import Box, Choice, Frame, Line, Placed, Plane, Ports, Ref, Value, Vec
 from ..values.vectors import HERE, compose, inverse
 from .context import Abort, Draft, Equation, Unknown
+from .rows import has_row
 
 if TYPE_CHECKING:
     from ..elaborate.part import Component, Instance
+    from ..elaborate.ranges import Quantity
 
 
 _MERGED = (Expr, Vec, Frame, Plane, Line, Box, Choice, Ports, Ref)  # one value out of those of branches
@@ -38,6 +40,7 @@ class Thunk:
 
     make: Callable[[], Value]
     span: Span
+    by_reader: bool = False  # the places on surfaces that it asks for count where it is read, as those of a `let`
     running: bool = False
     failed: bool = False
 
@@ -92,6 +95,7 @@ class Env:
     instance: Instance | None = None  # whose body this is
     box: Box | None = None  # the template's own box, in the root environment of a body
     names: dict[str, Value | Thunk] = field(default_factory=dict)
+    held: dict[str, list[Quantity]] = field(default_factory=dict)  # what a `let` asks for where it is read
     unknowns: list[Unknown] = field(default_factory=list)
     equations: list[Equation] = field(default_factory=list)
     inner: list[Env] = field(default_factory=list)
@@ -114,6 +118,16 @@ class Env:
             env = env.outer
 
     def force(self, name: str) -> Value:
+        """The value of a name declared right here, to be read."""
+        value, context = self.lower(name), self.context
+        for quantity in self.held.get(name, ()):
+            wanted, scope = E.both(context.known, context.subject), context.reader or self.scope
+            if wanted.scope is not None and not scope.within(wanted.scope):
+                scope = wanted.scope
+            context.ask(replace(quantity, guard=E.both(quantity.guard, has_row(scope, quantity.scope, wanted))))
+        return value
+
+    def lower(self, name: str) -> Value:
         """The value of a name declared right here, lowering its declaration if that has not happened yet."""
         value = self.names[name]
         if isinstance(value, Thunk):
@@ -130,13 +144,16 @@ class Env:
                 )
             value.running = True
             try:
-                with self.context.going_with(E.TRUE, self.context.known):
+                held: list[Quantity] | None = [] if value.by_reader else None
+                with self.context.going_with(E.TRUE), self.context.holding_back(held):
                     made = value.make()
             except Abort:
                 value.failed = True
                 raise
             finally:
                 value.running = False
+            if held:
+                self.held[name] = held
             self.names[name] = made
             return made
         return value

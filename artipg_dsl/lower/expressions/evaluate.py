@@ -114,7 +114,12 @@ class Evaluator:
                 case ast.StringExpr():
                     return node.value
                 case ast.NameExpr() | ast.MemberExpr() | ast.IndexExpr():
-                    value, unframed = self._path(node)
+                    context, before = self.env.context, self.env.context.reader
+                    context.reader = self.env.scope
+                    try:
+                        value, unframed = self._path(node)
+                    finally:
+                        context.reader = before
                     return self._framed(value) if unframed else value
                 case ast.CallExpr():
                     return self._call(node)

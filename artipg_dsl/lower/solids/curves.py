@@ -65,7 +65,7 @@ def let(env: Env, statement: ast.LetDecl | ast.CurveDecl) -> Function | Thunk:
     made = env.context.form(value) is not None and env.context.typed.type_of(value) == CURVE
     if made or isinstance(statement, ast.CurveDecl) or isinstance(value, ast.ChainExpr):
         return Curve(statement, env)
-    return Thunk(partial(Evaluator(env).value, value), statement.name_span)
+    return Thunk(partial(Evaluator(env).value, value), statement.name_span, by_reader=True)
 
 
 def offset(ev: Evaluator, node: ast.CallExpr, form: Form) -> Vec:
