@@ -107,7 +107,9 @@ def _bound(ck: Checker, expr: ast.CallExpr, form: Form) -> Bound | None:
         found.add("" if parameter is None else parameter.name)
     missing = [p.name for p in form.required if p.name not in found]
     if missing and "" not in found:
-        ck.error("missing-argument", expr.span, f"`{word}` needs {any_of(missing, 'and')}", hint=f"write `{form.call}`")
+        late = [a for a in expr.arguments[1:] if a.name is None and any(names)]
+        hint = f"write `{form.call}`" + (f"; `{late[0].span.words}`, without a name, comes first" if late else "")
+        ck.error("missing-argument", expr.span, f"`{word}` needs {any_of(missing, 'and')}", hint=hint)
     return None
 
 

@@ -169,7 +169,7 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
             given = ck.infer(ctx, number.value)
             units = _UNITS[number.word][slides]
             fitting = [ScalarType(UNITS[unit][1]) for unit in units]
-            if given == UNKNOWN or isinstance(given, ScalarType) and (given.zero or given in fitting):
+            if row is None or given == UNKNOWN or isinstance(given, ScalarType) and (given.zero or given in fitting):
                 continue
             if isinstance(given, ScalarType):
                 text = number.value.span.text

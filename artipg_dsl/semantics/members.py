@@ -143,7 +143,7 @@ def _element_member(ck: Checker, ctx: Context, obj: ElementType, word: str, span
         return own
     names = [*inner.table, *BOX_MEMBERS, "gap"]
     ranked = obj.ranked if word in ("index", "rank", "number") else None
-    meant = foreign.MEMBERS.get(word) or did_you_mean(word, names) or ranked
+    meant = foreign.MEMBERS.get(word) or did_you_mean(word, names) or ranked or listed(names)
     return ck.error("unknown-member", span, f"an element of `{entry.name}` has no `{word}`", hint=meant)
 
 

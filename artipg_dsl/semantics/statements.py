@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..diagnostics.suggest import any_of, did_you_mean
+from ..diagnostics.suggest import any_of, did_you_mean, suggest
 from ..language import REPEATS
 from ..syntax import ast
 from ..syntax.walk import walk
@@ -348,6 +348,12 @@ def _align(ck: Checker, ctx: Context, first: ast.Expr, second: ast.Expr, word: s
 
 
 def _condition(ck: Checker, ctx: Context, stmt: ast.RequireStmt | ast.PreferStmt) -> None:
+    if isinstance(stmt, ast.RequireStmt) and isinstance(named := stmt.condition, ast.NameExpr):
+        known = ctx.names()
+        if named.name not in known and suggest(named.name, [*known, "stable"]) == "stable":
+            message = f"there is no `{named.name}` here"
+            ck.error("unknown-name", named.span, message, hint="did you mean `stable`?")
+            return
     if stmt.condition is not None:  # without the optional parts it names, it holds trivially
         kind = ck.infer(ctx.but(lenient=[]), stmt.condition)
         if kind not in (BOOL, UNKNOWN) and not isinstance(kind, PartType):

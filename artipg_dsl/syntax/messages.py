@@ -332,7 +332,11 @@ def _at_beginning(
     if token.value in STATEMENTS_ELSEWHERE:
         return found(f"no statement begins with `{token.value}`", STATEMENTS_ELSEWHERE[token.value])
     if not re.fullmatch(r"[A-Za-z_]\w*", token.value):
-        return found(f"no statement begins with {_quoted(token)}")
+        block = (
+            "a block stands behind its statement, as in `when lid { ... }`; the one above has a block, or takes none"
+        )
+        word = "a statement begins with its keyword, such as `part`, `let` or `align`"
+        return found(f"no statement begins with {_quoted(token)}", block if token.value == "{" else word)
     if top and token.type in statement_words() or not top and token.type in file_words():
         return _misplaced(token, before, top, source, text)
     words = terminal_words()
