@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _NAMED = 6  # parts that a warning names
 _SLACK = 1e-6  # radians or metres, by which rounding takes a joint out of its range
 _APART = 1e-4  # metres: what is farther apart does not touch
-_UNEVEN = 0.01  # of a size: by how much the two sizes of what a quarter turn leaves alike may differ
+_UNEVEN = 0.01  # of a size: by how much the two sizes of what a quarter turn leaves alike may differ, or more than others must
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,24 +172,30 @@ class Examined:
             self.report.warning("buried", part.span, f"{said} inside `{by}`, in every object examined", hint=hint)
 
     def warn_asymmetric(self) -> None:
-        """Report parts that are said to look the same after a quarter turn, of which the box alone tells that they do not."""
+        """Report parts that are said to look the same after a share of a turn, of which the box alone tells that they do not.
+
+        A width comes again after that share and after half a turn; halfway between two that are alike it is less at most as a
+        straight side makes it: that of a hexagon 0.866 times.
+        """
         from .runtime.tables import plain_name  # start-up
 
         parts = self.batch.parts()
         turns, axis = parts.symmetry.T
         size = np.take_along_axis(parts.high - parts.low, (axis[:, None] + [1, 2]) % 3, axis=1)
-        quarter = (turns == 0) | (turns > 1) & (turns % 4 == 0)
-        uneven = quarter & (np.ptp(size, axis=1) > _UNEVEN * size.max(axis=1))
+        folds = np.maximum(turns, 1)
+        slimmest = np.where(turns % 4 == 0, 1.0, np.cos(np.pi / np.where(turns % 2 == 0, folds, 2 * folds)))
+        uneven = (turns >= 0) & (size.min(axis=1) < (slimmest - _UNEVEN) * size.max(axis=1))
         for definition in sorted(set(parts.definition[uneven].tolist())):
-            rows = np.flatnonzero((parts.definition == definition) & quarter)
+            rows = np.flatnonzero((parts.definition == definition) & (turns >= 0))
             if not uneven[rows].all():
                 continue
             path, about = plain_name(parts.name[rows[0]]), "xyz"[axis[rows[0]]]
             one, other = (f"{100 * length:.3g}" for length in size[rows[0]].tolist())
+            share = "a quarter turn" if turns[rows[0]] % 4 == 0 else f"1/{turns[rows[0]]} of a turn"
             self.report.warning(
                 "bad-symmetry",
                 self._of(path) or self.span,
-                f"`{path}` does not look the same after a quarter turn about its {about}: across it, it is {one} by {other} cm",
+                f"`{path}` does not look the same after {share} about its {about}: across it, it is {one} by {other} cm",
                 hint="name what is round or square, with the axes of the part itself, or write `turn 2`",
             )
 

@@ -1,4 +1,4 @@
-"""`check` warns of a symmetry by quarter turns that the box of the part does not have."""
+"""`check` warns of a symmetry that the box of the part does not have."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from artipg_dsl.session import Session
 
 TABLE = """apg 1
 use primitives {{ Cuboid, Cylinder }}
+use solids {{ Prism }}
 category Table {{
   param wide : length in 30cm .. 60cm
   root part foot : Cuboid(size = [30cm, 30cm, 5cm])
@@ -30,7 +31,15 @@ LYING = "Cylinder(radius = 5cm, height = 60cm) along x"
         ("Cuboid(size = [wide, wide, 3cm])", "turn 8 about z", None),
         (LYING, "any about z", None),  # its own z lies along x
         (LYING, "any about x", "about its x: across it, it is 10 by 60 cm"),
-        (LYING, "turn 3 about x", None),  # the box of a triangle is no square
+        (LYING, "turn 3 about x", "after 1/3 of a turn about its x: across it, it is 10 by 60 cm"),
+        ("Cuboid(size = [20cm, 40cm, 3cm])", "turn 5 about z", "after 1/5 of a turn"),
+        ("Prism(sides = 3, radius = 10cm, height = 3cm)", "turn 3 about z", None),  # their boxes are no squares
+        ("Prism(sides = 5, radius = 10cm, height = 3cm)", "turn 5 about z", None),
+        ("Prism(sides = 6, radius = 10cm, height = 3cm)", "turn 6 about z", None),
+        ("Prism(sides = 7, radius = 10cm, height = 3cm)", "turn 7 about z", None),
+        ("Prism(sides = 10, radius = 10cm, height = 3cm)", "turn 10 about z", None),
+        ("Prism(sides = 6, radius = 10cm, height = 3cm)", "turn 4 about z", "after a quarter turn"),
+        ("Prism(sides = 6, radius = 10cm, height = 3cm)", "turn 5 about z", "after 1/5 of a turn"),
     ],
 )
 def test_a_symmetry_that_the_box_does_not_have_is_told(top: str, symmetry: str, told: str | None) -> None:
@@ -40,4 +49,4 @@ def test_a_symmetry_that_the_box_does_not_have_is_told(top: str, symmetry: str, 
     assert len(found) == (told is not None)
     for diagnostic in found:
         assert told is not None and told in diagnostic.message and diagnostic.span is not None
-        assert diagnostic.span.line == 6
+        assert diagnostic.span.line == 7

@@ -162,7 +162,8 @@ EQUATIONS = (
         "a part does not have the symmetry that is stated",
         """
         `symmetry body : turn 4 about z`, or `any about z`, says that the part looks the same after a quarter turn, so its
-        box must be as long as it is wide. In each of the few objects that `apgc check` draws it is not. The axes are those
+        box must be as long as it is wide; with `turn 3`, `turn 5` or `turn 6` the two may differ as those of a triangle, a
+        pentagon or a hexagon do. In each of the few objects that `apgc check` draws they differ by more. The axes are those
         of the part itself, which `along` and a port turn with it. Training code takes such turns for equal poses. Write
         `turn 2` for an oblong part, or name the part of it that is round.
         """,
