@@ -8,6 +8,7 @@ from ..geometry.collide import common_point, overlap
 from ..language import JOINTS
 from ..records import dataclass
 from ..runtime.motion import apply, rotation_about
+from ..runtime.tables import plain_name
 from .bodies import Pieces, Placed
 from .tree import Tree
 from .validate import Collisions
@@ -54,7 +55,10 @@ def meeting_parts(tree: Tree, body: Pieces, found: Collisions, row: int) -> tupl
     paths = [tree.batch.program.links[tree.links.definition[body.link[k]]].path for k in (one, other)]
     if paths[0] > paths[1]:
         one, other = other, one
-    return _part_name(tree, body, one), _part_name(tree, body, other)
+    names = _part_name(tree, body, one), _part_name(tree, body, other)
+    if names[0] == names[1]:  # two links of one part
+        return _part_name(tree, body, one, within=True), _part_name(tree, body, other, within=True)
+    return names
 
 
 def _nearest(tree: Tree, body: Pieces, i: np.ndarray, j: np.ndarray, joint: int) -> float | None:
@@ -75,13 +79,14 @@ def _nearest(tree: Tree, body: Pieces, i: np.ndarray, j: np.ndarray, joint: int)
     return float(values[hit[0]]) if len(hit) else None
 
 
-def _part_name(tree: Tree, body: Pieces, piece: int) -> str:
-    """The name of the part that a piece is of: ``column[0].cell[1].unit.handle``."""
+def _part_name(tree: Tree, body: Pieces, piece: int, within: bool = False) -> str:
+    """The name of the part that a piece is of, ``column[0].cell[1].unit.handle``; ``within`` it, the path of its primitive."""
     row = int(body.solid[piece])
     for table in tree.batch.sites():
         if row < len(table):
             parts = tree.batch.parts()
-            return parts.name[int(np.searchsorted(parts.owner, table.owner[row])) + int(table.instance[row])]
+            name = parts.name[int(np.searchsorted(parts.owner, table.owner[row])) + int(table.instance[row])]
+            return f"{name}{table.path.removeprefix(plain_name(name))}" if within else name
         row -= len(table)
     return ""
 

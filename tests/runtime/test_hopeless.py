@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+import artipg_dsl
 from artipg_dsl.diagnostics import CompileError
+from artipg_dsl.errors import NoObject
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
 from artipg_dsl.validity import validate
@@ -119,3 +121,27 @@ def test_objects_that_are_wrong_at_rest_are_not_moved(monkeypatch: pytest.Monkey
     swept.clear()
     find_faults(plain, soon=True)
     assert set(swept) == set(range(20)) - wrong
+
+
+def refused(text: str) -> NoObject:
+    """Why no object of a program is made, as a user is told."""
+    with pytest.raises(NoObject) as found:
+        artipg_dsl.load(text, n=2)
+    return found.value
+
+
+def test_two_links_of_one_part_are_told_apart_by_what_is_in_it() -> None:
+    hook = (
+        "template Hook {\n  part eye : Cuboid(size = [2cm, 2cm, 2cm])\n  part pin : Cuboid(size = [1cm, 6cm, 1cm])\n"
+        "  align pin.left = eye.left - 1mm\n  joint swing : revolute eye -> pin about pin.left.back range 0deg .. 20deg\n}\n"
+    )
+    text = program("part hook : Hook", "connect hook.bottom on body.top at center").replace(
+        "category", hook + "category"
+    )
+    assert "`hook.eye` and `hook.pin`" in refused(text).message
+
+
+def test_what_tips_over_is_told_what_to_try() -> None:
+    text = program("part arm : Cuboid(size = [90cm, 2cm, 2cm])", "connect arm.back on body.front", "require stable")
+    found = refused(text)
+    assert "it tips over" in found.message and found.hint is not None and "broaden what it stands on" in found.hint
