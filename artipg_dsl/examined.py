@@ -342,7 +342,8 @@ class Examined:
                 self._of(wrong.part) or self.span,
                 f"{what}`{wrong.part}` reaches {1000 * wrong.reach:.3g} mm out of its box: here `{wrong.parameter}` of `{wrong.primitive}` "
                 f"is {wrong.value:.4g}, and its `test` range is {low:.4g} .. {high:.4g} (a length in metres, an angle in radians)",
-                hint=f"its box is made for the values tested: in `{wrong.primitive}`, state a wider `test low .. high` of `{wrong.parameter}`",
+                hint=f"give it a value in that range; if `{wrong.primitive}` is your own, state a wider `test low .. high` of "
+                f"`{wrong.parameter}`, since its box is made for the values tested",
             )
 
     def _of(self, path: str) -> Span | None:

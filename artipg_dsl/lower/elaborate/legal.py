@@ -147,7 +147,7 @@ def holds(quantity: Quantity, intervals: Intervals, defined: Defined) -> bool:
 def _never(quantity: Quantity, intervals: Intervals) -> bool:
     """Whether a number is never legal, in what every object has."""
     value, legal = quantity.value, quantity.legal
-    if quantity.guard is not E.TRUE or not is_certain(quantity.scope, intervals) and value.constant is None:
+    if intervals.of(quantity.guard)[0] < 1.0 or not is_certain(quantity.scope, intervals) and value.constant is None:
         return False
     low, high = intervals.of(value)
     return value.constant is not None or high < legal.low or low > legal.high
