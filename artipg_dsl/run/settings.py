@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..diagnostics.suggest import did_you_mean
+from ..diagnostics.suggest import any_of, did_you_mean
 from ..errors import SettingError
 from ..graph import expr as E
+from ..graph.depend import draws_behind
 from ..graph.substitution import substitute
 from ..units import UNITS
 
@@ -194,8 +195,11 @@ def unknown_name(program: Program, name: str) -> SettingError:
     """What is wrong with a name that no draw has, and what to write instead."""
     names = list(dict.fromkeys(d.column.name for d in program.draws))
     inside = [n for n in names if n.startswith(name + ".")]
-    if any(column.name == name or column.name.startswith(name + ".") for column in program.definitions) and not inside:
-        hint = did_you_mean(name, names) or "set what determines it, which `apgc ledger` shows"
+    settled = [e for c, e in program.definitions.items() if c.name == name or c.name.startswith(name + ".")]
+    if settled and not inside:
+        behind = list(dict.fromkeys(program.draws[k].column.name for k in draws_behind(program, settled)))
+        shown = f"{any_of(behind[:6])}{' or others' * (len(behind) > 6)}, from which it follows; " if behind else ""
+        hint = f"set {shown or 'what determines it; '}`apgc ledger` shows how"
         return SettingError(f"`{name}` follows from other values: it cannot be set", hint)
     if inside:
         shown = ", ".join(inside[:6]) + (", ..." if len(inside) > 6 else "")

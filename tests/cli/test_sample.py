@@ -104,7 +104,11 @@ WRONG = [
     (["--set", "wood=pin"], 2, "did you mean `pine`?"),
     (["--set", "knobs=2.5"], 2, "not a whole number"),
     (["--set", "knobs=7"], 2, "1 .. 3"),
-    (["--set", "lid.at.x=3cm"], 2, "cannot be set"),
+    (
+        ["--set", "lid.at.z=3cm"],
+        2,
+        "`lid.at.z` follows from other values: it cannot be set\n  = help: set `height` or `share`, from which it follows",
+    ),
     (["--set", "width"], 2, "sets nothing"),
     (["--set", "width=40cm", "--set", "width=50cm"], 2, "set twice"),
     (["--set", "width=30cm", "--set", "height=40cm"], 1, "chest.apg:"),
