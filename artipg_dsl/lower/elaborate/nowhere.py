@@ -48,6 +48,9 @@ def warn(context: Draft, own: object) -> None:
             wrong, said = statement.value, "is never above 0"
         else:
             continue
+        idle = (span for span, carries in context.driven.items() if not carries)  # which is refused
+        if any(span.source is own and wrong.span.start <= span.start and span.end <= wrong.span.end for span in idle):
+            continue
         name = statement.label if isinstance(statement, ast.LabelStmt) else statement.name
         context.report.warning(
             "holds-nowhere", wrong.span, f"`{name}` holds nowhere: `{wrong.span.words}` {said}", hint=_hint(wrong)
