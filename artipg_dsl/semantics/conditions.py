@@ -173,8 +173,11 @@ def _last(ctx: Context, index: ast.Expr, other: ast.Expr) -> bool:
 
 
 def ends(ctx: Context, expr: ast.Expr) -> tuple[int, int | None]:
-    """The range of a count where it is written with constants; None: no end is known."""
+    """The range of a count, or of the index of a repeat, where it is written with constants; None: no end is known."""
     entries = ctx.scope.find(expr.name) if isinstance(expr, ast.NameExpr) and ctx.scope is not None else []
+    if entries and isinstance(repeat := entries[0].node, ast.RepeatStmt) and entries[0].kind == "index":
+        most = 2 if repeat.form == "mirror" else None if repeat.count is None else ends(ctx, repeat.count)[1]
+        return 0, None if most is None else max(most - 1, 0)
     if entries and isinstance(entries[0].node, ast.CountDecl):
         domain = entries[0].node.domain
         low, high = constant(domain.low, ctx.module), constant(domain.high, ctx.module)

@@ -12,7 +12,7 @@ from . import alternatives, conditions, declarations, joints, labels, limits, na
 from .entries import of_reference, port_context
 from .guards import Not, consistent
 from .remedies import instead
-from .scope import BodyScope, Guards
+from .scope import BodyScope, Entry, Guards
 from .symbols import NAMED, names_of
 from .types import (
     BASE,
@@ -111,10 +111,10 @@ def _never(ck: Checker, ctx: Context, scope: BodyScope, guard: ast.Expr, truth: 
         else f"`{words}` always holds{ends}: nothing under its `else` is ever there"
     )
     ranges = [
-        f"`{name}` is in {entry.node.domain.span.text}"
-        for name in dict.fromkeys(node.name for node in walk(guard) if isinstance(node, ast.NameExpr))
-        for entry in scope.find(name)
-        if isinstance(entry.node, ast.CountDecl)
+        f"`{name}` is in {text}"
+        for name, node in {node.name: node for node in walk(guard) if isinstance(node, ast.NameExpr)}.items()
+        for entry in scope.find(name)[:1]
+        if (text := _range_in_words(ctx, entry, node)) is not None
     ]
     ck.error(
         "never-there",
@@ -123,6 +123,14 @@ def _never(ck: Checker, ctx: Context, scope: BodyScope, guard: ast.Expr, truth: 
         hint=", ".join(ranges) or "correct the condition, or remove what stands under it",
     )
     return True
+
+
+def _range_in_words(ctx: Context, entry: Entry, name: ast.NameExpr) -> str | None:
+    """The range of a count as it is written, or of the index of a repeat."""
+    if isinstance(entry.node, ast.CountDecl):
+        return entry.node.domain.span.text
+    _, most = conditions.ends(ctx, name) if entry.kind == "index" else (0, None)
+    return None if most is None else f"0 .. {most}"
 
 
 def _misplaced(ck: Checker, scope: BodyScope, stmt: ast.Stmt) -> bool:
