@@ -16,7 +16,7 @@ from .meanings import Declared, Global
 from .offers import missing, module_of
 from .presence import declared, guarded, relevant, renamed, told
 from .scope import Entry
-from .symbols import Symbol, is_a
+from .symbols import Symbol, is_a, lacks_role
 from .types import ANGLE, DIRECTION, MATERIAL, RATIO, UNKNOWN, ChoiceType, NamedType, StyleType, Type, VecType, fits
 
 if TYPE_CHECKING:
@@ -145,7 +145,7 @@ def _alternatives(
             _bad_alternative(ck, ctx, alternative, symbols[0] if symbols else None)
             continue
         wrong = [s for s in symbols if role is not None and not is_a(s, role) and not is_a(role, s)]
-        if wrong:
+        if wrong and not lacks_role(wrong[0]):
             ck.error(
                 "wrong-role",
                 alternative.name_span,

@@ -102,6 +102,7 @@ class Checker:
         self._entries: dict[int, Type] = {}
         self._open: list[Entry] = []
         self._muted = 0
+        self._boxless: set[int] = set()
         self._interfaces: dict[int, dict[str, tuple[Symbol, ast.Stmt]]] = {}
         self._conditions: dict[int, Condition] = {}
         self.subjects: dict[int, Condition] = {}  # subjects of statements, by identity -> where these have one
@@ -134,6 +135,14 @@ class Checker:
         """Reports what is allowed and hardly meant."""
         if not self._muted:
             self.report.warning(code, span, message, hint=hint, notes=notes)
+
+    def is_first(self, owner: Symbol) -> bool:
+        """Whether it is told for the first time that a template has no box of its own: once is enough."""
+        if self._muted:
+            return True
+        known = id(owner) in self._boxless
+        self._boxless.add(id(owner))
+        return not known
 
     def unknown(self, module: ModuleScope, name: str, code: str, span: Span, message: str, hint: str | None) -> Type:
         """Reports a name that nothing declares, unless it is missing because its import failed."""

@@ -15,7 +15,7 @@ from .meanings import Axis, Base, Constant, Current, Declared, Global, Local, Me
 from .parts import BOX_MEMBERS, shared
 from .presence import guarded, optional
 from .scope import BodyScope, Entry, Variant
-from .symbols import Symbol
+from .symbols import Symbol, lacks_role
 from .types import (
     BASE,
     BOOL,
@@ -226,12 +226,16 @@ def _own_box(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
             f"`{word}` needs a part: a category has no box of its own",
             hint=f"name the part: `body.{word}`",
         )
-    if owner.kind == "template" and "size" not in scope.root.table and not ring:
+    boxless = owner.kind == "template" and "size" not in scope.root.table and not ring
+    if boxless and not lacks_role(owner) and ck.is_first(owner):
+        hint = "name the face of a part, or declare `param size : length[3]` in the template"
+        if isinstance(owner.decl, ast.TemplateDecl) and owner.decl.role is None:
+            hint += ", or let it play a role that passes a size in"
         return ck.error(
             "no-own-box",
             span,
             f"`{word}` needs the template's own box, but {owner.name} derives its box from its parts",
-            hint="name the face of a part, or declare `param size : length[3]` in the template",
+            hint=hint,
         )
     if owner.kind == "primitive":
         return _unknown_name(ck, ctx, word, span)

@@ -91,6 +91,12 @@ def parent_of(symbol: Symbol) -> Symbol | None:
     return found if found is not None and found.kind == "role" else None
 
 
+def lacks_role(symbol: Symbol) -> bool:
+    """Whether the role that a template is said to play is unknown."""
+    decl = symbol.decl
+    return isinstance(decl, ast.TemplateDecl) and decl.role is not None and parent_of(symbol) is None
+
+
 def lineage(symbol: Symbol) -> list[Symbol]:
     """The symbol, its role, that role's parent and so on; a circle of roles is cut where it closes."""
     chain: list[Symbol] = []
