@@ -172,6 +172,9 @@ def open_parameter(
         )
     if kind.name == "count" and declaration.domain is not None:
         return draw_scalar(local, declaration, f"{part.path}.{name}")
+    if kind.name == "curve":
+        hint = f"give it a path, `{name} = way`, made by `curve way = from(point, direction) line(length)`"
+        raise part.context.error("missing-argument", part.span, f"`{part.name}` needs `{name}`", hint=hint)
     if kind.size is None:
         return _open_scalar(part, local, declaration, name, span, None)
     stated: tuple[ast.Expr | None, ...] = (None,) * kind.size

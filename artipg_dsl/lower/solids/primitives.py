@@ -42,12 +42,7 @@ def lower_primitive(context: Draft, symbol: Symbol, values: dict[str, Value] | N
             for name, span in zip(statement.names, statement.name_spans, strict=True):
                 curve = (values or {}).get(name)
                 if not isinstance(curve, Curve):
-                    raise context.error(
-                        "wrong-kind",
-                        span,
-                        f"`{name}` of `{symbol.name}` is not a path",
-                        hint="hand in a `curve` that is a path: `from(point, direction) line(length)`",
-                    )
+                    raise context.internal(span, f"`{name}` of `{symbol.name}` is not a path")
                 paths[name] = handed(curve, name)
     key = (symbol, *(path.key for path in paths.values())) if paths else symbol
     tested: dict[str, Interval] = {}
