@@ -35,6 +35,14 @@ def test_values_that_are_set_against_each_other_end_after_one_attempt() -> None:
     assert len(sampler.batch(np.arange(8), 0, given={0: 0.06})) == 8
 
 
+def test_the_range_of_what_follows_is_told_where_it_leaves_nothing() -> None:
+    with pytest.raises(CompileError) as found:
+        _ = Session.of_text(
+            program("param a : length in 45cm .. 60cm", "param b : length derived in 25cm .. 55cm", "align b = a / 10")
+        ).sampler
+    assert "and `b`, which follows from it, must lie in its range" in str(found.value)
+
+
 def test_a_long_contradiction_is_told_with_all_that_leads_to_it() -> None:
     with pytest.raises(CompileError) as found:
         _ = Session.of_text(chain(12, "require a11 <= a0")).sampler

@@ -97,6 +97,7 @@ def _tell(context: Draft, conflict: Conflict) -> None:
     bend = next((context.bends[r] for r in conflict.reasons if r in context.bends), None)
     spans = list(dict.fromkeys(context.stated[r][0] for r in conflict.reasons if r in context.stated))
     chain: list[tuple[Span, str]] = [(span, "and this is required") for span in spans[1:]]
+    chain += dict.fromkeys(context.settled[r] for r in conflict.reasons if r in context.settled)
     for k in conflict.draws:
         column = program.draws[k].column
         if column in context.spans:

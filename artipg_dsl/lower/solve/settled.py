@@ -114,11 +114,12 @@ def determined(env: Env, unknown: Unknown, guard: Expr) -> None:
             (draw.low, value, f"{name} would lie below its domain"),
             (value, draw.high, f"{name} would lie above its domain"),
         ]
-        text = f"{name} in its domain"
+        text, must = f"{name} in its domain", "lie in its range"
     elif unknown.positive or unknown.kind == "size" and unknown.part is not None and ".size." in unknown.column.name:
-        bounds, text = [(SMALL, value, f"{name} would not be positive")], f"{name} > 0"
+        bounds, text, must = [(SMALL, value, f"{name} would not be positive")], f"{name} > 0", "be above 0"
     else:
         return
     for low, high, message in bounds:
         holds = E.call("le", low, high)
-        context.require(unknown.column.scope, holds, unknown.span, message, guard, (low, high), text)
+        number = context.require(unknown.column.scope, holds, unknown.span, message, guard, (low, high), text)
+        context.settled[number] = unknown.span, f"and {degree(unknown)}, which follows from it, must {must}"
