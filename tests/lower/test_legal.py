@@ -51,12 +51,12 @@ CONSTANT = {
     "a size beyond": (
         "part b : Cuboid(size = [1cm, 1cm, 9000km])\nconnect b to body",
         0,
-        "the size of `b` along z is 9e+06, but sizes",
+        "the size of `b` along z is 9000km, but sizes",
     ),
     "a place beyond": (
         CUBE + "align b.center.y = 2000km",
         0,
-        "the place of `b` is at least 2e+06, but places must lie within 1 km of the origin",
+        "the place of `b` is at least 2000km, but places must lie within 1 km of the origin",
     ),
     "a wall": (
         "part b : OpenBox(size = [9cm, 9cm, 9cm], wall = -2mm)\nconnect b to body",
@@ -134,7 +134,7 @@ CONSTANT = {
         0,
         "the number of elements of `k` is 1e+07",
     ),
-    "a fine fill": ("repeat k[i] fill body along y every 0.0001mm" + KEY.format(), 0, "`every` of `k` is 1e-07"),
+    "a fine fill": ("repeat k[i] fill body along y every 0.0001mm" + KEY.format(), 0, "`every` of `k` is 0.0001mm"),
     "a fill of many": (
         "repeat k[i] fill body along y every 0.01mm" + KEY.format(),
         0,
@@ -167,14 +167,14 @@ CONSTANT = {
     "an opening": (
         GRASP.format(0, "-z", "y", "-1cm", 1),
         2,
-        "the opening of the grasp `g` is -0.01, but an opening must be above 0",
+        "the opening of the grasp `g` is -1cm, but an opening must be above 0",
     ),
     "a quality": (
         GRASP.format(0, "-z", "y", "size.y", 7),
         2,
         "the quality of the grasp `g` is 7, but it must lie in 0 .. 1",
     ),
-    "a distance": (CUBE + "clear b from body by -1cm", 2, "is -0.01, but a distance must not be negative"),
+    "a distance": (CUBE + "clear b from body by -1cm", 2, "is -1cm, but a distance must not be negative"),
 }
 
 

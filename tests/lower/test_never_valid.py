@@ -132,8 +132,8 @@ category Pair {
         ("lead", None, ""),
         ("1.5 * lead", None, ""),
         ("3cm - lead", None, ""),
-        ("2 * lead", "bad-mimic", "`follow` is taken through 0mm .. 4cm, and its range is 0mm .. 3cm"),
-        ("lead + 2cm", "bad-mimic", "`follow` is taken through 2cm .. 4cm, and its range is 0mm .. 3cm"),
+        ("2 * lead", "bad-mimic", "`follow` is taken through 0 .. 4cm, and its range is 0 .. 3cm"),
+        ("lead + 2cm", "bad-mimic", "`follow` is taken through 2cm .. 4cm, and its range is 0 .. 3cm"),
         ("lead + 4cm", "never-valid", "the range of `follow` does not contain its rest value"),
     ],
 )
@@ -154,4 +154,4 @@ def test_a_limited_follower_of_a_joint_without_end() -> None:
     session = Session.of_text(text.replace("MIMIC", "lead * (1mm / 1turn)"), "programs/some.apg")
     session.advise()
     (found,) = [d for d in session.report.diagnostics if d.code == "bad-mimic"]
-    assert "`follow` follows `lead`, which turns without end, and its range is 0mm .. 3cm" in found.message
+    assert "`follow` follows `lead`, which turns without end, and its range is 0 .. 3cm" in found.message

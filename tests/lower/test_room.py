@@ -25,15 +25,15 @@ category T {{
     [
         (
             "spread body along y margin 16cm",
-            "the room between the margins of `row` is -0.02, but it must not be negative",
+            "the room between the margins of `row` is -2cm, but it must not be negative",
         ),
         (
             "split body along y gap 16cm",
-            "what the gaps leave to the elements of `row` is -0.02, but it must not be negative",
+            "what the gaps leave to the elements of `row` is -2cm, but it must not be negative",
         ),
         (
             "split body along y each -2cm .. 20cm",
-            "the least size of an element of `row` is -0.02, but sizes must not be negative and are at most 1 km",
+            "the least size of an element of `row` is -2cm, but sizes must not be negative and are at most 1 km",
         ),
         (
             "split body along y weight i - 5",

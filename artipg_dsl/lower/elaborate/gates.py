@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ...graph import expr as E
 from ...graph.program import Gate, Joint, Program
 from ...graph.reference import definitions_of
+from ...language import JOINTS
 from ...syntax import ast
 from ..expressions.context import Abort
 from ..expressions.env import Env
@@ -19,8 +20,12 @@ from .ranges import Legal, Quantity
 if TYPE_CHECKING:
     from .links import Links
 
-_MEETS = Legal(1e-6, 2e4, "the joint that it waits for must be able to meet both", True)
-_OPENS = Legal(1e-6, 1e4, "the joint that it waits for must reach that value", True)
+_MEETS = Legal(
+    1e-6, 2e4, "the joint that it waits for must be able to meet both", remedy="leave a range between the two values"
+)
+_OPENS = Legal(
+    1e-6, 1e4, "the joint that it waits for must reach that value", remedy="name a value within the range of that joint"
+)
 
 
 def resolve(links: Links) -> None:
@@ -66,23 +71,31 @@ def refuse_loops(links: Links) -> None:
 
 def quantities(program: Program, joint: Joint) -> Iterator[Quantity]:
     """How far the joints that a joint waits for go beyond what it waits for, where their ranges are known in its table."""
-    yield from _room(joint)
+    yield from _room(program, joint)
     for gate in joint.gates:
         for k in gate.joint:
             leader = program.joints[k] if isinstance(k, int) else None
             if leader is None or not joint.scope.within(leader.scope) or leader.clearance:
                 continue
             name = f"the range beyond `{gate.text}`, for the joint `{joint.path}`,"
+            opens = replace(_OPENS, unit=unit_of(leader))
             if gate.low is not None and leader.high is not None:
-                yield Quantity(name, joint.scope, E.sub(leader.high, gate.low), _OPENS, joint.where)
+                yield Quantity(name, joint.scope, E.sub(leader.high, gate.low), opens, joint.where)
             if gate.high is not None and leader.low is not None:
-                yield Quantity(name, joint.scope, E.sub(gate.high, leader.low), _OPENS, joint.where)
+                yield Quantity(name, joint.scope, E.sub(gate.high, leader.low), opens, joint.where)
 
 
-def _room(joint: Joint) -> Iterator[Quantity]:
+def unit_of(joint: Joint) -> str:
+    """The unit of the values of a joint."""
+    return "m" if JOINTS[joint.kind].slides else "rad"
+
+
+def _room(program: Program, joint: Joint) -> Iterator[Quantity]:
     """What gates that name one joint leave between them: it must be able to open both at once."""
     for above in joint.gates:
         for below in joint.gates:
             if above.low is not None and below.high is not None and above.joint == below.joint:
                 name = f"the range between `{above.text}` and `{below.text}`, for the joint `{joint.path}`,"
-                yield Quantity(name, joint.scope, E.sub(below.high, above.low), _MEETS, joint.where)
+                leader = next((program.joints[k] for k in above.joint if isinstance(k, int)), None)
+                meets = _MEETS if leader is None else replace(_MEETS, unit=unit_of(leader))
+                yield Quantity(name, joint.scope, E.sub(below.high, above.low), meets, joint.where)

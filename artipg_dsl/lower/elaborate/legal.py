@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from ...graph import expr as E
 from ...graph.defined import PARTIAL, Defined, Sharp
@@ -59,6 +60,7 @@ from .ranges import (
     plain,
 )
 
+_CHANGE = "correct it, or the ranges of what it is made of"
 _SHARES = 5  # values of a grasp's parameter at which its formulas are asked for
 
 
@@ -174,12 +176,13 @@ def refuse(context: Draft, quantity: Quantity, intervals: Intervals, sources: di
             hint="check the formula, and the ranges of what it is made of",
         )
         return
+    unit = quantity.legal.unit
     amount = (
-        plain(float(value.constant))
+        _shown(float(value.constant), unit)
         if value.constant is not None
-        else f"at least {plain(low)}"
+        else f"at least {_shown(low, unit)}"
         if low > quantity.legal.high
-        else f"at most {plain(high)}"
+        else f"at most {_shown(high, unit)}"
     )
     span = None
     if place is not None and place.file in sources:
@@ -192,9 +195,13 @@ def refuse(context: Draft, quantity: Quantity, intervals: Intervals, sources: di
             hint="they are counted from 0; `[last]` is the last one",
         )
         return
-    hint = quantity.legal.remedy or ("lengths are in metres, angles in radians" if quantity.legal.measured else None)
+    hint = quantity.legal.remedy or (_CHANGE if unit else None)
     said = f"{quantity.name} is {amount}, but {quantity.legal.refusal(low)}"
     context.report.error("illegal-value", span, said, hint=hint)
+
+
+def _shown(value: float, unit: str) -> str:
+    return in_unit(value, unit) if unit and math.isfinite(value) else plain(value)
 
 
 def _refuse_place(context: Draft, on: OnSurface, intervals: Intervals) -> None:
@@ -322,20 +329,21 @@ def _of_box(part: Part, place: Where | None) -> Iterator[Quantity]:
 
 def _of_joint(joint: Joint) -> Iterator[Quantity]:
     name, scope, place = f"the joint `{joint.path}`", joint.scope, joint.where
+    unit = gates.unit_of(joint)
     yield from each(f"the place of {name}", scope, joint.origin, PLACE, place)
     if JOINTS[joint.kind].axis:
         yield Quantity(f"the length of the axis of {name}", scope, dot(joint.axis, joint.axis), AXIS, place)
     for end, value in (("low end", joint.low), ("high end", joint.high), ("rest value", joint.rest)):
         if value is not None:
-            yield Quantity(f"the {end} of {name}", scope, value, MOTION, place)
+            yield Quantity(f"the {end} of {name}", scope, value, replace(MOTION, unit=unit), place)
     if joint.low is not None and joint.high is not None:
-        ordered = Legal(-1e-9, 2e4, "its low end lies below its high end", True)
+        ordered = Legal(-1e-9, 2e4, "its low end lies below its high end", unit)
         yield Quantity(f"the extent of the range of {name}", scope, E.sub(joint.high, joint.low), ordered, place)
         if joint.rest is not E.minimum(E.maximum(E.ZERO, joint.low), joint.high):
             inside = E.minimum(E.sub(joint.rest, joint.low), E.sub(joint.high, joint.rest))
             words = "it has to lie in the range of the joint"
             yield Quantity(
-                f"how far the rest value of {name} lies inside", scope, inside, Legal(-1e-9, 2e4, words, True), place
+                f"how far the rest value of {name} lies inside", scope, inside, Legal(-1e-9, 2e4, words, unit), place
             )
     held = (("damping", joint.damping, HELD), ("friction", joint.friction, HELD), ("stiffness", joint.stiffness, HELD))
     driven = (("effort", joint.effort, DRIVEN), ("velocity", joint.velocity, DRIVEN))

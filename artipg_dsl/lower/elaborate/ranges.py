@@ -22,14 +22,14 @@ _MOST_ROWS = 20_000  # the runtime makes no more (``runtime.kernels``)
 @dataclass(frozen=True, slots=True)
 class Legal:
     """A closed range, in ``words`` that stand behind the value ("..., but a size lies between ..."), for a value above it in those
-    of ``beyond`` where they differ; ``measured``: of lengths or angles, so that a message says in which unit it shows them;
+    of ``beyond`` where they differ; ``unit``: that of the values, so that a message shows them in one that people use;
     ``remedy`` is what to try.
     """
 
     low: float
     high: float
     words: str
-    measured: bool = False
+    unit: str = ""
     beyond: str = ""
     remedy: str = ""
 
@@ -79,8 +79,8 @@ class Quantity:
 
 
 NUMBER = Legal(-1e12, 1e12, "every value of an object must be a finite number", beyond="values are at most 1e12")
-PLACE = Legal(-_FAR, _FAR, "places must lie within 1 km of the origin", True)
-SIZE = Legal(0.0, _FAR, "sizes must not be negative and are at most 1 km", True)
+PLACE = Legal(-_FAR, _FAR, "places must lie within 1 km of the origin", "m")
+SIZE = Legal(0.0, _FAR, "sizes must not be negative and are at most 1 km", "m")
 TURN = Legal(
     -1.0 - NEAR,
     1.0 + NEAR,
@@ -105,8 +105,8 @@ APART = Legal(
     "a gripper must close across its approach",
     remedy="let `close` and `approach` be perpendicular, as in `approach -x  close y`",
 )
-MOTION = Legal(-1e4, 1e4, "the range of a joint must be finite", True, "a joint goes no further than 10,000 m or rad")
-PITCH = Legal(NEAR, _FAR, "the pitch of a screw must not be 0 and is at most 1 km", True)
+MOTION = Legal(-1e4, 1e4, "the range of a joint must be finite", beyond="a joint goes no further than 10,000 m or rad")
+PITCH = Legal(NEAR, _FAR, "the pitch of a screw must not be 0 and is at most 1 km", "m")
 POSITIONS = Legal(
     2.0,
     1e5,
@@ -128,13 +128,13 @@ RESERVE = Legal(
     "a joint must take its spring to the end of its range",
     remedy="give the joint more `effort`, or the spring less `stiffness`",
 )
-OPENING = Legal(NEAR, _FAR, "an opening must be above 0", True, "an opening is at most 1 km")
+OPENING = Legal(NEAR, _FAR, "an opening must be above 0", "m", "an opening is at most 1 km")
 SHARE = Legal(
     0.0, 1.0, "it must lie in 0 .. 1", remedy="write a number from 0 to 1; a percentage needs its sign, as in `40%`"
 )
-ROOM = Legal(-1e-9, _FAR, "it must not be negative", True)
-DISTANCE = Legal(0.0, _FAR, "a distance must not be negative and is at most 1 km", True)
-EVERY = Legal(NEAR, _FAR, "the spacing of elements must be at least 0.001 mm", True, "it is at most 1 km")
+ROOM = Legal(-1e-9, _FAR, "it must not be negative", "m")
+DISTANCE = Legal(0.0, _FAR, "a distance must not be negative and is at most 1 km", "m")
+EVERY = Legal(NEAR, _FAR, "the spacing of elements must be at least 0.001 mm", "m", "it is at most 1 km")
 OPTION = Legal(
     1e-12,
     1e12,

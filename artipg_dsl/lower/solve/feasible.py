@@ -167,7 +167,11 @@ def _too_tight(program: Program, bend: Bend) -> str | None:
 def plain(value: float, unit: str) -> str:
     """A number in the unit that people use for its size."""
     if unit == "m":
-        return f"{1000 * value:.4g}mm" if abs(value) < 0.01 else f"{100 * value:.4g}cm"
+        if abs(value) < 0.01:
+            return f"{1000 * value:.4g}mm" if value else "0"
+        if abs(value) < 10:
+            return f"{100 * value:.4g}cm"
+        return f"{value:.4g}m" if abs(value) < 1e4 else f"{value / 1000:.4g}km"
     if unit == "rad":
         return f"{math.degrees(value):.4g}deg"
     return f"{value:.4g}{unit}"
