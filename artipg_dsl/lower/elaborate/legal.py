@@ -73,6 +73,7 @@ def legalize(links: Links, env: Env) -> None:
     sources: dict[str, Source] | None = None
     refused: set[object] = set()
     seen: set[tuple[Scope, Expr, Legal, Expr]] = set()
+    off = any(q.place and not holds(q, intervals, defined) and _never(q, intervals) for q in context.asked)
     void = (quantity for element in context.named for quantity in of_element(element))
     for quantity, needed in (*((q, True) for q in _quantities(links)), *((q, False) for q in void)):
         key = (quantity.scope, quantity.value, quantity.legal, quantity.guard)
@@ -81,7 +82,9 @@ def legalize(links: Links, env: Env) -> None:
         seen.add(key)
         if _never(quantity, intervals):
             sources = sources or {module.source.name: module.source for module in env.module.used()}
-            follows = SIZE in refused and quantity.legal is PLACE  # what is too large lies too far off
+            nowhere = quantity.place is None and math.isnan(quantity.value.constant or 0.0)
+            # what is too large lies too far off, and what is beyond a surface lies nowhere
+            follows = SIZE in refused and quantity.legal is PLACE or off and nowhere
             if not follows and str(quantity.where) not in refused:  # of one statement, what is told first
                 refuse(context, quantity, intervals, sources)
             refused |= {str(quantity.where), quantity.legal}

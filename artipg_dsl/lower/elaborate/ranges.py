@@ -45,14 +45,14 @@ class Legal:
 @dataclass(frozen=True, slots=True, eq=False)
 class OnSurface:
     """A place on a surface, called at ``span``: ``why`` it may have no value, and the ``remedy``. It is given by ``name``, in a ``unit``,
-    which is one of ``ends`` at the ends of the surface."""
+    which is one of ``ends`` at the ends of the surface, and between them if it is a coordinate."""
 
     span: Span
     why: str
     remedy: str
     name: str = ""
     value: Expr = E.ZERO
-    ends: tuple[Expr, Expr] = (E.ZERO, E.ZERO)
+    ends: tuple[Expr, ...] = (E.ZERO, E.ZERO)
     unit: str = ""
 
     @property

@@ -30,6 +30,7 @@ from .ranges import NEAR, ON, THERE, Legal, OnSurface, Quantity
 if TYPE_CHECKING:
     from ..expressions.evaluate import Evaluator
 
+_LOOKS = 8  # where a message looks for how far a curve that turns back goes: between its ends, at eighths
 _BEYOND = "the place lies beyond the surface"
 _WITHIN = "give u and v within the ranges that the primitive states for this surface"
 _FROM_ORIGIN = (
@@ -160,13 +161,13 @@ def _ask_whether_on(
         return
     (place,) = places
     for name in ("u", "v"):
-        value, ends, word, remedy = place.values[E.var(name)], place.range_of(name), name, _WITHIN
-        if axis is not None and name == "v" and value.op == "where":  # one of several, between the ends of the curve
-            ask(place.inside_of(name), ON, OnSurface(node.span, _BEYOND, _FROM_ORIGIN.format(axis)))
-            continue
+        ends: tuple[Expr, ...] = place.range_of(name)
+        value, word, remedy = place.values[E.var(name)], name, _WITHIN
         if axis is not None and name == "v":
             coordinate = place.patch.position[AXES.index(axis)]
-            ends = pair(substitute(coordinate, {**place.values, E.var("v"): end}) for end in ends)
+            low, high = ends
+            along = (E.add(low, E.mul(E.const(k / _LOOKS), E.sub(high, low))) for k in range(_LOOKS + 1))
+            ends = tuple(substitute(coordinate, {**place.values, E.var("v"): v}) for v in along)
             value, word, remedy = ev.scalar(given[axis]), axis, _FROM_ORIGIN.format(axis)
         on = OnSurface(node.span, _BEYOND, remedy, word, value, ends, _unit(ev, given[word]))
         ask(place.inside_of(name), ON, on)
