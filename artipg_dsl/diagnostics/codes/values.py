@@ -279,16 +279,15 @@ VALUES = (
         use materials { oak }
         use vocabularies { semantic }
         category Bench {
-          count feet in 2 .. 4
+          param lean : angle in 10deg .. 25deg
           root part seat : Cuboid(size = [30cm, 1m, 3cm])
-          repeat foot[k] in 0 ..< feet spread seat along y margin 60cm {
-            part post : Cuboid(size = [3cm, 3cm, 40cm])
-            connect post.top on seat.bottom
-            align post.center.y = foot.center.y
-          }
-          material oak on seat, foot.post
+          part post : Cuboid(size = [3cm, 3cm, 45cm]) turned lean about y
+          connect post to seat
+          align post.top.center = seat.bottom.center
+          require 1m * sin(lean) * cos(lean) >= 40cm  else "the foot stands too steep"
+          material oak on seat, post
           label semantic.seat on seat
-          label semantic.leg on foot.post
+          label semantic.leg on post
         }
         """,
     ),
