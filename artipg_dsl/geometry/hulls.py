@@ -7,6 +7,8 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from ..native import backend
+from ..native import wrap as native
 from ..records import dataclass
 from . import wrap
 from .runs import absent
@@ -132,11 +134,14 @@ def fits(points: np.ndarray, hull: Hull) -> np.ndarray:
 
     A closed surface of the kind of a sphere is convex as a whole when it is so along every edge.
     """
+    faces, across = hull.used[hull.faces], hull.used[hull.across]
+    others = absent(points.shape[1], hull.used)
+    machine = backend.machine()
+    if machine is not None:
+        return native.fit_faces(machine, points, faces, across, others, _FLAT)
     low, high = extent(points)
     reach = np.maximum((high - low).max(axis=1), 1e-300)[:, None, None]
     scaled = np.ascontiguousarray(((points - low[:, None]) / reach).transpose(2, 0, 1))
-    faces, across = hull.used[hull.faces], hull.used[hull.across]
-    others = () if len(hull.used) == points.shape[1] else absent(points.shape[1], hull.used)
     found = np.ones(len(points), dtype=bool)
     size = max(64, _CHUNK // len(faces))
     for part in range(0, len(points), size):
@@ -161,5 +166,5 @@ def which_fits(points: np.ndarray, known: tuple[Hull, ...]) -> np.ndarray:
         left = np.flatnonzero(found == len(known))
         if not len(left):
             break
-        found[left[fits(points[left], hull)]] = number
+        found[left[fits(points if len(left) == len(points) else points[left], hull)]] = number
     return found

@@ -14,7 +14,7 @@ operation on numbers is an inner loop of NumPy itself. Knows neither expressions
     moments.c       sums over the surfaces of solids, as ``geometry.quadrature`` has it
     overlaps.c      points in which solids may overlap, as ``geometry.overlap`` has it
     gaps.c          how far hulls reach from their pieces, as ``geometry.merge`` has it
-    wrap.c          the faces of convex hulls, as ``geometry.wrap`` has them
+    wrap.c          the faces of convex hulls, as ``geometry.wrap`` and ``geometry.hulls`` have them
     digits.c        rows of numbers as text, with the bytes of Python's ``%`` and of its JSON
     points.c        candidates for points, as ``geometry.candidates`` and ``geometry.hidden`` have them
     depths.c        what of clouds can be seen, as ``fit.outer`` has it

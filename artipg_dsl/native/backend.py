@@ -59,6 +59,7 @@ class Machine:
                 "held_moments",
                 "philox",
                 "mix",
+                "fit_faces",
             ):
                 getattr(library, name).restype = None
             for name in (

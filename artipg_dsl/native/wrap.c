@@ -231,3 +231,33 @@ OUT int64_t first_of_each(int64_t count, const int64_t *start, const int64_t *ke
     free(table);
     return 0;
 }
+
+/* Whether faces (n, 3) fit each of k sets of points (count, 3), as ``geometry.hulls.fits`` has it: neither the corners ``across`` their
+   edges (n, 3) nor any of m ``others`` stand out by more than ``flat``. ``scaled`` holds as many numbers as a set. */
+OUT void fit_faces(int64_t k, int64_t count, const double *points, int64_t n, const int64_t *faces, const int64_t *across, int64_t m,
+                   const int64_t *others, double flat, double *scaled, unsigned char *out) {
+    for (int64_t set = 0; set < k; set++, points += 3 * count) {
+        double low[3], high[3], reach = 1e-300;
+        int fit = 1;
+        for (int i = 0; i < 3; i++) {
+            low[i] = high[i] = points[i];
+            for (int64_t p = 1; p < count; p++) {
+                const double at = points[3 * p + i];
+                low[i] = at < low[i] ? at : low[i], high[i] = at > high[i] ? at : high[i];
+            }
+            reach = high[i] - low[i] > reach ? high[i] - low[i] : reach;
+        }
+        for (int64_t p = 0; p < 3 * count; p++) scaled[p] = (points[p] - low[p % 3]) / reach;
+        for (int64_t face = 0; fit && face < n; face++) {
+            const double *a = scaled + 3 * faces[3 * face];
+            double e[3], f[3], normal[3], most;
+            less(scaled + 3 * faces[3 * face + 1], a, e);
+            less(scaled + 3 * faces[3 * face + 2], a, f);
+            cross(e, f, normal);
+            most = dot(normal, a) + flat * norm(normal) + 1e-18;
+            for (int i = 0; i < 3; i++) fit &= dot(normal, scaled + 3 * across[3 * face + i]) <= most; /* no number does not fit */
+            for (int64_t p = 0; fit && p < m; p++) fit = dot(normal, scaled + 3 * others[p]) <= most;
+        }
+        out[set] = (unsigned char)fit;
+    }
+}

@@ -1,4 +1,4 @@
-"""The faces of convex hulls by compiled code, which ``geometry.wrap`` would find, too."""
+"""The faces of convex hulls by compiled code, which ``geometry.wrap`` would find, too, and what they fit, as ``geometry.hulls`` has it."""
 
 from __future__ import annotations
 
@@ -28,4 +28,17 @@ def first_of_each(machine: Machine, keys: np.ndarray, start: np.ndarray) -> np.n
     found = np.empty(len(keys), dtype=bool)
     if call(machine.library.first_of_each, len(start) - 1, start, keys, found) < 0:
         raise MemoryError("no memory for hulls")
+    return found
+
+
+def fit_faces(
+    machine: Machine, points: np.ndarray, faces: np.ndarray, across: np.ndarray, others: np.ndarray, flat: float
+) -> np.ndarray:
+    """Which sets of points (k, P, 3) faces (F, 3) fit: no corner ``across`` their edges (F, 3), and no other of the points, stands out of
+    one by more than ``flat`` of the extent."""
+    found, (sets, count, _) = np.empty(len(points), dtype=bool), points.shape
+    corners = (np.ascontiguousarray(column, dtype=np.int64) for column in (faces, across))
+    given = np.ascontiguousarray(points, dtype=np.float64)
+    room = np.empty(3 * count)
+    call(machine.library.fit_faces, sets, count, given, len(faces), *corners, len(others), others, flat, room, found)
     return found

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl.geometry import wrap
-from artipg_dsl.geometry.hulls import hull_of
+from artipg_dsl.geometry.hulls import fits, hull_of
 from artipg_dsl.geometry.wrap import wrap_all
 
 from .machine import bits, needs_compiler
@@ -29,6 +29,21 @@ def test_hulls_are_the_same(machine, using):
         using(name)
         found.append([tuple(map(bits, pair)) for pair in wrap_all(every)])
     assert found[0] == found[1]
+
+
+@needs_compiler
+def test_the_same_points_fit(machine, using):
+    """Points that are moved by next to nothing up to far out of a face, one of them inside the hull, and some that are no numbers."""
+    lots = np.random.Generator(np.random.PCG64(12))
+    points = np.concatenate([lots.normal(size=(20, 3)), np.zeros((1, 3))])
+    hull = hull_of(points)
+    moved = points + 10.0 ** lots.uniform(-9, 0.5, (400, 1, 1)) * lots.normal(size=(400, *points.shape))
+    moved[0, 3], moved[1, 5, 2], moved[2] = np.nan, np.nan, 0.0
+    found = []
+    for name in ("numpy", "c"):
+        using(name)
+        found.append(fits(moved, hull))
+    assert bits(found[0]) == bits(found[1]) and 100 < found[0].sum() < 300 and found[0][:3].tolist() == [False, False, True]
 
 
 @needs_compiler
