@@ -17,10 +17,11 @@ operation on numbers is an inner loop of NumPy itself. Knows neither expressions
     wrap.c          the faces of convex hulls, as ``geometry.wrap`` and ``geometry.hulls`` have them
     digits.c        rows of numbers as text, with the bytes of Python's ``%`` and of its JSON
     points.c        candidates for points, as ``geometry.candidates`` and ``geometry.hidden`` have them
+    feet.c          on what objects stand, as ``validity.hull`` has it
     depths.c        what of clouds can be seen, as ``fit.outer`` has it
     loops           the inner loops of NumPy's functions, and how an array lies in memory
     compiler        the machine compiled, kept and loaded
     tape, plan      straight-line programs of operations, and what is told to ``layout.c`` and ``machine.c``
-    narrow, states, turning, cells, moments, gaps, wrap, digits, points, depths   what is told to the files in C of these names
+    narrow, states, turning, cells, moments, gaps, wrap, digits, points, depths, feet   what is told to the files in C of these names
     backend         which backend is used
 """

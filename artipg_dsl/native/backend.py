@@ -60,6 +60,7 @@ class Machine:
                 "philox",
                 "mix",
                 "fit_faces",
+                "outlines",
             ):
                 getattr(library, name).restype = None
             for name in (

@@ -37,6 +37,7 @@ _SOURCES = [
         "leaving.c",
         "shading.c",
         "lots.c",
+        "feet.c",
     )
 ]
 _HEADERS = [Path(__file__).with_name(name) for name in ("bodies.h", "tape.h")]

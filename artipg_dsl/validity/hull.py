@@ -4,18 +4,26 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..native.backend import machine as compiled
+from ..native.feet import outlines
+
 NEAR = 1e-9  # metres: points nearer than this are one; radians: edges that turn by less are one line
 _WELL = 1e-6  # metres
 _FEW = 32  # points that are soon wrapped
-_WAYS = tuple((np.cos(k * np.pi / 8), np.sin(k * np.pi / 8)) for k in range(16))
+_WAYS = np.array([(np.cos(k * np.pi / 8), np.sin(k * np.pi / 8)) for k in range(16)])
 
 
 def hulls(points: np.ndarray, valid: np.ndarray) -> np.ndarray:
-    """Corners (M, H, 2) of the hulls of points (M, K, 2) where ``valid`` (M, K), counter-clockwise, the last repeated.
+    """Corners (M, H, 2) of the hulls of points (M, K, 2) where ``valid`` (M, K), counter-clockwise, the first repeated.
 
     By wrapping (R. Jarvis, 1973): from each corner, the next is the point towards which the outline turns least. Sets
     without points give nan.
     """
+    machine = compiled()
+    if machine is not None:
+        found, count = outlines(machine, points, valid, _FEW, _WAYS, NEAR, _WELL)
+        rank = np.arange(int(count.max(initial=1)))
+        return found[(np.cumsum(count) - count)[:, None] + np.where(rank < count[:, None], rank, 0)]
     if points.shape[1] > _FEW:
         points, valid = _outer(*_distinct(points, valid))
     count = len(points)

@@ -43,7 +43,11 @@ def test_the_same_points_fit(machine, using):
     for name in ("numpy", "c"):
         using(name)
         found.append(fits(moved, hull))
-    assert bits(found[0]) == bits(found[1]) and 100 < found[0].sum() < 300 and found[0][:3].tolist() == [False, False, True]
+    assert (
+        bits(found[0]) == bits(found[1])
+        and 100 < found[0].sum() < 300
+        and found[0][:3].tolist() == [False, False, True]
+    )
 
 
 @needs_compiler
