@@ -17,7 +17,7 @@ operation on numbers is an inner loop of NumPy itself. Knows neither expressions
     wrap.c          the faces of convex hulls, as ``geometry.wrap`` and ``geometry.hulls`` have them
     digits.c        rows of numbers as text, with the bytes of Python's ``%`` and of its JSON
     points.c        candidates for points, as ``geometry.candidates`` and ``geometry.hidden`` have them
-    feet.c          on what objects stand, as ``validity.hull`` has it
+    feet.c          on what objects stand, as ``validity.hull`` and ``validity.stance`` have it
     depths.c        what of clouds can be seen, as ``fit.outer`` has it
     loops           the inner loops of NumPy's functions, and how an array lies in memory
     compiler        the machine compiled, kept and loaded

@@ -61,6 +61,7 @@ class Machine:
                 "mix",
                 "fit_faces",
                 "outlines",
+                "over_edges",
             ):
                 getattr(library, name).restype = None
             for name in (

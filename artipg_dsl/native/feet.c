@@ -74,3 +74,76 @@ OUT void outlines(int64_t sets, int64_t each, const double *points, const unsign
         count[set] = made + 1;
     }
 }
+
+/* what objects weigh: centre (3), floor, mass and what nested joints may move of it (kg m) of each; where in ``order`` the overlaps and in
+   ``turn`` the joints of each begin (one more than there are); of joints what they move the centre by (steps, 3) */
+typedef struct {
+    const double *center, *floor, *total, *spare;
+    const int64_t *begin, *order, *from, *turn;
+    int64_t steps;
+    const double *values;
+} standing;
+
+/* overlaps: of which primitive each is and what that weighs; the box at rest, the ball about what moves, and whether it rests; what may be
+   lost at most, and what the box would hold */
+typedef struct {
+    const int64_t *row;
+    const double *own, *place, *half, *ball, *radius;
+    const unsigned char *rests;
+    const double *most, *full;
+} overlaps;
+
+/* how far a point lies beyond an edge, less its height by the tilt */
+static double beyond(const double *p, const double *foot, const double *normal, double floor, double tilt) {
+    return (p[0] - foot[0]) * normal[0] + (p[1] - foot[1]) * normal[1] - tilt * (p[2] - floor);
+}
+
+static double larger(double a, double b) { return a > b ? a : b; }
+
+static double smaller(double a, double b) { return a < b ? a : b; }
+
+/* Of n edges of objects ``of``, through ``foot`` along ``normal`` (n, 2): whether the objects stand for certain over all of theirs, and
+   whether they tip over one. */
+OUT void over_edges(int64_t n, const int64_t *of, const double *foot, const double *normal, const standing *them, const overlaps *over,
+                    double tangent, double steep, double sampled, double rounding, unsigned char *stands, unsigned char *tips) {
+    for (int64_t edge = 0; edge < n; edge++, foot += 2, normal += 2) {
+        const int64_t own = of[edge];
+        const double floor = them->floor[own], total = them->total[own];
+        for (int level = 0; level < 2; level++) {
+            const double tilt = level ? 0.0 : tangent, rest = beyond(them->center + 3 * own, foot, normal, floor, tilt);
+            double moved = 0.0, gone = 0.0, gained = 0.0;
+            for (int64_t k = them->from[own]; k < them->from[own + 1]; k++) {
+                const double *way = them->values + 3 * them->steps * them->turn[k];
+                double least = 0.0;
+                for (int64_t step = 0; step < them->steps; step++, way += 3)
+                    least = smaller(way[0] * normal[0] + way[1] * normal[1] - tilt * way[2], least);
+                moved += least;
+            }
+            for (int64_t k = them->begin[own]; k < them->begin[own + 1];) {
+                const int64_t row = over->row[them->order[k]], first = them->order[k];
+                double lost = 0.0, reach = -INFINITY, missed = 0.0, out = -INFINITY;
+                for (; k < them->begin[own + 1] && over->row[them->order[k]] == row; k++) {
+                    const int64_t at = them->order[k];
+                    const double *half = over->half + 3 * at, kg = over->most[at];
+                    const double middle = beyond(over->place + 3 * at, foot, normal, floor, tilt);
+                    const double wide = fabs(normal[0]) * half[0] + fabs(normal[1]) * half[1] + tilt * half[2];
+                    double most = middle + wide, taken;
+                    if (!over->rests[at]) most = beyond(over->ball + 3 * at, foot, normal, floor, tilt) + steep * over->radius[at];
+                    most = larger(most, 0.0);
+                    taken = kg * most;
+                    if (over->rests[at] && most > 0.0) { /* no more than the box has */
+                        const double all = (middle + wide) * (middle + wide) / larger(4 * wide, 1e-300);
+                        taken = smaller(taken, over->full[at] * ((middle >= wide ? middle : all) + sampled * wide));
+                    }
+                    lost += taken, reach = larger(most, reach);
+                    most = larger(wide - middle, 0.0); /* outside of the edge */
+                    missed += kg * most, out = larger(most, out);
+                }
+                gone += smaller(lost, over->own[first] * reach);
+                gained += smaller(missed, over->own[first] * out);
+            }
+            if (!((rest + moved) * total - gone - steep * them->spare[own] > rounding * total)) stands[own] = 0;
+            if (!level && rest * total + gained < -rounding * total) tips[own] = 1;
+        }
+    }
+}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..records import dataclass
 from . import loops
 from .calls import call
 
@@ -28,3 +29,71 @@ def outlines(
         machine.library.outlines, sets, each, *given, ctypes.c_void_p(angle), ctypes.c_void_p(data), room, count, found
     )
     return found[: int(count.sum())], count
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Standing:
+    """Objects (B,): centre (B, 3), floor, mass and what nested joints may move of it, kg m; joints in the order of their objects, ``owner``
+    (J,) each, and what each moves the centre by in some states (J, S, 3)."""
+
+    center: np.ndarray
+    floor: np.ndarray
+    total: np.ndarray
+    spare: np.ndarray
+    owner: np.ndarray
+    values: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Overlaps:
+    """Overlaps (n,) of objects ``owner``: of which primitive each is and what that weighs; the box at rest, middle and half of it (n, 3), the
+    ball about what moves, middle (n, 3) and radius, and whether it rests; what may be lost at most, and what the box would hold, kg."""
+
+    owner: np.ndarray
+    row: np.ndarray
+    own: np.ndarray
+    place: np.ndarray
+    half: np.ndarray
+    ball: np.ndarray
+    radius: np.ndarray
+    rests: np.ndarray
+    most: np.ndarray
+    full: np.ndarray
+
+
+class _Standing(ctypes.Structure):
+    _names = ("center", "floor", "total", "spare", "begin", "order", "first", "turn", "steps", "values")
+    _fields_ = [(name, ctypes.c_int64 if name == "steps" else ctypes.c_void_p) for name in _names]
+
+
+class _Overlaps(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_void_p) for name in Overlaps.__slots__[1:]]
+
+
+def over_edges(
+    machine: Machine,
+    edges: tuple[np.ndarray, np.ndarray, np.ndarray],
+    them: Standing,
+    over: Overlaps,
+    numbers: tuple[float, float, float, float],
+    found: tuple[np.ndarray, np.ndarray],
+) -> None:
+    """Of edges, their objects (n,), a place on each and the way inwards (n, 2): enter into ``found`` (B,) bool, (B,) bool which objects do not
+    stand for certain, and which tip over. ``numbers``: the tangent of the tilt and what ``validity.stance`` calls steep, sampled, rounding."""
+    count = len(them.total)
+    own = [np.ascontiguousarray(getattr(over, name)) for name in Overlaps.__slots__]
+    objects = [np.ascontiguousarray(getattr(them, name)) for name in Standing.__slots__]
+    order, turn = np.argsort(over.owner, kind="stable"), np.argsort(them.owner, kind="stable")
+    begin, first = (np.cumsum([0, *np.bincount(column, minlength=count)]) for column in (over.owner, them.owner))
+    columns = [*objects[:4], begin, order, first, turn]
+    told = _Standing(*(column.ctypes.data for column in columns), them.values.shape[1], objects[5].ctypes.data)
+    where = (np.ascontiguousarray(column) for column in edges)
+    call(
+        machine.library.over_edges,
+        len(edges[0]),
+        *where,
+        told,
+        _Overlaps(*(o.ctypes.data for o in own[1:])),
+        *numbers,
+        *found,
+    )

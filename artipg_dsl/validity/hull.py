@@ -21,9 +21,9 @@ def hulls(points: np.ndarray, valid: np.ndarray) -> np.ndarray:
     """
     machine = compiled()
     if machine is not None:
-        found, count = outlines(machine, points, valid, _FEW, _WAYS, NEAR, _WELL)
-        rank = np.arange(int(count.max(initial=1)))
-        return found[(np.cumsum(count) - count)[:, None] + np.where(rank < count[:, None], rank, 0)]
+        found, each = outlines(machine, points, valid, _FEW, _WAYS, NEAR, _WELL)
+        rank = np.arange(int(each.max(initial=1)))
+        return found[(np.cumsum(each) - each)[:, None] + np.where(rank < each[:, None], rank, 0)]
     if points.shape[1] > _FEW:
         points, valid = _outer(*_distinct(points, valid))
     count = len(points)

@@ -13,6 +13,8 @@ import numpy as np
 
 from ..geometry.runs import distinct
 from ..geometry.vectors import dot
+from ..native.backend import machine as compiled
+from ..native.feet import Overlaps, Standing, over_edges
 from ..runtime.motion import apply, multiply, rotation_about
 from .bodies import Pieces
 from .hull import NEAR, depth, hulls
@@ -102,14 +104,14 @@ class Stance:
         undecided = ~(falls | stands)
         if undecided.any():
             at = undecided[whose]
-            tips, holds = self._over_edges(center, known.at(at), place[at], whatever)
+            tips, holds = self._over_edges(center, known.at(at), place[at], whatever, undecided)
             falls, stands = falls | (undecided & tips), stands | (undecided & holds)
         return falls, stands
 
     def _over_edges(
-        self, center: np.ndarray, known: Rough, place: np.ndarray, whatever: bool
+        self, center: np.ndarray, known: Rough, place: np.ndarray, whatever: bool, asked: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Which objects (B,) do not stand at rest, and which stand for certain, ``whatever`` their joints do.
+        """Which of the objects ``asked`` (B,) bool do not stand at rest, and which stand for certain, ``whatever`` their joints do.
 
         Over an edge of the feet an object tips where the sum of its masses times how far inside they lie, less their height by
         the tangent of the tilt, is negative. Overlaps take away at most what they have and where they have most of it; each
@@ -132,6 +134,15 @@ class Stance:
         inward = np.stack([-edge[..., 1], edge[..., 0]], axis=-1) / np.where(real, length, 1.0)[..., None]
         stands, tips = real.any(axis=1), np.zeros(self.count, dtype=bool)
         stands[self.owner[self.link[~self.still.all(axis=1)]]] &= not whatever  # feet that move along
+        machine = compiled()
+        if machine is not None:
+            edges = np.nonzero(real & asked[:, None])
+            them = Standing(center, self.floor, self.total, spare, joints.owner, values)
+            over = (known.row, known.own, place, half, ball, radius, rests, known.most, known.full)
+            numbers = TILT, _STEEP, SAMPLED, _ROUNDING
+            each = edges[0], self.base[edges], inward[edges]
+            over_edges(machine, each, them, Overlaps(whose, *over), numbers, (stands, tips))
+            return tips, stands
         for number in range(self.base.shape[1]):
             foot, normal = self.base[:, number], inward[:, number]
             for tilt in (TILT, 0.0):
@@ -231,7 +242,7 @@ class Stance:
         ``chosen`` (B,) bool, by default all."""
         whose = np.arange(self.count) if chosen is None else np.flatnonzero(chosen)
         base = self.base[whose]
-        if not self.still.all():  # feet that move along
+        if not self.still.all() and turn is not self.tree.turn:  # feet that move along
             back = multiply(turn, self.tree.turn.transpose(0, 2, 1))
             from_rest = shift - apply(back, self.tree.shift)
             points = apply(back[self.link], self.point) + from_rest[self.link]

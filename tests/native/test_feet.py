@@ -1,8 +1,14 @@
 """What objects stand on: compiled code says what NumPy says of it, to the last bit."""
 
 import numpy as np
+import pytest
 
+from artipg_dsl.session import Session
+from artipg_dsl.validity.bodies import gather
 from artipg_dsl.validity.hull import hulls
+from artipg_dsl.validity.mass import weighing
+from artipg_dsl.validity.stance import Stance
+from artipg_dsl.validity.tree import Tree
 
 from .machine import needs_compiler
 
@@ -27,3 +33,17 @@ def test_outlines(using):
             using(name)
             found.append(hulls(points, valid))
         assert found[0].shape == found[1].shape and np.array_equal(*found, equal_nan=True)
+
+
+@pytest.mark.parametrize("whatever", [False, True])
+def test_edges(using, whatever):
+    """Of lamps, some of which tip over, others of which are beyond doubt."""
+    batch = Session.of("Lamp").sampler.batch(np.arange(24), 3)
+    tree, known = Tree(batch), weighing(batch).rough
+    stance = Stance(tree, gather(batch, tree.first, tree.turn, tree.shift), known)
+    center, asked = stance.centers(tree.turn, tree.shift), np.arange(24) % 5 > 0
+    found = []
+    for name in ("numpy", "c"):
+        using(name)
+        found.append([own & asked for own in stance._over_edges(center, known, known.place, whatever, asked)])
+    assert np.array_equal(*found) and found[0][0].any() and 0 < found[0][1].sum() < asked.sum()
