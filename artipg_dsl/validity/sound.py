@@ -12,6 +12,7 @@ import numpy as np
 
 from ..errors import UserError
 from ..geometry.patches import evaluate_rows
+from ..geometry.vectors import cross, dot
 from ..runtime.needs import pose_cells
 
 if TYPE_CHECKING:
@@ -105,11 +106,10 @@ def _numbers(batch: Batch, what: str, owner: np.ndarray, names: list[str], *colu
 
 
 def _turned(batch: Batch, what: str, owner: np.ndarray, names: list[str], rotation: np.ndarray) -> None:
-    off = np.abs((rotation[:, :, None, :] * rotation[:, None, :, :]).sum(axis=-1) - np.eye(3)).max(
-        axis=(1, 2), initial=0.0
-    )
     a, b, c = rotation[:, 0], rotation[:, 1], rotation[:, 2]
-    wrong: np.ndarray = np.logical_or(off > _SQUARE, (np.cross(a, b) * c).sum(axis=1) < 0)
+    wrong = dot(cross(a, b), c) < 0
+    for one, two, product in ((a, a, 1.0), (b, b, 1.0), (c, c, 1.0), (a, b, 0.0), (b, c, 0.0), (c, a, 0.0)):
+        wrong |= np.abs(dot(one, two) - product) > _SQUARE
     _refuse(batch, what, owner, names, wrong, "its rotation matrix is not a rotation")
 
 
