@@ -62,6 +62,7 @@ class Machine:
                 "fit_faces",
                 "outlines",
                 "over_edges",
+                "turn_points",
             ):
                 getattr(library, name).restype = None
             for name in (

@@ -105,3 +105,12 @@ OUT int64_t near_pieces(int64_t n, const int64_t *first, const int64_t *stop, co
     }
     return found;
 }
+
+/* Points (k, each, 3) by the turn of each row (k, 3, 3), and a shift (k, 3) after it unless that is null. */
+OUT void turn_points(int64_t k, int64_t each, const double *turn, const double *points, const double *shift, double *out) {
+    for (int64_t row = 0; row < k; row++, turn += 9)
+        for (int64_t n = 0; n < each; n++, points += 3, out += 3) {
+            apply(turn, points, out);
+            for (int i = 0; shift && i < 3; i++) out[i] += shift[3 * row + i];
+        }
+}

@@ -113,3 +113,13 @@ def sweep(
     call(machine.library.sweep, len(half), one, *given, found)
     del held  # was to live until here
     return found
+
+
+def turn_points(machine: Machine, turn: np.ndarray, points: np.ndarray, shift: np.ndarray | None) -> np.ndarray:
+    """Points (k, P, 3) by matrices (k, 3, 3), and shifts (k, 3) after them unless there are none."""
+    given = [
+        None if array is None else np.ascontiguousarray(array, dtype=np.float64) for array in (turn, points, shift)
+    ]
+    out = np.empty(points.shape)
+    call(machine.library.turn_points, *points.shape[:2], *given, out)
+    return out

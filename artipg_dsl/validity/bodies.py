@@ -15,9 +15,9 @@ from ..geometry.pieces import Cloud
 from ..geometry.runs import distinct, runs
 from ..geometry.sites import scatter
 from ..geometry.vectors import cross, dot, extent
+from ..native import turning as native
 from ..native.backend import machine as compiled
 from ..native.narrow import Side
-from ..native.turning import sweep
 from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.motion import apply
@@ -283,8 +283,8 @@ def _gathered(batch: Batch, first: np.ndarray, turn: np.ndarray, shift: np.ndarr
         rows = np.concatenate([groups[k][2] for k in alike])
         sign = np.stack([np.ones(len(rows)), mirror[rows], np.ones(len(rows))], axis=-1)
         placed = np.concatenate([groups[k][0] for k in alike]) * sign[:, None]
-        placed = turn_points(rotation[rows], placed) + translation[rows][:, None]
-        placed = turn_points(turn[link[rows]], placed) + shift[link[rows]][:, None]
+        placed = turn_points(rotation[rows], placed, translation[rows])
+        placed = turn_points(turn[link[rows]], placed, shift[link[rows]])
         stop = 0
         for k in alike:
             _, faces, at, place = groups[k]
@@ -401,13 +401,18 @@ def link_boxes(body: Pieces, links: int) -> tuple[np.ndarray, np.ndarray, np.nda
     return low, high, begin, end
 
 
-def turn_points(rotation: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Matrices (k, 3, 3) times points (k, P, 3), written out."""
+def turn_points(rotation: np.ndarray, points: np.ndarray, shift: np.ndarray | None = None) -> np.ndarray:
+    """Matrices (k, 3, 3) times points (k, P, 3), written out, and shifts (k, 3) after them."""
+    machine = compiled()
+    if machine is not None:
+        return native.turn_points(machine, rotation, points, shift)
     r = rotation[:, None]
     cells = [r[..., i, 0] * points[..., 0] for i in range(3)]
     for i, cell in enumerate(cells):
         cell += r[..., i, 1] * points[..., 1]
         cell += r[..., i, 2] * points[..., 2]
+        if shift is not None:
+            cell += shift[:, None, i]
     return np.stack(cells, axis=-1)
 
 
@@ -421,13 +426,13 @@ def swept_extent(
     assert moved.turn is not None and moved.shift is not None
     machine = compiled()
     if machine is not None:
-        return sweep(machine, moved.side(), axis, origin, half, direction)
+        return native.sweep(machine, moved.side(), axis, origin, half, direction)
     found = np.empty(len(moved))
     along = dot(axis, direction)
     flat = direction - axis * along[:, None]
     side = cross(flat, axis)
     for at, corners in moved.pieces.classes(moved.piece):
-        local = turn_points(moved.turn[at], corners) + (moved.shift - origin)[at, None]
+        local = turn_points(moved.turn[at], corners, (moved.shift - origin)[at])
         c, s = dot(local, flat[at, None]), np.abs(dot(local, side[at, None]))
         w = half[at, None]
         radius = np.sqrt(c * c + s * s)

@@ -8,7 +8,7 @@ import pytest
 from artipg_dsl.geometry.vectors import dot
 from artipg_dsl.native import turning as native
 from artipg_dsl.session import Session
-from artipg_dsl.validity.bodies import Placed, gather, swept_extent
+from artipg_dsl.validity.bodies import Placed, gather, swept_extent, turn_points
 from artipg_dsl.validity.tree import Tree
 from artipg_dsl.validity.turns import Turns
 from artipg_dsl.validity.validate import find_near_pieces
@@ -78,4 +78,14 @@ def test_how_far_pieces_reach_while_they_turn(using, pairs):
     for name in ("numpy", "c"):
         using(name)
         found.append(bits(swept_extent(moved, turns.axis, turns.origin, half, direction)))
+    assert found[0] == found[1]
+
+
+def test_points_that_are_turned(using):
+    lots = np.random.Generator(np.random.PCG64(2))
+    turn, points, shift = (lots.normal(size=(50, *shape)) for shape in ((3, 3), (7, 3), (3,)))
+    found = []
+    for name in ("numpy", "c"):
+        using(name)
+        found.append([bits(turn_points(turn.transpose(0, 2, 1), points[:, ::2], by)) for by in (None, shift)])
     assert found[0] == found[1]
