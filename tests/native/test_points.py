@@ -27,7 +27,7 @@ def mixing(pools):
 
 @pytest.mark.parametrize("outside", [False, True])
 @pytest.mark.parametrize(
-    "name, per, objects", [("Microwave", "instance", 1), ("Kettle", "owner", 3), ("Lamp", "link", 3)]
+    "name, per, objects", [("Microwave", "instance", 1), ("Kettle", "owner", 3), ("Lamp", "link", 4)]
 )
 @pytest.mark.some
 def test_points_of_pools(using, monkeypatch, name, per, objects, outside):
