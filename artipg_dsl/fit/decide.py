@@ -17,6 +17,7 @@ from ..geometry.runs import runs
 from ..random import mix
 from ..records import dataclass
 from ..runtime.batch import Batch
+from ..runtime.laws import TOLERANCE
 from ..sampling.search import domain_ends
 from .arrange import rearranged
 from .compare import Candidates, Targets
@@ -32,6 +33,10 @@ _BLOCK = 96  # copies at a time
 _LITTLE = 3.0 * SURE  # where changes make a cloud likelier by less, large ones are developed as well
 _HOPE = 300.0  # what is less likely by more than this is not refined,
 _HOPED = 0.6  # nor what is by more than this share of all that speaks against the object
+_COUNTS = 6.0  # what the odds of values count beside what points say, which are no witnesses independent of each other
+_SLIGHT = 5e-3  # of the surface: what changes more of it needs evidence
+_INCLINED = 1.0  # by so much small changes have to be likelier at last
+_RARE = 1e-4  # a weight of what the text does not have
 _COUNTED = 8  # a count changes by as much at a time, at most
 _WHOLE = 512  # points of a cloud by which a copy is refined: those of all of it, and of where it differs
 _THERE = 256
@@ -46,7 +51,7 @@ def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) ->
     for number in range(effort.rounds):
         some = taken(model, now, still)
         base = weigh(some.batch, some.target, some.placed, clouds)
-        copies, told = _likeliest(model, some, clouds, base, effort, number)
+        copies, told, _ = _likeliest(model, some, clouds, base, effort, number)
         if not len(copies.of):
             break
         copies = settled(model, own, some, copies, told, effort)
@@ -64,6 +69,24 @@ def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) ->
     return replace(varied(model, own, now, clouds), target=found.target)
 
 
+def inclined(model: Model, targets: Targets, found: Candidates, effort: Effort) -> Candidates:
+    """The candidates, one of each object, with those small changes for which the clouds speak a little, or nothing speaks but that the text
+    has such objects more often."""
+    own = targets.take(found.target)
+    now, clouds = replace(found, target=np.arange(len(found))), Clouds(own)
+    base = weigh(now.batch, now.target, now.placed, clouds)
+    copies, told, odds = _likeliest(model, now, clouds, base, effort, effort.rounds, _COUNTS)
+    if not len(copies.of):
+        return found
+    copies = settled(model, own, now, copies, told, effort)
+    change = weigh_again(copies, _origins(model, now, copies), clouds, base, apart(now, copies))
+    slight = change.share <= _SLIGHT
+    loss = np.where(change.share <= LARGE, change.loss + SURE - _INCLINED, np.inf)
+    change, odds = replace(change, loss=np.where(slight, change.loss, loss)), np.where(slight, odds, 0.0)
+    better, _ = _better(model, now, clouds, base, copies, change, odds, _INCLINED)
+    return replace(better, target=found.target)
+
+
 def settled(model: Model, own: Targets, found: Candidates, copies: Copies, told: Asked, effort: Effort) -> Copies:
     """Copies whose new parts have moved to where the cloud has them, all else being held."""
     marked = apart(found, copies).new
@@ -78,31 +101,40 @@ def _origins(model: Model, found: Candidates, copies: Copies) -> Copies:
 
 
 def _better(
-    model: Model, found: Candidates, clouds: Clouds, base: Evidence, copies: Copies, change: Change
+    model: Model,
+    found: Candidates,
+    clouds: Clouds,
+    base: Evidence,
+    copies: Copies,
+    change: Change,
+    odds: np.ndarray | None = None,
+    sure: float = SURE,
 ) -> tuple[Candidates, np.ndarray]:
-    """Each candidate with those of the changes for which the cloud speaks that are likeliest together; and by how much it is less likely than
-    before. Of changes of much of an object whole candidates tell; where these refuse them, small ones are made."""
+    """Each candidate with those of the changes for which the cloud, and ``odds`` (K,), speak that are likeliest together; and by how much it is
+    less likely than before. Of changes of much of an object whole candidates tell; where these refuse them, small ones are made."""
     loss, every = np.zeros(len(found)), np.arange(len(found))
-    good = np.flatnonzero(change.loss < -SURE)
+    odds = np.zeros(len(change.loss)) if odds is None else odds
+    alone = change.loss - odds
+    good = np.flatnonzero(alone < -sure)
     if not len(good):
         return found, loss
-    good = good[np.lexsort((change.loss[good], copies.of[good]))]
+    good = good[np.lexsort((alone[good], copies.of[good]))]
     of, joined = nested_sets(copies.of[good], change.share[good] <= LARGE)
     made, one = np.nonzero(joined)
     others = model.assembled([(copies.batch, good[one])])
     tried = copied(found, model.merged(model.assembled([(found.batch, of)]), others, made, one), of)
     told = weigh_again(tried, _origins(model, found, tried), clouds, base, apart(found, tried))
-    less = np.where(tried.batch.state.failed, np.inf, told.loss)
+    less = np.where(tried.batch.state.failed, np.inf, told.loss - joined @ odds[good])
     some = Candidates(tried.batch, tried.target, tried.placed, np.zeros(len(of)))
     best = _least(of, less)
     large = best[told.share[best] > LARGE]
     if len(large):
         whole = taken(model, some, large)
         less[large] = beside(weigh(whole.batch, whole.target, whole.placed, clouds), base, of[large])
-        refused = large[less[large] >= -SURE]
+        refused = large[less[large] >= -sure]
         less[(told.share > LARGE) & np.isin(of, of[refused])] = np.inf
         best = _least(of, less)
-    best = best[less[best] < -SURE]
+    best = best[less[best] < -sure]
     loss[of[best]] = less[best]
     every[of[best]] = len(found) + best
     return taken(model, united(model, [found, some]), every), loss
@@ -128,13 +160,15 @@ def _least(of: np.ndarray, less: np.ndarray) -> np.ndarray:
 
 
 def _likeliest(
-    model: Model, found: Candidates, clouds: Clouds, base: Evidence, effort: Effort, number: int
-) -> tuple[Copies, Asked]:
-    """The copies of what was found, each with another value, that are likeliest as drawn, and the points of clouds that tell of them."""
+    model: Model, found: Candidates, clouds: Clouds, base: Evidence, effort: Effort, number: int, counts: float = 0.0
+) -> tuple[Copies, Asked, np.ndarray]:
+    """The copies of what was found, each with another value, that are likeliest as drawn; the points of clouds that tell of them; and what
+    speaks for them besides: the odds of their values, times what these ``counts``."""
     parts: list[tuple[Batch, np.ndarray]] = []
     asked: list[Asked] = []
     stood = [found.placed.take(np.zeros(0, dtype=np.int64))]
     owners, losses, places = [np.zeros(0, dtype=np.int64)], [np.zeros(0)], [np.zeros(0, dtype=np.uint64)]
+    odds = [np.zeros(0)]
     for one in tries(model, found.batch, effort.lanes, 1 + number * effort.lanes):
         copies = copied(found, one.batch, one.of)
         change = weigh_change(copies, clouds, base, apart(found, copies))
@@ -144,7 +178,9 @@ def _likeliest(
         owners.append(one.of)
         losses.append(change.loss)
         places.append(mix(one.draw.astype(np.uint64), one.row))
-    of, loss, place = (np.concatenate(column) for column in (owners, losses, places))
+        odds.append(counts * one.odds)
+    of, loss, place, more = (np.concatenate(column) for column in (owners, losses, places, odds))
+    loss = loss - more
     if not parts:
         parts, asked = [(found.batch, of)], [Asked.none()]
     every, told = model.assembled(parts), Asked.joined(asked)
@@ -152,17 +188,20 @@ def _likeliest(
     first = hopeful[best_of(place[hopeful], of[hopeful], loss[hopeful], len(hopeful))]  # of each choice one value
     at = first[best_of(model.structures(every)[first], of[first], loss[first], effort.tried)]
     of = of[at]
-    return Copies(model.assembled([(every, at)]), of, found.target[of], Placed.joined(stood).take(at)), told.take(at)
+    copies = Copies(model.assembled([(every, at)]), of, found.target[of], Placed.joined(stood).take(at))
+    return copies, told.take(at), more[at]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tries:
-    """Copies of candidates ``of`` which (K,), each with another value in one ``row`` (K,) of a ``draw`` (K,)."""
+    """Copies of candidates ``of`` which (K,), each with another value in one ``row`` (K,) of a ``draw`` (K,); ``odds`` (K,): by how much
+    the text has it more often than the old one, in natural logarithms."""
 
     batch: Batch
     of: np.ndarray
     draw: np.ndarray
     row: np.ndarray
+    odds: np.ndarray
 
 
 def tries(model: Model, batch: Batch, lanes: int, first: int) -> Iterator[Tries]:
@@ -173,7 +212,7 @@ def tries(model: Model, batch: Batch, lanes: int, first: int) -> Iterator[Tries]
     order = np.argsort(told.copy, kind="stable")
     told = Changes(*(getattr(told, field.name)[order] for field in fields(Changes)))
     before, unseen = model.structures(batch), _unseen(model, batch, told, first)
-    hidden = _Hidden.of(told, unseen, len(batch))
+    hidden, odds = _Hidden.of(told, unseen, len(batch)), odds_of(batch, told)
     shown = np.flatnonzero(unseen <= 0)
     turn = np.repeat(np.arange(len(shown)) - np.searchsorted(told.copy[shown], told.copy[shown]), lanes)
     at, lane = np.repeat(shown, lanes), np.tile(np.arange(lanes), len(shown))
@@ -197,7 +236,7 @@ def tries(model: Model, batch: Batch, lanes: int, first: int) -> Iterator[Tries]
         kept = np.flatnonzero(good)
         kept = np.sort(kept[best_of(model.fingerprints(tried)[kept], of[kept], np.zeros(len(kept)), len(kept))])
         if len(kept):
-            yield Tries(model.assembled([(tried, kept)]), of[kept], draw[kept], row[kept])
+            yield Tries(model.assembled([(tried, kept)]), of[kept], draw[kept], row[kept], odds[at[part]][kept])
 
 
 def _unseen(model: Model, batch: Batch, told: Changes, lane: int) -> np.ndarray:
@@ -253,6 +292,30 @@ def _views(targets: Targets, target: np.ndarray, told: Asked) -> Targets:
     apart[:, _WHOLE:] *= np.where(near, np.sqrt(np.maximum(told.many / _THERE, 1.0))[:, None], fewer)
     columns = {name: getattr(own, name)[every, at] for name in ("points", "normals", "word")}
     return replace(own, apart=apart, **columns)
+
+
+def odds_of(batch: Batch, told: Changes) -> np.ndarray:
+    """(n,) by how much the text has the values of some changes more often than those that their rows have, in natural logarithms."""
+    found = np.zeros(len(told.draw))
+    for number in np.unique(told.draw).tolist():
+        draw, mine = batch.program.draws[number], np.flatnonzero(told.draw == number)
+        row, scope = told.row[mine], draw.column.scope
+        if draw.kind == "choice":
+            weights = np.stack(batch.read(draw.weights, scope), axis=1)[row]
+            values = np.broadcast_to(np.arange(weights.shape[1]), weights.shape)
+        elif draw.distribution in ("values", "weighted"):
+            values = np.stack(batch.read(draw.arguments, scope), axis=1)[row]
+            weights = np.ones(values.shape)
+            if draw.distribution == "weighted":
+                values, weights = np.split(values, 2, axis=1)
+        else:
+            continue
+        now, then = (
+            np.where(np.abs(values - one[:, None]) < TOLERANCE, weights, 0.0).sum(axis=1)
+            for one in (batch.state.values[number][row], told.value[mine])
+        )
+        found[mine] = np.log(np.maximum(then, _RARE)) - np.log(np.maximum(now, _RARE))
+    return found
 
 
 def alternatives(model: Model, batch: Batch) -> Changes:

@@ -15,7 +15,7 @@ from ..runtime.batch import Batch
 from ..sampling.repair import repair
 from .choices import choices_of
 from .compare import Candidates, Targets
-from .decide import decide
+from .decide import decide, inclined
 from .measure import FAR, agreement, distances, roughly, surfaces, verdict
 from .model import Model
 from .pose import UNITS, Posed, targets, turn
@@ -173,6 +173,7 @@ def _decided(one: _Searched, at: np.ndarray, effort: Effort) -> Candidates:
         return found
     better = decide(model, one.asked, taken(model, found, np.flatnonzero(hopeful)), effort)
     better = refine(model, one.asked.first(_FINELY), better, effort.last)
+    better = inclined(model, one.asked, better, effort)
     both = united(model, [better, taken(model, found, np.flatnonzero(~hopeful))])
     return taken(model, both, np.argsort(both.target, kind="stable"))
 

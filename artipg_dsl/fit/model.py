@@ -92,7 +92,7 @@ class Model:
 
     @cached_property
     def plan(self) -> Plan:
-        """What candidates are evaluated by: their primitives, and the ranges of their draws."""
+        """What candidates are evaluated by: their primitives, and the ranges and weights of their draws."""
         program = self.program
         wanted = list(narrowing_of(program))
         for site in program.sites:
@@ -100,6 +100,8 @@ class Model:
         for part in program.parts:
             wanted += [(holds, part.scope) for _, holds in part.semantic]
             wanted += ranks_of(part.link)
+        for number in self.discrete:
+            wanted += [(weight, program.draws[number].column.scope) for weight in program.draws[number].weights]
         if isinstance(program, Moved):
             wanted += motion_of(program)
         return make_plan(program, wanted)

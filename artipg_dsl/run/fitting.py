@@ -28,7 +28,7 @@ from .request import read_request
 from .sharing import LONG, share
 from .workers import map_each
 
-_VERSION = 5  # of what the search finds, so that nothing that another one found is kept
+_VERSION = 6  # of what the search finds, so that nothing that another one found is kept
 _NO_MATCH = "does not fit"
 _SHOWN = 8  # labels of files
 

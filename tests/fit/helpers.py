@@ -58,6 +58,27 @@ category Sided {
   }
 }
 """
+# nothing shows what is inside
+CLOSED = """
+apg 1
+use primitives { Cuboid, RectSleeve }
+category Closed {
+  param width : length in 40cm .. 60cm = 50cm
+  root part shell : RectSleeve(size = [40cm, width, 40cm], border = 1cm)
+  part rear  : Cuboid(size = [1cm, width, 40cm])
+  part front : Cuboid(size = [1cm, width, 40cm])
+  connect rear.front on shell.back
+  connect front.back on shell.front
+  count cores in 0 .. 2 = 1 ~ values(0, 1, 1, 1)
+  repeat row[i] in 0 ..< cores spread shell along z margin 15cm {
+    part core : Cuboid(size = [2cm, 2cm, 2cm])
+    connect core to shell
+    align core.center.x = shell.center.x
+    align core.center.y = shell.center.y
+    align core.center.z = row.center.z
+  }
+}
+"""
 # how long its feet are no point of them says
 FOOTED = """
 apg 1

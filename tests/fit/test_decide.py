@@ -10,7 +10,7 @@ import pytest
 import artipg_dsl as apg
 from artipg_dsl.fit import decide as decisions
 from artipg_dsl.fit.compare import Candidates
-from artipg_dsl.fit.decide import alternatives, decide, nested_sets, tries
+from artipg_dsl.fit.decide import alternatives, decide, inclined, nested_sets, odds_of, tries
 from artipg_dsl.fit.develop import apart
 from artipg_dsl.fit.evidence import Clouds, Copies, weigh, weigh_again, weigh_change
 from artipg_dsl.fit.focus import differing, lifted
@@ -20,7 +20,7 @@ from artipg_dsl.fit.reading import Cloud
 from artipg_dsl.fit.search import Effort, taken
 from artipg_dsl.runtime.batch import Batch
 
-from .helpers import HOUSING, SIDED, N
+from .helpers import CLOSED, HOUSING, SIDED, N
 
 
 def clouds(samples: apg.Samples, noise: float = 0.0) -> Clouds:
@@ -202,6 +202,21 @@ def test_what_the_cloud_hides_does_not_speak_against_a_part() -> None:
     copies = Copies(model.assembled([(true, has)]), every, every, still(len(has)))
     told = weigh_change(copies, cloud, weigh(wrong, every, still(len(has)), cloud), apart(found, copies))
     assert (told.loss < 0.0).all()
+
+
+@pytest.mark.slow
+def test_what_nothing_shows_is_as_it_mostly_is() -> None:
+    """Three of four boxes have something in them."""
+    boxes = apg.load(CLOSED, n=4, seed=1)
+    model, every = Model(boxes.job.sampler), np.arange(4)
+    batch = model.assembled([(boxes.batch, every)])
+    (number,) = model.discrete
+    told = Changes(every, np.full(4, number), every, np.array([1.0, 1.0, 0.0, 0.0]))
+    few = model.altered(batch, every, Changes(every, told.draw, every, np.array([0.0, 1.0, 1.0, 0.0])))
+    assert odds_of(few, told).round(9).tolist() == np.log([3.0, 1.0, 1 / 3, 1.0]).round(9).tolist()
+    found = Candidates(few, every, still(4), np.zeros(4))
+    better = inclined(model, clouds(boxes).targets, found, Effort())
+    assert better.batch.state.values[number].tolist() == [1.0] * 4
 
 
 def test_candidates_do_not_depend_on_their_company(model: Model, samples: apg.Samples) -> None:
