@@ -180,7 +180,7 @@ def _likeliest(
         places.append(mix(one.draw.astype(np.uint64), one.row))
         odds.append(counts * one.odds)
     of, loss, place, more = (np.concatenate(column) for column in (owners, losses, places, odds))
-    loss = loss - more
+    loss = np.asarray(loss - more)
     if not parts:
         parts, asked = [(found.batch, of)], [Asked.none()]
     every, told = model.assembled(parts), Asked.joined(asked)
