@@ -53,13 +53,11 @@ class Pieces:
     solid: np.ndarray
     met: np.ndarray
     source: np.ndarray
-    gap: np.ndarray | None = (
-        None  # metres: two that are nearer than the less of theirs meet; boxes are larger by half of it
-    )
+    # metres: two that are nearer than the less of theirs meet; boxes are larger by half of it
+    gap: np.ndarray | None = None
     side: np.ndarray | None = None  # 1, 2 or 3, of two sides: pieces of one meet only those of the other
-    group: np.ndarray | None = (
-        None  # (N, R) elements of repeats: pieces of one side meet those of the other in the same ones
-    )
+    # (N, R) elements of repeats: pieces of one side meet those of the other in the same ones
+    group: np.ndarray | None = None
 
     def __len__(self) -> int:
         return len(self.owner)

@@ -170,9 +170,8 @@ class Draft:
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
     fetched: list[Fetched] = field(default_factory=list)  # elements of repeats that have to be there
     named: list[Fetched] = field(default_factory=list)  # elements without which the statement that names them is void
-    held: list[Quantity] | None = (
-        None  # the same that the `let` asks which is being lowered: they count where it is read
-    )
+    # the same that the `let` asks which is being lowered: they count where it is read
+    held: list[Quantity] | None = None
     known: Expr = E.TRUE  # what holds where the expression that is being lowered counts
     subject: Expr = E.TRUE  # where that is there which the statement that is being lowered goes with
     reader: Scope | None = None  # the table of the expression that reads a name
