@@ -62,13 +62,18 @@ def find_dead_parameters(batch: Batch, progress: Callable[[int, int], None] | No
     told = {number: _Told() for number in tried if len(having[number])}
     for most in (_FEW, _MANY):
         left = {number: having[number][:most] for number in told if most == _FEW or len(having[number]) > _FEW}
+        left = {number: objects for number, objects in left.items() if not told[number].alive}
+        there = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *left.values()]))
+        before = np.zeros(len(batch), dtype=np.uint64)
+        if len(there):
+            before[there] = fingerprint_objects(evaluate_again(batch, there))
         for step in _ROUND:
             left = {number: objects for number, objects in left.items() if not told[number].alive}
             done = len(told) - len(left)
             for group in _in_groups(left):
                 if progress is not None:
                     progress(done, len(told))
-                _move(batch, group, step, told)
+                _move(batch, group, step, before, told)
                 done += len(group)
     found = []
     for number in tried:
@@ -107,20 +112,21 @@ def _in_groups(objects: Mapping[int, np.ndarray]) -> Iterator[dict[int, np.ndarr
         yield group
 
 
-def _move(batch: Batch, group: Mapping[int, np.ndarray], step: float, told: Mapping[int, _Told]) -> None:
-    """Move each draw of a group in its own objects (places in the batch), all of them evaluated together."""
+def _move(
+    batch: Batch, group: Mapping[int, np.ndarray], step: float, before: np.ndarray, told: Mapping[int, _Told]
+) -> None:
+    """Move each draw of a group in its own objects (places in the batch), all of them evaluated together. ``before``: the fingerprints
+    of the objects of the batch."""
     draws = batch.program.draws
     objects = np.concatenate(list(group.values()))
     mover = np.repeat(list(group), [len(own) for own in group.values()])
     values = [keep_draw(batch, k, objects) for k in range(len(draws))]
-    there, place = np.unique(objects, return_inverse=True)
-    before = fingerprint_objects(evaluate_again(batch, there))[place]
     for number in group:
         own = mover[owners_kept(batch, number, objects)] == number
         values[number] = _moved(draws[number], batch.state.values[number], values[number], np.where(own, step, 0.0))
     after = evaluate_again(batch, objects, values=values)
     differs = np.stack([find_differing(batch, objects, after, [k]) for k in range(len(draws))])
-    seen = fingerprint_objects(after) != before
+    seen = fingerprint_objects(after) != before[objects]
     for number in group:
         own = mover == number
         changed = differs[number, own] & ~after.state.failed[own]

@@ -14,9 +14,8 @@ from ..runtime.batch import Batch
 from .neighbours import find_neighbours
 
 _FLUSH = 1e-7  # metres: what lies flush with a surface is hidden, too
-_SHARES = np.array(
-    list(product((0.0, 0.5, 1.0), repeat=3))
-)  # of a box, at which it is asked: in a frame only its corners lie inside
+# of a box, at which it is asked: in a frame only its corners lie inside
+_SHARES = np.array(list(product((0.0, 0.5, 1.0), repeat=3)))
 
 
 def find_buried(batch: Batch) -> dict[str, tuple[str, np.ndarray]]:

@@ -32,8 +32,7 @@ def _swept(link: np.ndarray, low: np.ndarray, high: np.ndarray, margin: np.ndarr
     key, wanted = (low + link * span)[sort], (reach + link * span)[sort]
     if not np.isfinite(key).all() or not np.isfinite(wanted).all():
         return sort, ends
-    slack = 1e-12 * (
-        np.abs(wanted).max(initial=0.0) + 1.0
-    )  # what the sums are rounded by: a pair too many does no harm
+    # what the sums are rounded by: a pair too many does no harm
+    slack = 1e-12 * (np.abs(wanted).max(initial=0.0) + 1.0)
     stop = np.searchsorted(key, wanted + slack, side="right")
     return sort, np.clip(stop, np.arange(len(sort)) + 1, ends)
