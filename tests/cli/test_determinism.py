@@ -93,7 +93,6 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     return tree(out)
 
 
-@pytest.mark.some
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_an_interrupted_run_leaves_nothing_partial_and_is_completed(
     tmp_path: Path, whole: dict[str, bytes], how: signal.Signals

@@ -120,7 +120,6 @@ def test_no_command_ends_in_a_traceback_whatever_the_manifest_says(folder, below
     assert refused > 400 and len(tried) > 8, (refused, tried)
 
 
-@pytest.mark.some
 @pytest.mark.parametrize("command", ["export", "mutate", "render", "sample"])
 def test_every_command_reads_the_manifest_with_care(folder: Path, tmp_path: Path, command: str, apgc: Apgc) -> None:
     out = tmp_path / "o"

@@ -15,7 +15,6 @@ MUTATIONS = list(mutations(seed=7, number=len(programs())))
 TRIED = MUTATIONS if os.environ.get("ARTIPG_EVERY") == "1" else MUTATIONS[::6]
 
 
-@pytest.mark.some
 @pytest.mark.parametrize("text", [t for _, t in TRIED], ids=[name for name, _ in TRIED])
 def test_no_exception(text: str) -> None:
     for found in check_text(Source("mutated.apg", text)).diagnostics:

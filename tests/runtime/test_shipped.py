@@ -92,7 +92,6 @@ def test_levers_go_down_when_they_are_operated(name: str) -> None:
         assert seen == {("handle.grip", blade, 1.0) for blade in (False, True)}
 
 
-@pytest.mark.some
 @pytest.mark.parametrize("name", sorted(categories()) if EVERY else ["laptop", "washing_machine"])
 def test_first_attempts_are_valid(name: str) -> None:
     told = Statistics()
