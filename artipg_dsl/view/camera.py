@@ -8,6 +8,7 @@ from ..geometry.vectors import unit
 from ..records import dataclass
 
 _FIELD = np.radians(24.0)  # a long lens: little distortion
+SUN, SKY = np.array([[1.0, 0.985, 0.95], [0.96, 0.985, 1.0]], dtype=np.float32)  # colours of light
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +42,15 @@ class Camera:
 
 @dataclass(frozen=True, slots=True)
 class Lights:
-    """Directions towards the lights (K, 3), the irradiance (K, 3) each gives what faces it; ``sun`` (K,) bool."""
+    """Directions towards the lights (K, 3); the ``strength`` (K,) of each, of ``SUN`` or ``SKY``, and which, ``sun`` (K,) bool."""
 
     direction: np.ndarray
-    power: np.ndarray
+    strength: np.ndarray
     sun: np.ndarray
+
+    def power(self) -> np.ndarray:
+        """The irradiance (K, 3) that each gives what faces it."""
+        return self.strength[:, None] * np.where(self.sun[:, None], SUN, SKY)
 
 
 def look_at(points: np.ndarray, azimuth: float = 33.0, elevation: float = 24.0, margin: float = 1.1) -> Camera:
@@ -76,7 +81,7 @@ def _along(axes: np.ndarray, points: np.ndarray) -> np.ndarray:
 def place_lights(camera: Camera, sun_count: int = 12, sky_count: int = 32) -> Lights:
     """A broad sun from above the viewer's left and a sky, as bundles of parallel lights that each cast a shadow.
 
-    The counts are multiples of 4: the samples of a pixel share the lights out (``deferred._shares``).
+    The counts are multiples of 4: the samples of a pixel share the lights out (``deferred._quarters``).
     """
     right, _, back = camera.axes
     main = unit(-0.75 * right + 0.55 * back + np.array([0.0, 0.0, 1.0]))
@@ -93,10 +98,5 @@ def place_lights(camera: Camera, sun_count: int = 12, sky_count: int = 32) -> Li
     sky = np.stack([flat * np.cos(turn * j + 0.5), flat * np.sin(turn * j + 0.5), z], axis=-1)
     # a little more light from the viewer's side than from behind the object
     share = 1.0 + 0.55 * (sky * unit(back * [1.0, 1.0, 0.0])).sum(axis=-1)
-    power = np.concatenate(
-        [
-            np.full((sun_count, 3), 0.58 / sun_count) * [1.0, 0.985, 0.95],
-            share[:, None] * np.full((sky_count, 3), 0.94 / sky_count) * [0.96, 0.985, 1.0],
-        ]
-    )
-    return Lights(np.concatenate([sun, sky]), power, np.arange(sun_count + sky_count) < sun_count)
+    strength = np.concatenate([np.full(sun_count, 0.58 / sun_count), share * (0.94 / sky_count)])
+    return Lights(np.concatenate([sun, sky]), strength, np.arange(sun_count + sky_count) < sun_count)

@@ -1,19 +1,22 @@
-"""Shading in NumPy for renderers without a graphics library: find what each sample shows, then light all at once, a light at a time."""
+"""Shading in NumPy for renderers without a graphics library: find what each sample shows, then light all at once, a light at a time.
+
+Single precision, and a row for each axis: what a picture waits for is how often its samples are read.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
+from functools import partial
 from typing import Protocol
 
 import numpy as np
-from scipy.ndimage import gaussian_filter
 
-from ..geometry.vectors import unit
 from ..records import dataclass
-from .camera import Camera, Lights
+from .camera import SKY, SUN, Camera, Lights
 from .scene import Scene
 
 _SAMPLES = 2  # supersampling per axis
+_QUARTERS = _SAMPLES * _SAMPLES  # the samples of a pixel, and the parts into which they share out all lights
 _NEAR, _FAR = 0.006, 0.025  # how far shadows on the ground run into what is around them, in widths of the picture
 _OPEN = (0.1, 0.7)  # shares of the light from which on, and where wholly, they do so over the larger of these
 _GROUND_REACH = 1.3  # how far from the object its shadow is looked for, in its own sizes
@@ -28,6 +31,18 @@ class RayHits:
     v: np.ndarray
     distance: np.ndarray
 
+    def part(self, of: Callable[[np.ndarray], np.ndarray]) -> RayHits:
+        return RayHits(of(self.face), of(self.u), of(self.v), of(self.distance))
+
+
+@dataclass(frozen=True, slots=True)
+class Rays:
+    """One ray per sample of the picture, ``edge`` samples on a side: unit directions (n, 3) from ``eye``, row by row."""
+
+    eye: np.ndarray
+    direction: np.ndarray
+    edge: int
+
 
 class Engine(Protocol):
     """What differs between the renderers: which face a ray meets first, and which points (n, 3) see a light, 0 .. 1."""
@@ -41,21 +56,13 @@ class Engine(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Rays:
-    """One ray per sample of the picture, ``edge`` samples on a side: unit directions (n, 3) from ``eye``."""
-
-    eye: np.ndarray
-    direction: np.ndarray
-    edge: int
-
-
-@dataclass(frozen=True, slots=True)
-class _SeenSurface:
-    """What is seen at some samples: position, unit normal (n, 3) towards the viewer, tint (n, 4), finish (n,) each."""
+class _Seen:
+    """What some samples show: ``position``, unit ``normal``, direction ``towards`` the viewer (3, n); ``colour`` (4, n); finish (n,) each."""
 
     position: np.ndarray
     normal: np.ndarray
-    tint: np.ndarray
+    towards: np.ndarray
+    colour: np.ndarray
     metalness: np.ndarray
     gloss: np.ndarray
 
@@ -64,8 +71,11 @@ def camera_rays(camera: Camera, edge: int) -> Rays:
     """Rays through a picture of ``edge`` samples on a side."""
     steps = ((np.arange(edge) + 0.5) / edge * 2 - 1) / camera.scale
     right, up, back = camera.axes
-    direction = unit(steps[None, :, None] * right - steps[:, None, None] * up - back)
-    return Rays(camera.eye, direction.reshape(-1, 3), edge)
+    shorter = 1 / np.sqrt(steps * steps + (steps * steps + 1)[:, None])
+    direction = np.empty((edge, edge, 3), dtype=np.float32)
+    for axis in range(3):
+        direction[..., axis] = (right[axis] * steps - (up[axis] * steps + back[axis])[:, None]) * shorter
+    return Rays(camera.eye.astype(np.float32), direction.reshape(-1, 3), edge)
 
 
 def shade_picture(
@@ -75,167 +85,201 @@ def shade_picture(
     opaque, clear = scene.split()
     engine.begin(scene, opaque, camera, lights, floor)
     rays = camera_rays(camera, size * _SAMPLES)
-    image = np.broadcast_to(backdrop, rays.direction.shape).copy()
-    solid = engine.first(opaque, rays)
+    solid, pane = engine.first(opaque, rays), engine.first(clear, rays) if len(clear) else None
     extent = float((scene.vertices.max(axis=0) - scene.vertices.min(axis=0)).max())
+    behind = backdrop.astype(np.float32)[:, None]
+    parts = [partial(_quarter, rays.edge, k) for k in range(_QUARTERS)]
 
-    ground = _ground_samples(scene, rays, solid, floor, extent)
-    y, x = np.divmod(ground, rays.edge)
-    pixels, own = np.unique(y // _SAMPLES * size + x // _SAMPLES, return_inverse=True)
-    image[ground] = backdrop * _shadow(engine, lights, camera_rays(camera, size), pixels, floor)[own]
-    at = np.flatnonzero(solid.face >= 0)
-    image[at] = _light_up(engine, lights, _surface(scene, rays, at, solid), rays, at, backdrop, extent)[0]
-    if len(clear):
-        pane = engine.first(clear, rays)
-        nearer = np.where(solid.face >= 0, solid.distance, np.inf)
-        at = np.flatnonzero((pane.face >= 0) & (pane.distance < nearer))
-        shown, alpha = _light_up(engine, lights, _surface(scene, rays, at, pane), rays, at, backdrop, extent)
-        image[at] = shown * alpha[:, None] + image[at] * (1 - alpha[:, None])
-    grid = image.reshape(size, _SAMPLES, size, _SAMPLES, 3)
-    return np.clip(grid.mean(axis=(1, 3)), 0.0, 1.0)
+    ground = np.empty((3, size * size), dtype=np.float32)
+    ground[:] = behind
+    bare = np.flatnonzero(np.any([part(solid.face) < 0 for part in parts], axis=0))
+    bare, point = _ground_points(scene, camera_rays(camera, size), bare, floor, extent)
+    ground[:, bare] *= _shadow(engine, lights, bare, point, size)
+    image = np.zeros_like(ground)
+    look = _Look(scene)
+    for quarter, part in enumerate(parts):
+        shown, way, hits = ground.copy(), part(rays.direction), solid.part(part)
+        at = np.flatnonzero(hits.face >= 0)
+        shown[:, at] = _light_up(engine, lights, quarter, look.seen(rays.eye, way, at, hits), behind, extent)[0]
+        if pane is not None:
+            nearer, hits = np.where(hits.face >= 0, hits.distance, np.inf), pane.part(part)
+            at = np.flatnonzero((hits.face >= 0) & (hits.distance < nearer))
+            seen = look.seen(rays.eye, way, at, hits)
+            colour, cover = _light_up(engine, lights, quarter, seen, behind, extent)
+            shown[:, at] = colour * cover + shown[:, at] * (1 - cover)
+        image += shown
+    return np.clip(image.T.reshape(size, size, 3) / _QUARTERS, 0.0, 1.0)
 
 
-def _shares(lights: Lights, edge: int, at: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Which of the samples ``at`` (indices into them) look at which lights (m,), and the irradiance (m, 3) that stands for all lights.
+def _quarter(edge: int, quarter: int, samples: np.ndarray) -> np.ndarray:
+    """Of what all samples (edge * edge, ...) have, every second row and column, from one of the four places where these can begin.
 
-    Neighbours, two by two, share out all lights, so that their mean has seen every one.
+    Neighbours, two by two, share out all lights, so that their mean has seen every one: a quarter looks at ``_lights_of`` it.
     """
-    count = _SAMPLES * _SAMPLES
-    y, x = np.divmod(at, edge)
-    share = (y % _SAMPLES) * _SAMPLES + x % _SAMPLES
-    for k in range(count):
-        yield np.flatnonzero(share == k), np.arange(k, len(lights.direction), count), lights.power[k::count] * count
+    down, right = divmod(quarter, _SAMPLES)
+    shape = samples.shape[1:]
+    return samples.reshape(edge, edge, *shape)[down::_SAMPLES, right::_SAMPLES].reshape(-1, *shape)
 
 
-def _dot(rows: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    return rows[:, 0] * vector[..., 0] + rows[:, 1] * vector[..., 1] + rows[:, 2] * vector[..., 2]
+def _lights_of(lights: Lights, quarter: int) -> range:
+    """The numbers of those lights at which a quarter of the samples looks."""
+    return range(quarter, len(lights.direction), _QUARTERS)
 
 
-def _surface(scene: Scene, rays: Rays, at: np.ndarray, hits: RayHits) -> _SeenSurface:
-    """What the samples ``at`` show, interpolated over the faces they hit."""
-    corners = scene.faces[hits.face[at]]
-    u, v = hits.u[at][:, None], hits.v[at][:, None]
-    share = (1 - u - v, u, v)
-    normal = _unit_or_up(sum(w * scene.normals[corners[:, i]] for i, w in enumerate(share)))
-    towards = -rays.direction[at]
-    normal = np.where(_dot(normal, towards)[:, None] < 0, -normal, normal)
-    position = rays.eye - towards * hits.distance[at][:, None]
-    first = corners[:, 0]
-    return _SeenSurface(position, normal, scene.colour[first], scene.metalness[first], scene.gloss[first])
+def _dot(rows: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Scalar products (n,) of (3, n) with (3, n) or (3,)."""
+    found = rows[0] * other[0]
+    found += rows[1] * other[1]
+    found += rows[2] * other[2]
+    return found
 
 
-def _unit_or_up(vectors: np.ndarray) -> np.ndarray:
-    length = np.sqrt(_dot(vectors, vectors))[:, None]
-    return np.where(length > 1e-12, vectors / np.maximum(length, 1e-12), [0.0, 0.0, 1.0])
+class _Look:
+    """What faces show at their corners, a row for each component."""
+
+    def __init__(self, scene: Scene):
+        self.corner = np.ascontiguousarray(scene.faces.T)
+        self.normal, self.colour = (np.ascontiguousarray(a.T, dtype=np.float32) for a in (scene.normals, scene.colour))
+        self.metalness, self.gloss = (a.astype(np.float32) for a in (scene.metalness, scene.gloss))
+
+    def seen(self, eye: np.ndarray, direction: np.ndarray, at: np.ndarray, hits: RayHits) -> _Seen:
+        """What those rays ``at`` show, of ``direction`` (n, 3) from ``eye``, which hit faces, interpolated over these."""
+        u, v = hits.u.take(at), hits.v.take(at)
+        corners = self.corner.take(hits.face.take(at), axis=1)
+        normal = self.normal.take(corners[0], axis=1) * (1 - u - v)
+        normal += self.normal.take(corners[1], axis=1) * u
+        normal += self.normal.take(corners[2], axis=1) * v
+        way = np.ascontiguousarray(direction.take(at, axis=0).T)
+        long = np.sqrt(_dot(normal, normal))
+        lost = long < 1e-12
+        normal[:, lost], long[lost] = [[0], [0], [1]], 1
+        normal /= np.where(_dot(normal, way) > 0, -long, long)  # towards the viewer
+        first = corners[0]
+        colour, finish = self.colour.take(first, axis=1), (self.metalness.take(first), self.gloss.take(first))
+        return _Seen(eye[:, None] + way * hits.distance.take(at), normal, -way, colour, *finish)
 
 
 def _light_up(
-    engine: Engine, lights: Lights, seen: _SeenSurface, rays: Rays, at: np.ndarray, backdrop: np.ndarray, extent: float
+    engine: Engine, lights: Lights, quarter: int, seen: _Seen, backdrop: np.ndarray, extent: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Linear light (n, 3) that leaves the surface towards the eye, and how much it covers (n,)."""
-    normal, towards = seen.normal, -rays.direction[at]
-    cosine = _dot(normal, towards)
-    light, shine = np.empty_like(normal), np.empty_like(normal)
-    # single precision and a row per axis: the loop over lights is what a picture waits for
-    facing, to_eye = (np.ascontiguousarray(rows.T, dtype=np.float32) for rows in (normal, towards))
-    points = (seen.position + normal * (0.004 * extent)).astype(np.float32)
-    aslant, sharp = cosine.astype(np.float32), np.exp2(2.0 + 7.0 * seen.gloss).astype(np.float32)
-    for mine, chosen, power in _shares(lights, rays.edge, at):
-        diffuse, mirror = np.zeros((2, 3, len(mine)), dtype=np.float32)
-        own, eye, start = facing.take(mine, axis=1), to_eye.take(mine, axis=1), points.take(mine, axis=0)
-        tilt, narrow = aslant[mine], sharp[mine]
-        for k, strength in zip(chosen.tolist(), power.astype(np.float32)[:, :, None], strict=True):
-            to_light = lights.direction[k].astype(np.float32)
-            cast = _dot(own.T, to_light)
-            lit = np.flatnonzero(cast > 0.0)
-            shown = np.zeros(len(mine), dtype=np.float32)
-            shown[lit] = engine.visible(start.take(lit, axis=0), k)
-            diffuse += shown * cast * strength
-            if lights.sun[k]:
-                middle = (cast + tilt) / np.sqrt(2 + 2 * _dot(eye.T, to_light))
-                mirror += shown * np.exp2(narrow * np.log2(np.maximum(middle, 1e-6))) * strength  # faster than a power
-        light[mine], shine[mine] = diffuse.T, mirror.T
-    light += 0.13 + 0.10 * backdrop * (0.5 - 0.5 * normal[:, 2:])
-    edge = (1 - np.maximum(cosine, 0.0)) ** 5
-    metal, gloss = seen.metalness[:, None], seen.gloss[:, None]
-    base = 0.04 * (1 - metal) + seen.tint[:, :3] * metal
-    mirrored = _surroundings(2 * cosine[:, None] * normal - towards, lights.direction[0], 1 - seen.gloss)
-    mirrored = mirrored * np.clip(np.sqrt(_dot(light, light))[:, None], 0.25, 1.1)
-    fresnel = base + (1 - base) * edge[:, None] * gloss
-    body = seen.tint[:, :3] * light * (1 - metal)
-    colour = body + fresnel * mirrored * (0.5 * gloss * (1 - metal) + metal) + shine * base * (1 + 7 * gloss) * 1.6
-    alpha = seen.tint[:, 3]
-    glassy = np.clip(alpha + 0.6 * edge + np.sqrt(_dot(shine, shine)) * seen.gloss, 0.0, 1.0)
-    return colour, np.where(alpha < 0.999, glassy, 1.0)
+    """Linear light (3, n) that leaves the surface towards the eye, and how much it covers (n,); by a quarter of the lights."""
+    normal, metal, gloss = seen.normal, seen.metalness, seen.gloss
+    tilt = _dot(normal, seen.towards)
+    start = np.ascontiguousarray((seen.position + normal * (0.004 * extent)).T)
+    narrow = np.exp2(2 + 7 * gloss)
+    sun, sky, glint = np.zeros((3, len(tilt)), dtype=np.float32)
+    direction, strength = lights.direction.astype(np.float32), (lights.strength * _QUARTERS).astype(np.float32)
+    for k in _lights_of(lights, quarter):
+        to_light = direction[k]
+        cast = _dot(normal, to_light)
+        lit = np.flatnonzero(cast > 0)
+        shown = np.zeros_like(cast)
+        shown[lit] = engine.visible(start.take(lit, axis=0), k) * strength[k]
+        if lights.sun[k]:
+            middle = (cast + tilt) / np.sqrt(2 + 2 * _dot(seen.towards, to_light))
+            glint += shown * np.exp2(narrow * np.log2(np.maximum(middle, 1e-6)))  # faster than a power
+        into = sun if lights.sun[k] else sky
+        into += shown * cast
+    light = SUN[:, None] * sun + SKY[:, None] * sky + 0.13 + 0.10 * backdrop * (0.5 - 0.5 * normal[2])
+    shine = SUN[:, None] * glint
+    edge = (1 - np.maximum(tilt, 0)) ** 5
+    base = 0.04 * (1 - metal) + seen.colour[:3] * metal
+    mirrored = _surroundings(2 * tilt * normal - seen.towards, lights.direction[0], 1 - gloss)
+    mirrored *= np.clip(np.sqrt(_dot(light, light)), 0.25, 1.1)
+    fresnel = base + (1 - base) * (edge * gloss)
+    body = seen.colour[:3] * light * (1 - metal)
+    colour = body + fresnel * (mirrored * (0.5 * gloss * (1 - metal) + metal)) + shine * base * (1.6 * (1 + 7 * gloss))
+    alpha = seen.colour[3]
+    glassy = np.clip(alpha + 0.6 * edge + np.sqrt(_dot(shine, shine)) * gloss, 0, 1)
+    return colour, np.where(alpha < 0.999, glassy, np.float32(1))
 
 
 def _surroundings(direction: np.ndarray, sun: np.ndarray, rough: np.ndarray) -> np.ndarray:
-    """What a mirror (n,) sees (n, 1), as in a studio: a wide light overhead, one at either side, a dim room, a bright table.
+    """What a mirror sees (n,) along directions (3, n), as in a studio: a wide light overhead, one at either side, a dim room, a bright table.
 
     Edges blur as the surface is ``rough`` (n,).
     """
+    sun = sun.astype(np.float32)
     blur = 0.03 + 0.6 * rough
-    across = np.array([-sun[1], sun[0], 0.0]) / np.hypot(sun[0], sun[1])
-    up, aside = direction[:, 2], np.abs(_dot(direction, across))
+    up, aside = direction[2], np.abs(direction[1] * sun[0] - direction[0] * sun[1]) / np.hypot(sun[0], sun[1])
 
     def beyond(border: float, values: np.ndarray) -> np.ndarray:
         return _smooth(border - blur, border + blur, values)
 
     lamp = 0.86 * beyond(0.42, up) + 0.60 * beyond(0.80, aside) * (1 - beyond(0.55, np.abs(up)))
     table = 0.30 * beyond(0.22, -up)
-    glow = 0.25 * _smooth(0.55, 0.95, _dot(direction, sun))
-    return (0.22 + lamp + table + glow)[:, None]
+    return 0.22 + lamp + table + 0.25 * _smooth(0.55, 0.95, _dot(direction, sun))
 
 
 def _smooth(low: float | np.ndarray, high: float | np.ndarray, values: np.ndarray) -> np.ndarray:
-    t = np.clip((values - low) / (high - low), 0.0, 1.0)
+    t = np.clip((values - low) / (high - low), 0, 1)
     return t * t * (3 - 2 * t)
 
 
-def _distance_to_floor(rays: Rays, at: np.ndarray, floor: float) -> np.ndarray:
-    return (floor - rays.eye[2]) / np.minimum(rays.direction[at, 2], -1e-9)
+def _ground_points(
+    scene: Scene, rays: Rays, bare: np.ndarray, floor: float, extent: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Those of the rays ``bare`` that meet ground near enough to the object to lie in its shadow, and where (n, 3)."""
+    x, y, z = (np.ascontiguousarray(rays.direction[:, axis]).take(bare) for axis in range(3))
+    far = (np.float32(floor) - rays.eye[2]) / np.minimum(z, -1e-9)
+    point = np.stack([rays.eye[0] + x * far, rays.eye[1] + y * far, np.full_like(x, floor + 1e-5)], axis=1)
+    near = z < -1e-6
+    for axis in range(2):
+        low, high = scene.vertices[:, axis].min(), scene.vertices[:, axis].max()
+        near &= np.abs(point[:, axis] - (low + high) / 2) < (high - low) / 2 + _GROUND_REACH * extent
+    return bare[near], point[near]
 
 
-def _ground_samples(scene: Scene, rays: Rays, solid: RayHits, floor: float, extent: float) -> np.ndarray:
-    """Samples that show ground near enough to the object to lie in its shadow."""
-    at = np.flatnonzero((solid.face < 0) & (rays.direction[:, 2] < -1e-6))
-    points = rays.eye[:2] + rays.direction[at, :2] * _distance_to_floor(rays, at, floor)[:, None]
-    low, high = scene.vertices.min(axis=0)[:2], scene.vertices.max(axis=0)[:2]
-    away = np.maximum(np.maximum(low - points, points - high), 0.0).max(axis=1)
-    return at[away < _GROUND_REACH * extent]
-
-
-def _shadow(engine: Engine, lights: Lights, rays: Rays, at: np.ndarray, floor: float) -> np.ndarray:
-    """How much of the open sky's light (n, 3) reaches the ground in the pixels ``at``; 1 towards the border of the picture.
+def _shadow(engine: Engine, lights: Lights, at: np.ndarray, point: np.ndarray, edge: int) -> np.ndarray:
+    """How much of the open sky's light (3, n) reaches the ground in the pixels ``at``; 1 towards the border of the picture.
 
     A shadow is soft, so one ray per pixel tells enough, a quarter of the lights each.
     """
-    points = rays.eye + rays.direction[at] * _distance_to_floor(rays, at, floor)[:, None] + [0.0, 0.0, 1e-5]
-    share, edge = np.empty_like(points), rays.edge
-    for mine, chosen, power in _shares(lights, edge, at):
-        up = np.maximum(lights.direction[chosen, 2:], 0.0) * power
-        got, own = np.zeros((3, len(mine))), points[mine]
-        for k, strength in zip(chosen.tolist(), (up / up.sum(axis=0))[:, :, None], strict=True):
-            got += engine.visible(own, k) * strength
-        share[mine] = got.T
-    share = _soften(share, at, edge)
     y, x = np.divmod(at, edge)
-    border = np.minimum(np.minimum(x, edge - 1 - x), np.minimum(y, edge - 1 - y)) / edge
-    kept = _smooth(0.0, 0.12, border)[:, None]
-    return 1 - kept + kept * share**0.85
+    own = y % _SAMPLES * _SAMPLES + x % _SAMPLES
+    source = lights.sun.astype(int)  # the sky, the sun
+    up = (np.maximum(lights.direction[:, 2], 0) * lights.strength).astype(np.float32)
+    got = np.zeros((2, len(at)), dtype=np.float32)
+    for quarter in range(_QUARTERS):
+        mine, chosen = np.flatnonzero(own == quarter), _lights_of(lights, quarter)
+        start, seen = point.take(mine, axis=0), np.zeros((2, len(mine)), dtype=np.float32)
+        for k in chosen:
+            seen[source[k]] += engine.visible(start, k) * up[k]
+        got[:, mine] = seen / np.bincount(source[chosen], up[chosen])[:, None]
+    share = _soften(got, at, edge, np.stack([SKY, SUN], axis=1) * np.bincount(source, up))
+    border = np.minimum(np.minimum(x, edge - 1 - x), np.minimum(y, edge - 1 - y)).astype(np.float32) / edge
+    kept = _smooth(0.0, 0.12, border)
+    return 1 - kept + kept * share ** np.float32(0.85)
 
 
-def _soften(share: np.ndarray, at: np.ndarray, edge: int) -> np.ndarray:
-    """Light (n, 3) of the pixels ``at`` of which what few lights miss runs into what is around it: the shadows of single lights are
-    streaks where an open sky gives none. What most lights miss keeps its edge, since there the object is near."""
-    known = np.zeros((edge * edge, 4))
-    known[at] = np.column_stack([share, np.ones(len(share))])
-    picture = known.reshape(edge, edge, 4)
+def _soften(got: np.ndarray, at: np.ndarray, edge: int, power: np.ndarray) -> np.ndarray:
+    """Light (3, n) of the pixels ``at`` that see some of the sky's light and of the sun's, ``got`` (2, n), whose ``power`` is (3, 2).
+
+    What few lights miss runs into what is around it: the shadows of single lights are streaks where an open sky gives none. What most
+    lights miss keeps its edge, since there the object is near.
+    """
+    known = np.zeros((3, edge * edge), dtype=np.float32)
+    known[:2, at], known[2, at] = got, 1
+    power = (power / power.sum(axis=1, keepdims=True)).astype(np.float32)
 
     def around(width: float) -> np.ndarray:
-        spread = gaussian_filter(picture, max(width * edge, _SAMPLES / 2), truncate=2.5, axes=(0, 1)).reshape(-1, 4)[at]
-        return spread[:, :3] / spread[:, 3:]
+        spread = blur(known.reshape(3, edge, edge), max(width * edge, _SAMPLES / 2)).reshape(3, -1).take(at, axis=1)
+        spread[:2] /= spread[2]
+        return power[:, :1] * spread[0] + power[:, 1:] * spread[1]
 
     near, far = around(_NEAR), around(_FAR)
-    open_to_sky = _smooth(*_OPEN, near.mean(axis=1))[:, None]
-    return near + (far - near) * open_to_sky
+    return near + (far - near) * _smooth(*_OPEN, near.mean(axis=0))
+
+
+def blur(picture: np.ndarray, sigma: float) -> np.ndarray:
+    """Pictures (k, n, n) through a Gaussian filter, black beyond their borders. SciPy's takes longer to import than a picture to draw."""
+    weight = np.exp(-0.5 * (np.arange(int(2.5 * sigma + 0.5) + 1) / sigma) ** 2)
+    weight = (weight / (2 * weight.sum() - weight[0])).astype(np.float32)
+    for _ in range(2):  # along rows, then along columns
+        spread, some = picture * weight[0], np.empty_like(picture)
+        for k, share in enumerate(weight[1:].tolist(), 1):
+            np.multiply(picture, share, out=some)
+            spread[:, :, k:] += some[:, :, :-k]
+            spread[:, :, :-k] += some[:, :, k:]
+        picture = np.ascontiguousarray(spread.transpose(0, 2, 1))
+    return picture

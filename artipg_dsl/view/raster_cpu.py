@@ -64,8 +64,7 @@ class Renderer:
         found, near = rasterise(triangle, nearness, rays.edge)
         found, near = found.ravel(), near.ravel()
         met = np.flatnonzero(found >= 0)
-        u, v = np.zeros(found.size), np.zeros(found.size)
-        distance = np.full(found.size, np.inf)
+        u, v, distance = (np.full(found.size, value, dtype=np.float32) for value in (0, 0, np.inf))
         y, x = np.divmod(met, rays.edge)
         weights = barycentric(triangle[found[met]], x + 0.5, y + 0.5) * nearness[found[met]]
         weights = weights / weights.sum(axis=1, keepdims=True)  # true over the triangle, not over its picture

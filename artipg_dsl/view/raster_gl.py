@@ -185,7 +185,7 @@ class Renderer:
             "view": camera.matrix().T,
             "to_light": matrices.transpose(0, 2, 1),
             "direction": lights.direction,
-            "power": lights.power,
+            "power": lights.power(),
             "eye": camera.eye,
             "backdrop": self.backdrop,
             "offset": np.array([extent * 0.006]),

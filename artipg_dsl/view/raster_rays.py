@@ -34,40 +34,42 @@ class Renderer:
         self.place = camera.picture(scene.vertices)[0]
 
     def _build(self, faces: np.ndarray) -> Any:
-        triangles = self.scene.vertices[self.scene.faces[faces]].astype(np.float32)
         built = self._scene()
-        if len(triangles):
-            self._mesh(built, np.ascontiguousarray(triangles))
+        if len(faces):
+            self._mesh(built, self.scene.vertices.astype(np.float32), self.scene.faces[faces].astype(np.int32))
         return built
 
     def first(self, faces: np.ndarray, rays: Rays) -> RayHits:
         """The nearest of ``faces`` that each ray meets."""
-        count = len(rays.direction)
-        hits = RayHits(np.full(count, -1), np.zeros(count), np.zeros(count), np.full(count, np.inf))
-        at = self._window(faces, rays.edge)
-        if len(at):
-            origins = np.broadcast_to(rays.eye.astype(np.float32), (len(at), 3)).copy()
+        edge = rays.edge
+        face = np.full((edge, edge), -1)
+        u, v, distance = (np.full((edge, edge), value, dtype=np.float32) for value in (0, 0, np.inf))
+        window = self._window(faces, edge)
+        way = np.ascontiguousarray(rays.direction.reshape(edge, edge, 3)[window])
+        if way.size:
+            origins = np.empty_like(way)
+            origins[:] = rays.eye
             built = self.casters if faces is self.opaque else self._build(faces)
-            found = built.run(origins, rays.direction[at].astype(np.float32), output=True)
-            met = np.flatnonzero(found["primID"] >= 0)
-            hits.face[at[met]] = faces[found["primID"][met]]
-            for values, name in ((hits.u, "u"), (hits.v, "v"), (hits.distance, "tfar")):
-                values[at[met]] = found[name][met]
-        return hits
+            found = built.run(origins.reshape(-1, 3), way.reshape(-1, 3), output=True)
+            shape, number = way.shape[:2], found["primID"]
+            face[window] = np.where(number >= 0, faces.take(number, mode="clip"), -1).reshape(shape)
+            u[window], v[window] = found["u"].reshape(shape), found["v"].reshape(shape)
+            distance[window] = found["tfar"].reshape(shape)
+        return RayHits(face.ravel(), u.ravel(), v.ravel(), distance.ravel())
 
-    def _window(self, faces: np.ndarray, edge: int) -> np.ndarray:
-        """The samples in the rectangle of the picture that holds the faces."""
+    def _window(self, faces: np.ndarray, edge: int) -> tuple[slice, slice]:
+        """The rows and columns of the picture that hold the faces."""
         if not len(faces):
-            return np.empty(0, dtype=np.int64)
+            return slice(0), slice(0)
         place = (self.place[:, self.scene.faces[faces].ravel()] + 1) * (edge / 2)
         low = np.clip(np.floor(place.min(axis=1)), 0, edge).astype(np.int64)
         high = np.clip(np.ceil(place.max(axis=1)), 0, edge).astype(np.int64)
-        return (np.arange(low[1], high[1])[:, None] * edge + np.arange(low[0], high[0])).ravel()
+        return slice(low[1], high[1]), slice(low[0], high[0])
 
     def visible(self, points: np.ndarray, light: int) -> np.ndarray:
-        """Which of the points (n, 3) see a light, 0 or 1."""
+        """Which of the points (n, 3) see a light."""
         if not points.size or not len(self.opaque):
-            return np.ones(len(points))
-        towards = np.broadcast_to(self.lights.direction[light].astype(np.float32), points.shape)
-        origins = points.astype(np.float32)
-        return (self.casters.run(origins, np.ascontiguousarray(towards), query="OCCLUDED") != 0).astype(float)
+            return np.ones(len(points), dtype=bool)
+        towards = self.lights.direction[light].astype(np.float32)[None]
+        seen: np.ndarray = self.casters.run(points, towards, query="OCCLUDED") != 0
+        return seen

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from export.fake_batch import FakeBatch
+from scipy.ndimage import gaussian_filter
 
 from artipg_dsl.errors import UsageError
 from artipg_dsl.export.robot import Robots
@@ -20,7 +21,7 @@ from artipg_dsl.session import Session
 from artipg_dsl.view import regions
 from artipg_dsl.view import sheet as sheets
 from artipg_dsl.view.camera import look_at, place_lights
-from artipg_dsl.view.deferred import camera_rays
+from artipg_dsl.view.deferred import blur, camera_rays
 from artipg_dsl.view.png import png_bytes, srgb, write_number
 from artipg_dsl.view.raster_cpu import barycentric, rasterise
 from artipg_dsl.view.scene import Scene, hex_colour, make_scene, open_values, part_colours
@@ -219,6 +220,12 @@ def test_rays_pass_through_the_picture() -> None:
     rays = camera_rays(camera, 16)
     local = camera.local(rays.direction + camera.eye)
     assert local[0, 0] < 0 < local[1, 0] and local[0, -1] > 0 > local[1, -1]
+
+
+def test_blurring_is_a_gaussian_filter() -> None:
+    picture = np.random.default_rng(3).uniform(size=(2, 24, 24)).astype(np.float32)
+    expected = gaussian_filter(picture, 1.8, truncate=2.5, axes=(1, 2), mode="constant")
+    assert blur(picture, 1.8) == pytest.approx(expected, abs=1e-6)
 
 
 def test_the_rasteriser_covers_a_square_once_and_keeps_the_nearest() -> None:
