@@ -12,6 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
+from ..native import backend, covers
 from ..records import dataclass
 from .vectors import cross, dot
 
@@ -200,9 +201,21 @@ def cover(
     """Nearest triangle at each place of a picture (rows, columns): its number (-1: none) and its nearness.
 
     ``planes`` (T, 4, 3): coefficients of column, row, 1: three edges (inside where all are >= 0) and a nearness > 0.
-    ``low``, ``high`` (T, 2): the columns and rows [low, high) to look at. All places of all triangles are tried at
-    once, in bounded blocks; the winner of a place is found by a maximum over keys of nearness and number.
+    ``low``, ``high`` (T, 2): the columns and rows [low, high) to look at. The winner of a place is found by a maximum
+    over keys of nearness and number.
     """
+    machine = backend.machine()
+    if machine is not None:
+        keys = covers.cover(machine, planes, low, high, columns, rows)
+    else:
+        keys = _cover(planes, low, high, columns, rows)
+    found = (keys & np.uint64(0xFFFFFFFF)).astype(np.int64) - 1
+    near = (keys >> np.uint64(32)).astype(np.uint32).view(np.float32).astype(np.float64)
+    return found.reshape(rows, columns), near.reshape(rows, columns)
+
+
+def _cover(planes: np.ndarray, low: np.ndarray, high: np.ndarray, columns: int, rows: int) -> np.ndarray:
+    """The keys (rows * columns,): all places of all triangles are tried at once, in bounded blocks."""
     keys = np.zeros(rows * columns, dtype=np.uint64)
     band = max(1, BLOCK // max(columns, 1))
     for top in range(0, rows, band):
@@ -228,6 +241,4 @@ def cover(
             key = (near.astype(np.uint64) << np.uint64(32)) | (number + 1).astype(np.uint64)
             np.maximum.at(keys, j * columns + i, key)
             start = stop
-    found = (keys & np.uint64(0xFFFFFFFF)).astype(np.int64) - 1
-    near = (keys >> np.uint64(32)).astype(np.uint32).view(np.float32).astype(np.float64)
-    return found.reshape(rows, columns), near.reshape(rows, columns)
+    return keys

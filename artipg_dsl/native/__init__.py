@@ -19,9 +19,10 @@ operation on numbers is an inner loop of NumPy itself. Knows neither expressions
     points.c        candidates for points, as ``geometry.candidates`` and ``geometry.hidden`` have them
     feet.c          on what objects stand, as ``validity.hull`` and ``validity.stance`` have it
     depths.c        what of clouds can be seen, as ``fit.outer`` has it
+    covers.c        which triangles are nearest in a picture, as ``geometry.rays`` has it
     loops           the inner loops of NumPy's functions, and how an array lies in memory
     compiler        the machine compiled, kept and loaded
     tape, plan      straight-line programs of operations, and what is told to ``layout.c`` and ``machine.c``
-    narrow, states, turning, cells, moments, gaps, wrap, digits, points, depths, feet   what is told to the files in C of these names
+    narrow, states, turning, cells, moments, gaps, wrap, digits, points, depths, feet, covers   what is told to the files in C of these names
     backend         which backend is used
 """

@@ -63,6 +63,7 @@ class Machine:
                 "outlines",
                 "over_edges",
                 "turn_points",
+                "cover",
             ):
                 getattr(library, name).restype = None
             for name in (

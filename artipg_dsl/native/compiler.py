@@ -38,6 +38,7 @@ _SOURCES = [
         "shading.c",
         "lots.c",
         "feet.c",
+        "covers.c",
     )
 ]
 _HEADERS = [Path(__file__).with_name(name) for name in ("bodies.h", "tape.h")]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.rays import cover
+from ..geometry.vectors import extent
 from .camera import Camera, Lights
 from .deferred import RayHits, Rays, shade_picture
 from .raster_gl import light_matrices
@@ -91,22 +92,22 @@ def rasterise(triangle: np.ndarray, nearness: np.ndarray, edge: int) -> tuple[np
 
     ``triangle`` (T, 3, 2) in pixels, ``nearness`` (T, 3) > 0 and linear over the picture.
     """
-    low = np.clip(np.ceil(triangle.min(axis=1) - 0.5), 0, edge).astype(np.int64)
-    high = np.clip(np.floor(triangle.max(axis=1) - 0.5) + 1, 0, edge).astype(np.int64)
+    low, high = extent(triangle)
+    low = np.clip(np.ceil(low - 0.5), 0, edge).astype(np.int64)
+    high = np.clip(np.floor(high - 0.5) + 1, 0, edge).astype(np.int64)
     return cover(_planes(triangle, nearness), low, high, edge, edge)
 
 
 def _planes(triangle: np.ndarray, nearness: np.ndarray) -> np.ndarray:
     """Coefficients (T, 4, 3) of x, y, 1 at pixel centres: three edges (inside where all are >= 0) and the nearness."""
-    coefficients = np.zeros((len(triangle), 4, 3))
-    a, b, c = triangle[:, 0], triangle[:, 1], triangle[:, 2]
-    area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    coefficients = np.zeros((4, 3, len(triangle)))
+    (ax, ay), (bx, by), (cx, cy) = (np.ascontiguousarray(triangle[:, k].T) for k in range(3))
+    area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
     flat = np.abs(area) < 1e-12
     scale = 1.0 / np.where(flat, 1.0, area)
-    for i, (p, q) in enumerate(((b, c), (c, a), (a, b))):
-        dx, dy = (p[:, 1] - q[:, 1]) * scale, (q[:, 0] - p[:, 0]) * scale
-        coefficients[:, i, 0], coefficients[:, i, 1] = dx, dy
-        coefficients[:, i, 2] = -(dx * (p[:, 0] - 0.5) + dy * (p[:, 1] - 0.5))
-    coefficients[:, 3] = (coefficients[:, :3] * nearness[:, :, None]).sum(axis=1)
-    coefficients[flat, :3] = -1.0  # a triangle seen from its edge covers nothing
-    return coefficients
+    for i, (px, py, qx, qy) in enumerate(((bx, by, cx, cy), (cx, cy, ax, ay), (ax, ay, bx, by))):
+        dx, dy = (py - qy) * scale, (qx - px) * scale
+        coefficients[i] = dx, dy, -(dx * (px - 0.5) + dy * (py - 0.5))
+        coefficients[3] += coefficients[i] * nearness[:, i]
+    coefficients[:3, :, flat] = -1.0  # a triangle seen from its edge covers nothing
+    return coefficients.transpose(2, 0, 1)
