@@ -151,12 +151,12 @@ def read(folder: Path, rest: dict[str, float]) -> Thing:
 
 
 def objects(file: Path) -> list[tuple[str, np.ndarray, np.ndarray]]:
-    """The `o` of an OBJ file: name, vertices (V, 3), triangles (F, 3)."""
+    """The solids of an OBJ file, each after a comment with its name: that, vertices (V, 3), triangles (F, 3)."""
     vertices: list[list[float]] = []
     groups: list[tuple[str, list[list[int]]]] = []
     for line in file.read_text().splitlines():
         word, *rest = line.split()
-        if word == "o":
+        if word == "#":
             groups.append((rest[0], []))
         elif word == "v":
             vertices.append([float(x) for x in rest])

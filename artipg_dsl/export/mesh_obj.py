@@ -41,20 +41,22 @@ def obj_texts(
     files: Sequence[tuple[Sequence[Shape], Sequence[str]]],
     place: Callable[[np.ndarray], np.ndarray] = np.asarray,
     turn: Callable[[np.ndarray], np.ndarray] = np.asarray,
+    names: Sequence[str] | None = None,
 ) -> list[str]:
-    """The text of several files: shapes one after the other, each as an ``o`` of its own (each closed by itself, none shares a vertex),
-    and where there are ``looks``, the material of each, by its name in the library of materials. All vertices (V, 3) of all files
-    are placed at once, and all normals (W, 3) turned."""
+    """The text of several files: shapes one after the other (each closed by itself, none shares a vertex), and where there are
+    ``looks``, the material of each, by its name in the library of materials. Each shape is an ``o`` of its own; where files have
+    ``names``, all shapes of one are an ``o`` of this name, and comments tell of theirs: MuJoCo drops what comes after the first
+    ``o``. All vertices (V, 3) of all files are placed at once, and all normals (W, 3) turned."""
     every = [shape for shapes, _ in files for shape in shapes]
     shaded = [shape.normals[0] for shape in every if shape.normals is not None]
     vertices = iter(_lines([shape.vertices for shape in every], place, "%.9g", _VERTEX))
     normals = iter(_lines(shaded, lambda rows: np.round(turn(rows), 6), "%.6g", _NORMAL))
     found = []
-    for shapes, looks in files:
-        parts: list[str] = []
+    for n, (shapes, looks) in enumerate(files):
+        parts: list[str] = [] if names is None else [f"o {names[n]}\n"]
         first = first_normal = 1  # OBJ counts vertices of the whole file from 1
         for k, shape in enumerate(shapes):
-            parts.append(f"o {shape.name}\n")
+            parts.append(f"{'o' if names is None else '#'} {shape.name}\n")
             parts.append(next(vertices))
             if shape.normals is not None:
                 parts.append(next(normals))
@@ -110,7 +112,7 @@ def link_meshes(robot: Robot) -> dict[str, list[Mesh]]:
     for link in robot.links:
         for visual in link.visuals:
             own.setdefault((link.name, link.meshes[visual.look.name]), []).append(visual)
-    texts = obj_texts([([visual.shape for visual in same], ()) for same in own.values()])
+    texts = obj_texts([([visual.shape for visual in same], ()) for same in own.values()], names=[f for _, f in own])
     found: dict[str, list[Mesh]] = {link.name: [] for link in robot.links}
     for ((name, file), same), text in zip(own.items(), texts, strict=True):
         found[name].append((file, same[0].look, text.encode("utf-8")))

@@ -271,7 +271,8 @@ def _meshes(
         for c in robot.links[member.number].colliders
     ]
     given = [(shapes, [look.name] * len(shapes)) for _, look, shapes in shown] + [([shape], []) for _, shape in met]
-    texts = obj_texts(given, frame.points, to_dataset_axes)
+    names = [stem for stem, _, _ in shown] + [shape.name for _, shape in met]
+    texts = obj_texts(given, frame.points, to_dataset_axes, names)
     for (stem, look, _), text in zip(shown, texts, strict=False):
         files[f"textured_objs/{stem}.obj"] = f"mtllib {stem}.mtl\n{text}".encode()
         files[f"textured_objs/{stem}.mtl"] = _material(look)

@@ -49,6 +49,8 @@ def _mujoco(path: Path, robot: Robot) -> Reading:
     for i in np.flatnonzero((model.geom_contype == 0) & (model.geom_type == mujoco.mjtGeom.mjGEOM_MESH)):
         mesh = model.geom_dataid[i]
         first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+        faces = model.mesh_face[model.mesh_faceadr[mesh] :][: model.mesh_facenum[mesh]]
+        assert np.array_equal(np.unique(faces), np.arange(count)), "faces are lost: MuJoCo reads the first `o` alone"
         corners.append(model.mesh_vert[first : first + count] @ data.geom_xmat[i].reshape(3, 3).T + data.geom_xpos[i])
     every = np.concatenate(corners)
     return Reading(bodies, joints, poses, np.stack([every.min(axis=0), every.max(axis=0)]), zero)
