@@ -122,6 +122,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     # no product of matrices gains by threads of BLAS: to start them takes as long as to load NumPy
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    _open_streams()
     try:
         words = sys.argv[1:] if arguments is None else arguments
         options = build_parser(words).parse(words)
@@ -167,6 +168,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return FAILED
     except OSError as wrong:  # files are told of where they are written: what is left is the output itself
         _drop_output()
+        if _is_adrift():
+            error("the working folder is no longer there", "change to one that is: cd")
+            return FAILED
         error(f"cannot write {wrong.filename or 'the output'}: {wrong.strerror or wrong}", None)
         return FAILED
     except RecursionError:
@@ -179,6 +183,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
             findings(wrong.report.diagnostics, sys.stderr)
             return FAILED
         raise
+
+
+def _open_streams() -> None:
+    """What who started us has closed is empty, and takes what is said nowhere."""
+    for name in ("stdin", "stdout", "stderr"):  # each gets the lowest number that is free, its own
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "r" if name == "stdin" else "w"))  # noqa: SIM115: until the end
+
+
+def _is_adrift() -> bool:
+    """Whether the folder that we work in has been removed."""
+    try:
+        os.getcwd()
+    except FileNotFoundError:
+        return True
+    return False
 
 
 def _drop_output() -> None:

@@ -58,7 +58,10 @@ def map_each(
     before = set(mp.active_children())
     with _task_file(begin, given) as task:
         # spawned, not forked: libraries that run threads do not outlive a fork, and it is the same on all systems
-        pool = ProcessPoolExecutor(count - 1, mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(task,))
+        with _undisturbed():
+            pool = ProcessPoolExecutor(
+                count - 1, mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(task,)
+            )
         done = False
         try:
             queue = _Queue(pool, count - 1, function, items)
@@ -156,14 +159,18 @@ def _task_file(begin: Callable[..., None] | None, given: tuple[Any, ...]) -> Ite
 
 @contextmanager
 def _undisturbed() -> Iterator[None]:
-    """Processes that are started here do not mind Ctrl-C, from their first step on, and it does not cut short how they start."""
+    """Processes that are started here do not mind Ctrl-C or a terminal that is closed, from their first step on, and neither cuts
+    short how they start. (One of them keeps the books of Python itself, and complains if another has to replace it.)"""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGHUP}) if hasattr(signal, "SIGHUP") else None
     try:
         yield
     finally:
+        if held is not None:
+            signal.pthread_sigmask(signal.SIG_SETMASK, held)
         signal.signal(signal.SIGINT, before)
 
 

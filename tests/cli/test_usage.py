@@ -100,6 +100,19 @@ def test_links_devices_and_rights_stay_what_they_are(apgc: Apgc, tmp_path: Path)
     assert not Path(os.devnull).is_file()
 
 
+@pytest.mark.skipif(os.name == "nt", reason="a shell of Windows closes no streams, and keeps the folder that it works in")
+def test_started_without_streams_and_without_a_folder(tmp_path: Path) -> None:
+    (tmp_path / "gone").mkdir()
+    line = 'cd gone && rmdir ../gone && "$@" >&- 2>&- <&-; echo $?; "$@" 2>&1'
+    found = subprocess.run(
+        ["sh", "-c", line, "sh", *command("check", "x.apg")],
+        cwd=tmp_path, env=environment(), text=True, capture_output=True, timeout=60,
+    )  # fmt: skip
+    assert found.stdout.splitlines() == [
+        "1", "error: the working folder is no longer there", "  = help: change to one that is: cd"
+    ]  # fmt: skip
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no device that is full")
 def test_output_that_cannot_be_written(tmp_path: Path) -> None:
     with open("/dev/full", "w") as full:

@@ -224,6 +224,13 @@ def test_what_fails_here_is_raised_in_its_turn() -> None:
         next(found)
 
 
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="terminals of Windows send no signal when they are closed")
+def test_processes_that_are_started_do_not_mind_a_closed_terminal() -> None:
+    with workers._undisturbed():
+        assert signal.SIGHUP in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    assert signal.SIGHUP not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+
+
 def test_a_worker_that_starts_when_all_is_over_says_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     class Gone:
         """The process that started the run; as long as the test lasts nobody hears of its end but by asking."""
