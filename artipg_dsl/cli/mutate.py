@@ -224,7 +224,12 @@ def _compare_folders(first: str, second: str, everything: bool) -> list[str]:
         raise UserError(f"{first} and {second} hold objects in different frames", _ALIKE)
     a = replace(a, sampler=b.sampler)  # tables are told apart by the program object they belong to
     numbers, others, steps = a.request.objects, b.request.objects, b.request.mutations
-    sources = steps[-1].origins(others)[0] if len(steps) == len(a.request.mutations) + 1 else others
+    deeper = len(steps) - len(a.request.mutations)
+    if deeper < 0:
+        raise UserError(f"{first} has been mutated more often than {second}", "give the originals first, then the mutants")
+    if deeper > 1:
+        raise UserError(f"{second} has been mutated {deeper} times more than {first}", _ALIKE)
+    sources = steps[-1].origins(others)[0] if deeper else others
     both = np.isin(sources, numbers)
     if not both.any():
         raise UserError(f"{first} and {second} have no object in common", _ALIKE)

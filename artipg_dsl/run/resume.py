@@ -65,7 +65,7 @@ def make_ready(out: Place, manifest: Manifest, force: bool) -> Manifest:
 
     Returns the manifest that holds: the old one where its files are kept.
     """
-    old = manifests.read_manifest(out)
+    old = _read_or_replace(out, force)
     if old is not None:
         changed = manifests.describe_difference(old, manifest)
         if changed and not force:
@@ -83,6 +83,18 @@ def make_ready(out: Place, manifest: Manifest, force: bool) -> Manifest:
     sweep_unfinished(out)
     write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
     return manifest
+
+
+def _read_or_replace(out: Place, force: bool) -> Manifest | None:
+    """The manifest of a folder, None where there is none, or with ``force`` a broken one beside what a run has written."""
+    try:
+        return manifests.read_manifest(out)
+    except ExportError as wrong:
+        ours = bool(_find_shards(out) or _find_objects(out)) if out.is_dir() else False
+        if ours and force:
+            return None
+        hint = "choose another folder, or use --force to replace what is there" if ours else wrong.hint
+        raise ExportError(wrong.message, hint) from None
 
 
 def _replace_unknown(out: Place, left: list[Place], force: bool) -> None:

@@ -198,6 +198,8 @@ def test_pairs_that_differ_in_one_value(apgc, chest, tmp_path):
         assert {k for k in one if one[k] != other[k]} == {"width"} and one.keys() == other.keys()
     code, out_text, _ = apgc("mutate", "--diff", chest, out)
     assert code == 0 and "object 1 of 0" in out_text and "width:" in out_text and "cm ->" in out_text
+    code, _, err = apgc("mutate", "--diff", out, chest)
+    assert code == 1 and "give the originals first" in err
 
 
 def test_objects_given_by_their_values(apgc, chest, tmp_path):

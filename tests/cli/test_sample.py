@@ -169,6 +169,11 @@ def test_other_options_need_force(apgc: Apgc, tmp_path: Path) -> None:
     assert code == 1 and "the seed (0, now 5)" in err and "--force" in err
     assert apgc(*arguments, "--seed", 5, "--force")[0] == 0
     assert annotations(tmp_path / "o")[0]["seed"] == 5
+    (tmp_path / "o" / "manifest.json").write_text("")  # as a machine leaves it that lost its power
+    code, _, err = apgc(*arguments, "--seed", 6)
+    assert code == 1 and "cannot read" in err and "--force" in err
+    assert apgc(*arguments, "--seed", 6, "--force")[0] == 0
+    assert annotations(tmp_path / "o")[0]["seed"] == 6
 
 
 def test_numbers() -> None:
