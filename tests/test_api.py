@@ -329,6 +329,7 @@ def test_points_and_views_in_several_states(chests: apg.Samples, tmp_path: Path)
         (lambda: apg.sample(CHEST, set={"width": 10**309}), "`width`: the number is too large"),
         (lambda: apg.load(OPEN_ENDED, set={"n": float("inf")}), "`n` cannot be inf"),
         (lambda: apg.sample(CHEST, values=[]), "no objects are given"),
+        (lambda: apg.sample(CHEST, values=[{}]).object(1), "there is no object 1: 1 are given"),
         (lambda: apg.sample(CHEST, set={3: 4}), "it maps names to values"),
         (lambda: apg.sample(CHEST, values=3), "values is 3"),
         (lambda: apg.sample(CHEST, values=[3]), "values is [3]"),

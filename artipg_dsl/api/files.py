@@ -127,12 +127,14 @@ class Files:
         """Files per object, ``batch.export("robots", "urdf,glb")``; returns the folders ``objects/<number>``.
 
         Formats are those of ``apgc export``; ``tolerance``, ``triangles`` and ``details`` are as in ``meshes``. Existing files are
-        replaced only with ``force``. Raises ExportError.
+        replaced only with ``force``, and a folder that samples of other objects were written to is refused. Raises ExportError.
         """
         from ..export.objects import object_folder, write_objects
         from ..export.registry import find_formats, object_formats
         from ..export.remote import Remote, place_of
+        from ..export.write import ExportError
         from ..geometry.resolution import Resolution
+        from ..run.manifest import describe_strangers, read_manifest
 
         out, force, chosen = _read_folder(folder), read_flag("force", force), find_formats(_read_names(formats))
         if isinstance(place_of(folder), Remote):
@@ -143,6 +145,8 @@ class Files:
             if not entry.per_object:
                 raise UsageError(f"{entry.name} is written by `to`", f"`export` writes {', '.join(object_formats())}")
         fine = Resolution(tolerance=tolerance, triangles=triangles)
+        if (there := read_manifest(folder)) is not None and (other := describe_strangers(there, self.job.request)):
+            raise ExportError(f"{folder} holds samples of other objects: {other}", "choose another folder")
         worn = choose_details(details, detail_strength, self.job)
         write_objects(self.batch, out, chosen, force=force, resolution=fine, details=worn)
         return [Path(str(object_folder(out, n))) for n in self.numbers.tolist()]

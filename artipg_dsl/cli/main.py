@@ -189,7 +189,7 @@ def _open_streams() -> None:
     """What who started us has closed is empty, and takes what is said nowhere."""
     for name in ("stdin", "stdout", "stderr"):  # each gets the lowest number that is free, its own
         if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, "r" if name == "stdin" else "w"))  # noqa: SIM115: until the end
+            setattr(sys, name, open(os.devnull, "r" if name == "stdin" else "w"))  # until the end
 
 
 def _is_adrift() -> bool:

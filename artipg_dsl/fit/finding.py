@@ -24,7 +24,7 @@ def find_files(places: list[str], tell: Callable[[str], None] | None = None) -> 
     for name in places:
         place = Path(name)
         if place.is_dir():
-            inside = sorted(p for p in place.rglob("*") if p.suffix.lower() in KINDS and p.is_file())
+            inside = sorted(p for p in place.rglob("*") if p.suffix.lower() in KINDS and _is_given(p))
             robots = [p for p in inside if _is_robot(p)]
             apart = robots + _outside(inside, {p.parent for p in robots}) if robots else inside
             stray = _strays(inside, robots, apart) if tell is not None and robots else []
@@ -50,6 +50,11 @@ def find_files(places: list[str], tell: Callable[[str], None] | None = None) -> 
         else:
             raise UserError(f"there is no file or folder {place}")
     return list(dict.fromkeys(found))
+
+
+def _is_given(path: Path) -> bool:
+    """Whether there is a file, or a link that leads nowhere: it is listed among what could not be read."""
+    return path.is_file() or (path.is_symlink() and not path.exists())
 
 
 def _is_robot(path: Path) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import platform
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NotRequired, TypedDict, cast
 
@@ -21,7 +21,7 @@ from ..shapes import Misfit, Rule, fit, hints, show_value
 from ..version import __version__
 from .counts import Counts
 from .output import Output, Shown, Written
-from .request import Fixed, Made, Objects, Request, is_file
+from .request import Drawn, Fixed, Made, Objects, Request, is_file
 from .schema import Count, Title, count_numbers, read_titles
 
 if TYPE_CHECKING:
@@ -205,11 +205,21 @@ def _check(found: dict[str, Any]) -> None:
 
 def describe_difference(old: Manifest, new: Manifest) -> str | None:
     """What sets two manifests apart so that their files do not belong together, in words; None if they do."""
-    pairs = ((Identity, old["identity"], new["identity"]), (Made, old["identity"]["made"], new["identity"]["made"]))
+    return _describe(Identity, old["identity"], new["identity"])
+
+
+def describe_strangers(old: Manifest, request: Request) -> str | None:
+    """What sets the objects of a folder apart from those of a request, whichever numbers they have, in words; None if nothing does."""
+    asked = request.to_manifest()
+    return _describe(Drawn, old["identity"], {**asked, "numbers": old["identity"]["numbers"]})
+
+
+def _describe(record: Any, old: Mapping[str, Any], new: Mapping[str, Any]) -> str | None:
+    pairs = ((record, old, new), (Made, old["made"], new["made"]))
     words = [
         f"{title} ({_short(before.get(key))}, now {_short(after.get(key))})"
-        for record, before, after in pairs
-        for key, title in read_titles(record).items()
+        for kind, before, after in pairs
+        for key, title in read_titles(kind).items()
         if _compared(key, before.get(key)) != _compared(key, after.get(key))
     ]
     return " and ".join(words) or None

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import UserError
+from ..errors import UsageError, UserError
 from ..graph import expr as E
 from ..records import dataclass
 from ..runtime.batch import Batch
@@ -41,7 +41,9 @@ class Values:
     plain: tuple[Mapping[str, Any], ...]
 
     def batch(self, sampler: Sampler, numbers: np.ndarray, seed: int, statistics: Statistics, checked: bool) -> Batch:
-        """The objects of the given numbers, which index the records, repaired. Raises Exhausted, UserError."""
+        """The objects of the given numbers, which index the records, repaired. Raises Exhausted, UsageError, UserError."""
+        if numbers.max(initial=0) >= len(self.records):
+            raise UsageError(f"there is no object {numbers.max()}: {len(self.records)} are given, numbered from 0")
         trial = self.tried(sampler, numbers, seed, np.zeros(len(numbers), dtype=np.int64))
         asked = self.asked(trial)
         found = repair(sampler, trial, asked, statistics=statistics, checked=checked)

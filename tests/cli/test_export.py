@@ -102,6 +102,9 @@ def test_what_is_there_is_kept_unless_forced(apgc: Apgc, made: Path) -> None:
         batch.to_urdf(made)
     assert batch.to_glb(made)[1].read_bytes()[:4] == b"glTF" and marked.exists()
     assert [p.name for p in batch.export(made, "urdf,obj", force=True)] == ["000000", "000001"]
+    assert [p.name for p in batch.object(1).export(made, "urdf", force=True)] == ["000001"]
+    with pytest.raises(UserError, match="samples of other objects: the seed"):
+        sample(CHEST, 2, seed=6).export(made, "urdf", force=True)
 
 
 def test_objects_in_a_format_have_meshes_of_one_kind(apgc: Apgc, tmp_path: Path) -> None:

@@ -213,6 +213,8 @@ def test_files_that_no_robot_names_are_told(tmp_path: Path) -> None:
 def test_a_file_that_went_away(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="there is no file"):
         read_cloud(tmp_path / "gone.obj")
+    (tmp_path / "link.obj").symlink_to("gone.obj")
+    assert find_files([str(tmp_path)]) == [tmp_path / "link.obj"]
 
 
 @pytest.mark.parametrize("word", ["g", "o"])
