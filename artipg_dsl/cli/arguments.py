@@ -47,8 +47,11 @@ def amount(text: str) -> float:
 
 def fraction(text: str) -> float:
     """A number from 0 to 1."""
-    number = 0.0 if text.strip() in ("0", "0.0") else amount(text)
-    if number > 1:
+    try:
+        number = float(text)
+    except ValueError:
+        raise ArgumentTypeError(f"{text!r} is not a number") from None
+    if not 0 <= number <= 1:
         raise ArgumentTypeError(f"{text} is not between 0 and 1")
     return number
 

@@ -226,7 +226,9 @@ def _compare_folders(first: str, second: str, everything: bool) -> list[str]:
     numbers, others, steps = a.request.objects, b.request.objects, b.request.mutations
     deeper = len(steps) - len(a.request.mutations)
     if deeper < 0:
-        raise UserError(f"{first} has been mutated more often than {second}", "give the originals first, then the mutants")
+        raise UserError(
+            f"{first} has been mutated more often than {second}", "give the originals first, then the mutants"
+        )
     if deeper > 1:
         raise UserError(f"{second} has been mutated {deeper} times more than {first}", _ALIKE)
     sources = steps[-1].origins(others)[0] if deeper else others

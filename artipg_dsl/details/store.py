@@ -76,7 +76,7 @@ def _open(dressing: Dressing, program: str) -> Donors:
     found, mark = _summary(folder)
     if mark != dressing.mark:
         raise UserError(
-            f"the details in {folder} have changed since these objects wore them", "mutate again, with --force"
+            f"the details in {folder} have changed since these objects wore them", "make them again, with --force"
         )
     donors = []
     for one in found["objects"]:

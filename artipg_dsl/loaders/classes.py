@@ -24,7 +24,7 @@ def find_classes(
     if classes is None:
         first = list(words[0])
         return (first, None) if all(list(other) == first for other in words) else None
-    if not isinstance(classes, Mapping):
+    if not isinstance(classes, Mapping) or not classes:  # of none at all, all points would be unlabelled
         raise UsageError(f"classes is {classes!r}", 'it maps words to classes: {"door": "door", "*": "body"}')
     known = dict.fromkeys(word for vocabulary in words for word in vocabulary if word != _UNLABELLED)
     for word, name in classes.items():

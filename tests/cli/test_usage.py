@@ -100,7 +100,9 @@ def test_links_devices_and_rights_stay_what_they_are(apgc: Apgc, tmp_path: Path)
     assert not Path(os.devnull).is_file()
 
 
-@pytest.mark.skipif(os.name == "nt", reason="a shell of Windows closes no streams, and keeps the folder that it works in")
+@pytest.mark.skipif(
+    os.name == "nt", reason="a shell of Windows closes no streams, and keeps the folder that it works in"
+)
 def test_started_without_streams_and_without_a_folder(tmp_path: Path) -> None:
     (tmp_path / "gone").mkdir()
     line = 'cd gone && rmdir ../gone && "$@" >&- 2>&- <&-; echo $?; "$@" 2>&1'

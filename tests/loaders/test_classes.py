@@ -51,7 +51,11 @@ def test_vocabularies_that_differ_are_mixed(chest: Path, odd: Path) -> None:
 
 @pytest.mark.parametrize(
     ("classes", "told"),
-    [({"dor": "leaf"}, "there is no word `dor` in `semantic`"), ({"door": 3}, "the class of `door` is 3")],
+    [
+        ({"dor": "leaf"}, "there is no word `dor` in `semantic`"),
+        ({"door": 3}, "the class of `door` is 3"),
+        ({}, "classes is {}"),
+    ],
 )
 def test_wrong_classes_are_told(chest: Path, folders: list[Path], classes: dict[str, str], told: str) -> None:
     with pytest.raises(UserError, match=told):
