@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 
 from ..errors import UserError
@@ -14,6 +15,7 @@ _MESHES = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
 CLOUDS = (".npz", ".xyz")
 KINDS = (*_MESHES, *CLOUDS, ".urdf")
 """What the names of files that can be read end in."""
+_FITS, _OURS = "fit.json", ("kept", "objects")  # of a folder of fits, and its folders of arrays and meshes
 
 
 def find_files(places: list[str], tell: Callable[[str], None] | None = None) -> list[Path]:
@@ -24,7 +26,10 @@ def find_files(places: list[str], tell: Callable[[str], None] | None = None) -> 
     for name in places:
         place = Path(name)
         if place.is_dir():
-            inside = sorted(p for p in place.rglob("*") if p.suffix.lower() in KINDS and _is_given(p))
+            ours = _fitted(place)
+            inside = sorted(
+                p for p in place.rglob("*") if p.suffix.lower() in KINDS and _is_given(p) and not ours(p.parent)
+            )
             robots = [p for p in inside if _is_robot(p)]
             apart = robots + _outside(inside, {p.parent for p in robots}) if robots else inside
             stray = _strays(inside, robots, apart) if tell is not None and robots else []
@@ -50,6 +55,18 @@ def find_files(places: list[str], tell: Callable[[str], None] | None = None) -> 
         else:
             raise UserError(f"there is no file or folder {place}")
     return list(dict.fromkeys(found))
+
+
+def _fitted(place: Path) -> Callable[[Path], bool]:
+    """Whether a folder in a place holds what was fitted, such as an earlier run's results that lie among the scans."""
+
+    @cache
+    def ours(folder: Path) -> bool:
+        if folder == place:
+            return False
+        return folder.name in _OURS and (folder.parent / _FITS).is_file() or ours(folder.parent)
+
+    return ours
 
 
 def _is_given(path: Path) -> bool:

@@ -210,6 +210,19 @@ def test_files_that_no_robot_names_are_told(tmp_path: Path) -> None:
         assert find_files([str(tmp_path)], told.append) == [tmp_path / "robot.urdf"]
 
 
+def test_what_was_fitted_is_no_real_object(tmp_path: Path) -> None:
+    """An output folder among the scans, whose objects were exported, or that is the folder of the scans."""
+    for place in (tmp_path, tmp_path / "fitted"):
+        (place / "objects" / "000000" / "obj").mkdir(parents=True)
+        (place / "objects" / "000000" / "obj" / "body.obj").write_text("")
+    (tmp_path / "scan.obj").write_text("")
+    assert len(find_files([str(tmp_path)])) == 3
+    for place in (tmp_path, tmp_path / "fitted"):
+        (place / "fit.json").write_text("{}")
+    assert find_files([str(tmp_path)]) == [tmp_path / "scan.obj"]
+    assert len(find_files([str(tmp_path / "fitted" / "objects")])) == 1  # said in so many words
+
+
 def test_a_file_that_went_away(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="there is no file"):
         read_cloud(tmp_path / "gone.obj")
