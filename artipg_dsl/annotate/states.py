@@ -154,11 +154,16 @@ def open_values(batch: Batch, share: float = 0.8) -> np.ndarray:
     A joint that another waits for goes as far as it can where that is not far enough. What mimics another joint is put
     right by ``batch.pose``.
     """
+    values, low, high = _part_way(batch, share)
+    return values if batch.gates is None else batch.gates.open(values, np.ones(len(values), dtype=bool), low, high)
+
+
+def _part_way(batch: Batch, share: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Joint values (J,) ``share`` of the way from rest to the farther end, and both ends (J,); a missing one is the rest."""
     joints, rest = batch.joints(), rest_values(batch)
     low, high = (np.where(np.isnan(limit), rest, limit) for limit in (joints.low, joints.high))
     end = np.where(high - rest >= rest - low, high, low)
-    values = rest + share * (end - rest)
-    return values if batch.gates is None else batch.gates.open(values, np.ones(len(values), dtype=bool), low, high)
+    return rest + share * (end - rest), low, high
 
 
 def name_values(batch: Batch, named: Iterable[tuple[str, float, str]]) -> np.ndarray:
@@ -180,7 +185,7 @@ def name_values(batch: Batch, named: Iterable[tuple[str, float, str]]) -> np.nda
             units = _LENGTHS if JOINTS[joints.kind[row]].slides else _ANGLES
             chosen[row] = True
             if unit == "%":
-                values[row] = open_values(batch, number / 100)[row]
+                values[row] = _part_way(batch, number / 100)[0][row]
             elif unit in units or not unit:
                 values[row] = number * units.get(unit, 1.0)
             else:

@@ -48,8 +48,10 @@ def test_states_keep_shut_joints_at_rest(oven: apg.Samples) -> None:
 
 
 def test_a_named_state_opens_what_it_waits_for(oven: apg.Samples) -> None:
-    values = joint_values(oven.batch, read_states("slide=20cm,slide=20cm+open=10deg"))[:, :2]
-    assert np.allclose(values, [[np.radians(110), 0.2], [np.radians(10), 0.0]])
+    values = joint_values(oven.batch, read_states("slide=20cm,slide=20cm+open=10deg,open=20%,slide=80%"))[:, :2]
+    assert np.allclose(
+        values, [[np.radians(110), 0.2], [np.radians(10), 0.0], [np.radians(22), 0.0], [np.radians(110), 0.2]]
+    )
 
 
 def test_annotations_tell_when(oven: apg.Samples) -> None:
