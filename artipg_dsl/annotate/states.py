@@ -181,7 +181,9 @@ def name_values(batch: Batch, named: Iterable[tuple[str, float, str]]) -> np.nda
         if name not in defined:
             known = f"its joints are {', '.join(every)}" if every else "it has none at all"
             raise UsageError(f"{batch.program.name} has no joint `{name}`", did_you_mean(name, every) or known)
-        for row in [k for k, names in enumerate(zip(joints.name, own, strict=True)) if name in names]:
+        rows = [k for k, names in enumerate(zip(joints.name, own, strict=True)) if name in names]
+        _refuse_idle(batch, name, rows, unit)
+        for row in rows:
             units = _LENGTHS if JOINTS[joints.kind[row]].slides else _ANGLES
             chosen[row] = True
             if unit == "%":
@@ -200,6 +202,19 @@ def name_values(batch: Batch, named: Iterable[tuple[str, float, str]]) -> np.nda
         if batch.gates is None
         else np.where(chosen, values, batch.gates.open(values, chosen, joints.low, joints.high))
     )
+
+
+def _refuse_idle(batch: Batch, name: str, rows: list[int], unit: str) -> None:
+    """A name that moves nothing, in whichever objects: of joints that follow others, or a share of a way that has no end."""
+    joints, program = batch.joints(), batch.program
+    names = {name, re.sub(r"_\d+(?=\.|$)", "", name)}  # half_1.open is one of half.open
+    meant = [joint for joint in program.joints if names & {joint.name, joint.path}]
+    if unit == "%" and meant and all(joint.low is None and joint.high is None for joint in meant):
+        raise UsageError(f"the joint `{name}` has no end to share the way to", f"write a value, such as {name}=45deg")
+    if rows and all(joint.mimic is not None for joint in meant) and (joints.mimic[rows] >= 0).all():
+        same = np.flatnonzero(joints.owner == joints.owner[rows[0]])
+        leader = joints.name[same[joints.number[same] == joints.mimic[rows[0]]][0]]
+        raise UsageError(f"the joint `{name}` follows `{leader}`", "name that one: both move then")
 
 
 def _parse_state(batch: Batch, text: str) -> np.ndarray:

@@ -68,6 +68,19 @@ def test_a_joint_that_mimics_follows() -> None:
     assert values[0, 0::2] == pytest.approx(open_values(batch)[0::2])
 
 
+@pytest.mark.parametrize(
+    ("category", "text", "told"),
+    [
+        ("Scissors", "half_1.open=10deg", "the joint `half_1.open` follows `half_0.open`"),
+        ("Globe", "spin=50%", "the joint `spin` has no end to share the way to"),
+    ],
+)
+def test_names_that_would_move_nothing(category: str, text: str, told: str) -> None:
+    batch = Session.of(category).sampler.batch(np.arange(1), 5)
+    with pytest.raises(UsageError, match=told):
+        joint_values(batch, read_states(text))
+
+
 def test_a_table_of_states_ends_in_nan(batch: Batch) -> None:
     values = joint_values(batch, read_states("random:2"))
     table = state_table(batch, values)
