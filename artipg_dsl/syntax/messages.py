@@ -31,6 +31,14 @@ _CONDITIONS = frozenset("WHEN WHEN_BLOCK REQUIRE PREFER WHERE IF".split())
 _ALSO_VALUES = frozenset("OUT BOX INSIDE CLOSE FREE CLEAR FIELD LIMIT".split())  # words that may stand in brackets
 _OF_TARGETS = re.compile(r"\s*(label|material|field|connect|joint)\b(?!.*\b(?:where|when)\b)")
 _PAIRS = {"LPAR": "(", "LSQB": "["}
+_MEANT_BY_IF = {  # statements with a condition of another word, in which `if` is often meant for it
+    "LABEL": "to say where a label holds, write `where` for `if`",
+    "FIELD": "to say where a field holds, write `where` for `if`",
+    "PART": "to give an alternative a condition, write `when` for `if`",
+    "STYLE": "to give an alternative a condition, write `when` for `if`",
+    "JOINT": "to let a joint wait for another, write `when` for `if`",
+    "REQUIRE": "to require something of some objects alone, put it inside `when ... { }`",
+}
 _SIGNS = {
     "LBRACE": "`{`",
     "RBRACE": "`}`",
@@ -65,6 +73,7 @@ class Found(NamedTuple):
     notes: Notes = ()
     fatal: bool = False  # what follows would only be consequences
     line_alone: bool = False  # the statement before is complete
+    told: bool = False  # it follows from an error before it
 
 
 def describe(error: UnexpectedInput, tools: Machine, source: Source, text: str) -> Found:
@@ -374,12 +383,13 @@ def _misplaced(token: Token, before: list[Token], top: bool, source: Source, tex
         )
     notes: Notes = ()
     last = next((t for t in reversed(before) if t.type != "_NL"), None)
+    end = 0 if last is None else last.end_pos or 0
+    told = text[end:at] != source.text[end:at]  # what opens its block has been blanked
     if last is not None and last.type == "RBRACE":
-        end = last.end_pos or 0
         notes = ((Span(source, end - 1, end), "this brace ends the declaration above: is it one too many?"),)
     message = f"`{token.value}` is not allowed at the top level of a file"
     hint = "put it in a category, template, role or primitive"
-    return Found("syntax", span, message, at, hint, notes, fatal=True)
+    return Found("syntax", span, message, at, hint, notes, fatal=True, told=told)
 
 
 def _brace(at: int, source: Source) -> Found:
@@ -457,6 +467,9 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
         return found(f"`{{` is missing before {shown}", "what belongs to the statement stands in braces: `{ ... }`")
     if token.type in ("RPAR", "RSQB") and token.type not in accepted:
         return found(f"{shown} has no matching opening bracket", "remove it, or add the missing bracket before it")
+    if accepted == {"ELSE"}:
+        hint = _MEANT_BY_IF.get(statement.type) if statement is not None else None
+        return found(f"`else` is missing before {shown}", hint or "a value with a condition is written `a if c else b`")
     if statement is not None and statement.type == "USE" and token.value == "as":
         return found("an import keeps its name", "leave `as` and the other name out")
     if 0 < len(accepted) <= 4:

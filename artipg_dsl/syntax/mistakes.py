@@ -142,6 +142,12 @@ MISTAKES = (
             "repeat x in 5 { }",
             "repeat x[i] in n { }",
             "repeat x in n split box along x { }",
+            "repeat x in n pitch 1cm along x { }",
+            "repeat x in f(n) pitch 1cm along x { }",
+            "repeat x in n spread a along x { }",
+            "repeat x in f(n) spread a along x { }",
+            "repeat x in f(n) split a along x { }",
+            "repeat x in f(n) { }",
         ),
     ),
     Mistake(
@@ -153,6 +159,11 @@ MISTAKES = (
             "repeat x[i, j] in 0 ..< n { }",
             "repeat x[3] in 0 ..< n { }",
         ),
+    ),
+    Mistake(
+        "a `count` takes no type: it is a whole number",
+        "write `count shelves in 1 .. 4`",
+        ("count x : count in 1 .. 2", "count x : length"),
     ),
     Mistake(
         "a range is written with `..` and includes both ends",
@@ -242,6 +253,33 @@ MISTAKES = (
         "a `when ... { }` statement must begin on a new line",
         ("part x : A when b { part c : D }", "style x : R = A when b { part c : D }", "part x : A weight 2 when b {"),
     ),
+    Mistake(
+        "the condition of an alternative follows `when`, not `if`",
+        "for example `part lid : Flat when small | Domed`",
+        ("part x : A if b", "part x : A(b = 1) if c", "part x : R = A if b", "style x : R = A if b"),
+    ),
+    Mistake(
+        "`for` stands before `on`",
+        "for example `label affordance.lift for raise on cover`",
+        ("label a.b on c for d", "label a.b on c where d for e"),
+    ),
+    Mistake(
+        "how a word moves is told by `along` or `about`",
+        "`slide : along` is a word for joints that slide, `turn : about` one for joints that turn",
+        ("top:vocabulary a { b : c }",),
+    ),
+    Mistake(
+        "a message follows `else`",
+        'for example `require a <= b else "a does not fit"`',
+        (
+            'require a, "b"',
+            'require a > b, "c"',
+            'require a > 1cm, "c"',
+            'require a "b"',
+            'require a > b "c"',
+            'require a > 1cm "c"',
+        ),
+    ),
     Mistake("`else` is followed by `when`, not by `if`", "write `else when ... { }`", ("when a { } else if b { }",)),
     Mistake(
         "an argument needs a name before `=`",
@@ -250,7 +288,7 @@ MISTAKES = (
     ),
     Mistake(
         "a vector is written in square brackets",
-        "write `[x, y, z]`",
+        "write `[x, y, z]`; a range is written `low .. high`",
         (
             "let x = (1, 2, 3)",
             "part x : A(size = (1, 2, 3))",
@@ -491,6 +529,8 @@ MISTAKES = (
         (
             "label a.b c",
             "label a.b = c",
+            "label a.b : c",
+            "material a = b",
             "keypoint a at b",
             "grasp g for t in 0 .. 1 { }",
             "material oak body",

@@ -63,7 +63,8 @@ def _parse(tools: Machine, source: Source, report: Report) -> tuple[ast.Module |
             if error is None:
                 raise InternalError(source.name, "two parsers of one grammar do not agree")
             found = describe(error, tools, source, text)
-            report.error(found.code, found.span, found.message, hint=found.hint, notes=found.notes)
+            if not found.told:
+                report.error(found.code, found.span, found.message, hint=found.hint, notes=found.notes)
             broken = True
             shorter = None if found.fatal else without_statement(text, found.place, found.line_alone)
             if shorter is None:
