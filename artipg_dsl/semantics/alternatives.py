@@ -17,7 +17,20 @@ from .offers import missing, module_of
 from .presence import declared, guarded, relevant, renamed, told
 from .scope import Entry
 from .symbols import Symbol, is_a, lacks_role
-from .types import ANGLE, DIRECTION, MATERIAL, RATIO, UNKNOWN, ChoiceType, NamedType, StyleType, Type, VecType, fits
+from .types import (
+    ANGLE,
+    COUNT,
+    DIRECTION,
+    MATERIAL,
+    RATIO,
+    UNKNOWN,
+    ChoiceType,
+    NamedType,
+    StyleType,
+    Type,
+    VecType,
+    fits,
+)
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -72,7 +85,11 @@ def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
 
 
 def unknown_material(ck: Checker, ctx: Context, name: str, span: Span) -> None:
-    hint = missing(name, ctx.module.named("material"), "material") or f"declare it: `material {name} {{ ... }}`"
+    styles = (e.name for scope in ctx.scope.chain() for e in scope.entries if e.kind == "style") if ctx.scope else ()
+    hint = (
+        missing(name, [*styles, *ctx.module.named("material")], "material")
+        or f"declare it: `material {name} {{ ... }}`"
+    )
     if name == "none":
         hint = "what has no material of its own takes that of the part around it: put the `material` statement under a `when`"
     ck.unknown(ctx.module, name, "unknown-material", span, f"there is no material `{name}` here", hint)
@@ -258,9 +275,10 @@ def _check_arguments(
                 break
             wanted = kind
             _stands(ck, ctx, symbol, argument, (*outer, *given))
-            _within_range(ck, ctx, symbol, argument)
         if known:  # what the value of another should be, nobody can tell
             _argument(ck, ctx, argument, wanted)
+            for symbol in symbols:
+                _within_range(ck, ctx, symbol, argument, wanted)
 
 
 def _meant(name: str, offered: list[str]) -> str | None:
@@ -294,9 +312,11 @@ def _stands(
     ck.demand(ctx.given(known), wanted, argument.span, message, hint, notes, value=True, handed=True)
 
 
-def _within_range(ck: Checker, ctx: Context, symbol: Symbol, argument: ast.Argument) -> None:
+def _within_range(ck: Checker, ctx: Context, symbol: Symbol, argument: ast.Argument, wanted: Type) -> None:
     """A number that its template never draws is perhaps one with the wrong unit."""
     assert argument.name is not None
+    if not fits(ck.types.get(id(argument.value), UNKNOWN), wanted):
+        return  # what is wrong is reported
     ranges = []
     for entry in ck.scope_of(symbol).table[argument.name]:
         domain = entry.node.domain if isinstance(entry.node, ast.ParamDecl | ast.CountDecl) else None
@@ -307,7 +327,7 @@ def _within_range(ck: Checker, ctx: Context, symbol: Symbol, argument: ast.Argum
         "argument-outside-range",
         argument.span,
         f"`{symbol.name}` has `{argument.name}` in {' or '.join(span.text for span in ranges)}",
-        hint="is the unit right? If the value is meant, widen the range",
+        hint=f"{'is it right' if wanted == COUNT else 'is the unit right'}? If the value is meant, widen the range",
         notes=tuple((span, "declared here") for span in ranges),
     )
 

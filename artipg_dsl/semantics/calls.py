@@ -52,6 +52,8 @@ def call(ck: Checker, ctx: Context, expr: ast.CallExpr) -> Type:
             f"to make a part, write `part name : {word}(...)`"
             if symbol is not None
             else f"to multiply, write `{word} * (...)`"
+            if isinstance(ck.infer(ctx, expr.function), ScalarType)
+            else f"write `{word}` alone"
         )
         return ck.error("wrong-type", expr.function.span, f"`{word}` is not a function", hint=hint)
     return ck.unknown(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import field, replace
 from typing import Any
@@ -195,23 +195,27 @@ class Checker:
             self.types[id(expr)] = kind
         return kind
 
-    def expect(self, ctx: Context, expr: ast.Expr, wanted: Type, what: str) -> Type:
-        """Infers, and reports where the type does not fit; ``what`` names the thing ("the margin")."""
+    def expect(
+        self, ctx: Context, expr: ast.Expr, wanted: Type, what: str, beside: Iterable[ast.Expr | None] = ()
+    ) -> Type:
+        """Infers, and reports where the type does not fit; ``what`` names the thing ("the margin"), ``beside`` what has its unit."""
         if isinstance(expr, ast.VectorExpr) and isinstance(wanted, VecType):
             ctx = ctx.but(component=wanted.dimension)
         given = self.infer(ctx, expr)
         if not fits(given, wanted):
-            self.mismatch(expr, given, wanted, what)
+            self.mismatch(expr, given, wanted, what, beside)
         return given
 
-    def mismatch(self, expr: ast.Expr, given: Type, wanted: Type, what: str) -> None:
+    def mismatch(
+        self, expr: ast.Expr, given: Type, wanted: Type, what: str, beside: Iterable[ast.Expr | None] = ()
+    ) -> None:
         """Reports that ``expr`` of type ``given`` stands where ``wanted`` is expected."""
         if isinstance(wanted, ScalarType | VecType) and isinstance(given, ScalarType | VecType):
             need = wanted.dimension
             if given.dimension == NONE and need not in (NONE, None) and is_unitless(expr):
                 hint = f"give the numbers units: {usual_unit(need)}"
                 if isinstance(expr, ast.NumberExpr):
-                    hint = f"write {with_likely_units(expr, need)}"
+                    hint = f"write {with_likely_units(expr, need, beside)}"
                 self.error("missing-unit", expr.span, f"{what} needs a unit: {wanted} is expected", hint=hint)
                 return
             self.error(

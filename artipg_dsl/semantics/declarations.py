@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, cast
 
 from ..diagnostics.suggest import any_of, did_you_mean, given
@@ -183,7 +184,8 @@ def check_count(ck: Checker, ctx: Context, node: ast.CountDecl) -> None:
 
 def _drawn(ck: Checker, ctx: Context, node: ast.ParamDecl | ast.CountDecl, kind: Type, what: str) -> None:
     """The default and the distribution."""
-    if node.default is not None and check_default(ck, ctx, node.default, kind, what):
+    ends = () if node.domain is None else (node.domain.low, node.domain.high)
+    if node.default is not None and check_default(ck, ctx, node.default, kind, what, ends):
         _inside(ck, ctx, node.default, node.domain, f"the default of {what}")
         values = components(node.default, ctx.module)
         if isinstance(node, ast.ParamDecl) and node.positive and any(v is not None and v <= 0 for v in values):
@@ -239,7 +241,9 @@ def _handed(ctx: Context) -> set[str]:
     return {name.name for value in values for name in walk(value) if isinstance(name, ast.NameExpr)}
 
 
-def check_default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what: str) -> bool:
+def check_default(
+    ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what: str, beside: Iterable[ast.Expr] = ()
+) -> bool:
     """Whether a default fits the type; a value of a choice is a bare word."""
     if isinstance(kind, ChoiceType) and isinstance(default, ast.NameExpr):
         if default.name not in kind.values:
@@ -259,8 +263,8 @@ def check_default(ck: Checker, ctx: Context, default: ast.Expr, kind: Type, what
             hint="only an argument may depend on a condition: `Tray(shape = round if small else square)`",
         )
         return False
-    given = ck.expect(ctx.but(holes=True) if isinstance(default, ast.VectorExpr) else ctx, default, kind, what)
-    return fits(given, kind)
+    place = ctx.but(holes=True) if isinstance(default, ast.VectorExpr) else ctx
+    return fits(ck.expect(place, default, kind, what, beside), kind)
 
 
 def check_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, kind: Type, what: str) -> None:
@@ -269,7 +273,7 @@ def check_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, kind: Type, 
     fitting = True
     for end in (interval.low, interval.high):
         whole = wanted if not isinstance(end, ast.NumberExpr) else kind
-        fitting &= fits(ck.expect(ctx, end, whole, what), whole)
+        fitting &= fits(ck.expect(ctx, end, whole, what, (interval.low, interval.high)), whole)
     if not fitting:
         return
     lows, highs = components(interval.low, ctx.module), components(interval.high, ctx.module)
@@ -346,11 +350,12 @@ def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type,
             hint=f"as in `~ {law.call}`",
         )
         return
-    fitting = True
+    fitting, ends = True, () if domain is None else (domain.low, domain.high)
     for position, argument in enumerate(node.arguments):
         relative = node.name == "lognormal" and position == 1
         wanted = RATIO if relative or kind == COUNT and node.name != "values" else kind
-        fitting &= fits(ck.expect(ctx, argument.value, wanted, f"an argument of `{node.name}`"), wanted)
+        fits_here = fits(ck.expect(ctx, argument.value, wanted, f"an argument of `{node.name}`", ends), wanted)
+        fitting &= fits_here
         value = constant(argument.value, ctx.module)
         if position == 1 and position in law.positive and value is not None and value <= 0:
             ck.error(
@@ -359,7 +364,7 @@ def _distribution(ck: Checker, ctx: Context, node: ast.Distribution, kind: Type,
                 "a deviation must be greater than 0",
                 hint="write a deviation above 0; for one fixed value, use `let` or a default without a distribution",
             )
-        if node.name == "values":
+        if node.name == "values" and fits_here:
             _inside(ck, ctx, argument.value, domain, "a value of the distribution")
     if fitting:
         _reaches(ck, ctx, node, domain)

@@ -193,8 +193,8 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
 
 def _positions(ck: Checker, ctx: Context, node: ast.JointDecl, positions: ast.Clause[ast.Expr]) -> None:
     """In how many places a joint catches: two at least, and of a joint that moves by itself, between ends of its own."""
-    ck.expect(ctx, positions.value, COUNT, "the number of positions")
-    number = constant(positions.value, ctx.module)
+    fitting = fits(ck.expect(ctx, positions.value, COUNT, "the number of positions"), COUNT)
+    number = constant(positions.value, ctx.module) if fitting else None
     if number is not None and number < 2:
         ck.error(
             "illegal-value",

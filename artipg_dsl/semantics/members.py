@@ -34,6 +34,7 @@ from .types import (
     PartType,
     ScalarType,
     SlotType,
+    StyleType,
     Type,
     VecType,
 )
@@ -82,7 +83,11 @@ def member(ck: Checker, ctx: Context, expr: ast.MemberExpr) -> Type:
         hint = (
             did_you_mean(word, known)
             or listed(known)
-            or f"leave `.{word}` out: a part or a vector has members, a number none"
+            or (
+                "a style makes no part: name a part that it is the template of"
+                if isinstance(obj, StyleType)
+                else f"leave `.{word}` out: a part or a vector has members, a number none"
+            )
         )
         if word in FACES and isinstance(expr.obj, ast.MemberExpr) and expr.obj.name in FACES:
             hint = "only adjacent faces share an edge, as in `left.back`"

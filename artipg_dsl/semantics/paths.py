@@ -8,6 +8,7 @@ from ..diagnostics.suggest import any_of, did_you_mean
 from ..language import DIRECTIONS, FACES, FUNCTIONS, WORDS
 from ..source import Span
 from ..syntax import ast
+from ..units import UNITS
 from . import foreign
 from .entries import narrowed
 from .guards import TRUE, And, Or, consistent, implies
@@ -15,7 +16,7 @@ from .meanings import Axis, Base, Constant, Current, Declared, Global, Local, Me
 from .parts import BOX_MEMBERS, shared
 from .presence import guarded, optional
 from .scope import BodyScope, Entry, Variant
-from .symbols import Symbol, lacks_role
+from .symbols import Symbol, lacks_role, parent_of
 from .types import (
     BASE,
     BOOL,
@@ -101,14 +102,18 @@ def _declared(ctx: Context, word: str, home: BodyScope) -> Meaning:
 
 def _unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     """Reports a name that nothing declares."""
-    near = did_you_mean(word, [*ctx.names(), *(w.name for w in WORDS.values() if w.kind != "place")])
+    words = [w.name for w in WORDS.values() if w.kind != "place"]
+    values = [name for name in ctx.names() if (found := ctx.module.find(name)) is None or found.kind != "vocabulary"]
+    near = did_you_mean(word, [*values, *words])
     parts = _within_parts(ck, ctx, word)
     owned = f"a part has it: write {any_of(parts[:_NAMED])}" if parts else None
     hint = (
         _option(ck, ctx, word)
         or _within_repeat(ctx, word)
+        or _within_role(ck, ctx, word)
         or " ".join(filter(None, (near, owned)))
         or foreign.NAMES.get(word)
+        or (f"a unit directly follows its number: `1{word}`" if word in UNITS else None)
         or _within_category(ck, ctx, word)
     )
     return ck.unknown(ctx.module, word, "unknown-name", span, f"there is no `{word}` here", hint)
@@ -131,6 +136,17 @@ def _within_repeat(ctx: Context, word: str) -> str | None:
             if word == scope.repeat.index:
                 return f"`{word}` is the index of the repeat `{around[-1]}` and only exists inside it"
             return f"`{word}` is declared inside the repeat `{around[-1]}`: write `{'.'.join([*around, word])}`"
+    return None
+
+
+def _within_role(ck: Checker, ctx: Context, word: str) -> str | None:
+    """How a template without a role gets what roles of its file declare."""
+    owner = ctx.scope.root.owner if ctx.scope is not None else None
+    if owner is None or owner.kind != "template" or parent_of(owner) is not None:
+        return None
+    for symbol in ctx.module.names.values():
+        if symbol.kind == "role" and word in ck.interface_of(symbol):
+            return f"the role `{symbol.name}` declares it, which `{owner.name}` does not play: `template {owner.name} : {symbol.name}`"
     return None
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import pi
 
 from ..syntax import ast
-from ..units import Dimension
+from ..units import UNITS, Dimension
 from .types import (
     ANGLE,
     BOOL,
@@ -42,9 +43,13 @@ def usual_unit(dimension: Dimension) -> str:
     return _UNITS.get(dimension_name(dimension), "")
 
 
-def with_likely_units(number: ast.NumberExpr, dimension: Dimension) -> str:
-    """A number with each of the units that may be meant: small ones may be metres, radians or turns."""
+def with_likely_units(number: ast.NumberExpr, dimension: Dimension, beside: Iterable[ast.Expr | None] = ()) -> str:
+    """A number with each of the units that may be meant: that of a number ``beside`` it, as the other end of its range; else small
+    ones may be metres, radians or turns."""
     value, text = number.value, number.span.text
+    units = (other.unit for other in beside if isinstance(other, ast.NumberExpr))
+    if (unit := next((unit for unit in units if unit and UNITS[unit][1] == dimension), None)) is not None:
+        return f"{text}{unit}"
     broken = value % 1 > 0
     small = {"length": {"m": value < 1}, "angle": {"rad": broken and value < 2 * pi, "turn": broken and value < 1}}
     rarer = [unit for unit, meant in small.get(dimension_name(dimension), {}).items() if meant]

@@ -250,6 +250,9 @@ def _by_history(
     reserved = token.value in tools.layout.reserved and last.type != "IS"
     if reserved and last.type == "USE":
         return found(f"`{token.value}` is a word of the language, not a module", f"did you mean `{token.value}s`?")
+    if reserved and token.type == "NONE" and last.type in COMPARISONS:
+        tells = "a part by itself tells whether it is there: `when handle { }`, `when not handle { }`"
+        return found("`none` is no value: nothing equals it", tells)
     if reserved and accepted & {"NAME", "WORD"}:
         return found(
             f"`{token.value}` is a word of the language and cannot be used as a name",
