@@ -18,7 +18,7 @@ from ...syntax.walk import walk
 from ..values.carry import whichever
 from ..values.faces import FACES, frame_of, squared
 from ..values.kinds import Box, Frame, Line, Ports, Value, carriers_of
-from ..values.vectors import HERE, compose, dot, minus, normalized, place, times, transpose
+from ..values.vectors import HERE, compose, cross, dot, minus, normalized, place, times, transpose
 from .arithmetic import applied
 from .env import Element, pose_between
 
@@ -85,11 +85,15 @@ def bound(node: ast.CallExpr, form: Form) -> dict[str, ast.Expr]:
 
 def frame(ev: Evaluator, node: ast.CallExpr, form: Form) -> Frame:
     given = bound(node, form)
-    return Frame(
-        ev.vector(given["at"]),
-        frame_of(ev.direction(given["out"]), ev.direction(given["up"])),
-        carriers_of(ev.value(given["at"])),
-    )
+    out, up = ev.direction(given["out"]), ev.direction(given["up"])
+    if all(c is E.ZERO for c in cross(normalized(out), normalized(up))):
+        raise ev.env.context.error(
+            "illegal-value",
+            given["up"].span,
+            "`up` of a frame must not run along its `out`",
+            hint="name a direction across it, such as x for the `out` z",
+        )
+    return Frame(ev.vector(given["at"]), frame_of(out, up), carriers_of(ev.value(given["at"])))
 
 
 def line(ev: Evaluator, node: ast.CallExpr, form: Form) -> Line:

@@ -73,6 +73,11 @@ class Evaluator:
             case Frame() as frame:
                 return frame.out
             case Line(direction=(a, b, c)) | Vec(items=(a, b, c)):
+                if a is b is c is E.ZERO:
+                    hint = "name an axis, or make one component differ from 0"
+                    raise self.env.context.error(
+                        "illegal-value", node.span, "a direction must not be [0, 0, 0]", hint=hint
+                    )
                 return a, b, c
             case value:
                 raise self.impossible(node.span, "a direction such as x or -z", value)

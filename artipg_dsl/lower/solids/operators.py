@@ -224,6 +224,11 @@ def extrude(env: Env, solid: ast.SolidDecl) -> Made:
     axis = axis_of(env, solid, solid.along)
     assert solid.from_ is not None and solid.to is not None
     low, high = (Evaluator(env).scalar(end.value) for end in (solid.from_, solid.to))
+    if (tall := E.sub(high, low).constant) is not None and tall <= 0.0:
+        hint = "`from` names the lower end, `to` the upper"
+        raise env.context.error(
+            "bad-curve", solid.to.span, "the prism has no height: it ends no higher than it begins", hint=hint
+        )
     chains = chains_of(env, probe, solid)
     region = holed(env, probe, solid, chains) if several(probe, chains) else None
     if region is None:

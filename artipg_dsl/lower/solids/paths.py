@@ -226,9 +226,10 @@ def _refuse_odd(curve: Curve, steps: Sequence[Step], known: Intervals) -> None:
     error, along = curve.env.context.error, triple(steps[0].numbers[3:])
     for piece, step, rail in zip(curve.value.pieces[1:], steps[1:], stretches(steps), strict=True):
         for expr, kind in zip(step.numbers, KINDS[step.word], strict=True):
-            most = known.of(expr)[1] if kind in _POSITIVE else 0.0
-            if most < 0.0:
-                said = f"the {kind} of this `{step.word}` is {plain(most, 'rad' if kind == 'angle' else 'm')} at most"
+            most = known.of(expr)[1] if kind in _POSITIVE else math.inf
+            if most <= 0.0:
+                at_most = " at most" if expr.constant is None else ""
+                said = f"the {kind} of this `{step.word}` is {plain(most, 'rad' if kind == 'angle' else 'm')}{at_most}"
                 hint = (
                     "turn the other way with the opposite `towards`"
                     if kind == "angle"
