@@ -98,7 +98,7 @@ CONSTANT = {
     "an axis": (
         TURN.format("line(at = body.top.center, along = [0, 0, 0])"),
         1,
-        "the length of the axis of the joint `j` is 0",
+        "a direction must not be [0, 0, 0]",
     ),
     "a line": (
         TURN.format("line(at = body.top.center, to = body.top.center)"),
@@ -108,7 +108,7 @@ CONSTANT = {
     "an axis of a part": (
         "part b : Cuboid(size = [1cm, 1cm, 1cm]) turned 9deg about [0, 0, 0]\nconnect b to body",
         0,
-        "an axis must not be [0, 0, 0]",
+        "a direction must not be [0, 0, 0]",
     ),
     "an axis askew": (
         "part b : Cuboid(size = [1cm, 1cm, 1cm]) along [1, 1, 0]\nconnect b to body",
@@ -155,7 +155,7 @@ CONSTANT = {
         "`t * size.z / (1 - 1)` divides by zero",
     ),
     "an approach": (
-        GRASP.format(0, "[0, 0, 0]", "y", "size.y", 1),
+        GRASP.format(0, "[0, 0, t]", "y", "size.y", 1),
         2,
         "the length of `approach` of the grasp `g` is 0",
     ),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from ...graph import expr as E
 from ...syntax import ast
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
@@ -23,13 +22,6 @@ def apply_placements(env: Env, placements: tuple[ast.Placement, ...], outer: Mat
                     hint="for any other direction use `turned 20deg about y`, or `connect` with frames",
                 )
             step = along(direction)
-        elif all(c is E.ZERO for c in direction):
-            raise env.context.error(
-                "bad-axis",
-                placement.direction.span,
-                "an axis must not be [0, 0, 0]",
-                hint="write `x`, `y` or `z`, or a vector of which one component is not 0",
-            )
         else:
             step = rotation_about(normalized(direction), ev.scalar(placement.angle))
         made = product(step, made)
