@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 _NAMED = 6  # parts that a warning names
 _SLACK = 1e-6  # radians or metres, by which rounding takes a joint out of its range
+_FAR = 3.0  # times the size of its object: what slides farther than that has perhaps a wrong unit
+_SHORT = 1e-3  # metres
 _APART = 1e-4  # metres: what is farther apart does not touch
 _UNEVEN = 0.01  # of a size: by how much the two sizes of what a quarter turn leaves alike may differ, or more than others must
 
@@ -42,6 +44,7 @@ class Examined:
             return
         self.warn_rigid()
         self.warn_beyond()
+        self.warn_far()
         self.warn_asymmetric()
         for look in (self.warn_of_cost, self.warn_untested, self.warn_invalid):
             try:
@@ -82,6 +85,8 @@ class Examined:
             it = f"`{' '.join((first.text or first.message).split())}` ({first.where})"
             if spans:
                 it = "this requirement"
+                if not spans[0].text.startswith("require"):  # that of a primitive, which an argument breaks
+                    it = f"what must hold here ({first.message})"
                 if one.requirements[0] not in self.lowering.context.stated:
                     it = f"what must hold here ({first.message}{why_endless(self.lowering, one.requirements[0])})"
             why = (
@@ -313,6 +318,38 @@ class Examined:
                 self._line(joint.where) or self.span,
                 f"`{joint.path}` {said}, and its range is {own}",
                 hint=hint,
+            )
+
+    def warn_far(self) -> None:
+        """Name joints that slide much farther than their object is large, in every object that has them."""
+        from .lower.solve.feasible import plain  # start-up
+
+        joints, parts = self.batch.joints(), self.batch.parts()
+        way = joints.high - joints.low
+        slides = np.array([kind == "prismatic" for kind in joints.kind], dtype=bool)
+        if self.batch.program.closures or not np.any(slides & (way > _SHORT)):
+            return  # in a loop, the ends only bound where it is sought
+        around = np.linalg.norm(parts.high - parts.low, axis=1) / 2  # about the middle of a part, however it is turned
+        middle = parts.translation + np.einsum("nij,nj->ni", parts.rotation, (parts.low + parts.high) / 2)
+        size = np.array(
+            [
+                np.linalg.norm(np.ptp(middle[mine], axis=0)) + 2 * np.max(around[mine], initial=0.0)
+                for mine in (parts.owner == row for row in range(int(parts.owner.max(initial=-1)) + 1))
+            ]
+        )
+        far = slides & (way > np.maximum(_SHORT, _FAR * size[joints.owner]))
+        for number in np.unique(joints.definition[far]).tolist():
+            mine = joints.definition == number
+            joint = self.batch.program.joints[number]
+            if not far[mine].all():
+                continue
+            k = int(np.flatnonzero(mine)[0])
+            self.report.warning(
+                "far-motion",
+                self._line(joint.where) or self.span,
+                f"`{joint.path}` slides {plain(float(way[k]), 'm')}, and the whole object is about "
+                f"{plain(float(f'{size[joints.owner[k]]:.2g}'), 'm')} large",
+                hint="is the unit right? Shorten its range, or bound what the range is made of",
             )
 
     def warn_of_cost(self) -> None:

@@ -57,7 +57,7 @@ def check_param(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
         return
     _idle(ck, ctx, node, kind, what)
     if node.domain is not None:
-        check_range(ck, ctx, node.domain, kind, f"an end of the range of {what}")
+        check_range(ck, ctx, node.domain, kind, f"an end of the range of {what}", ", ".join(node.names))
     if node.test is not None:
         check_range(ck, ctx, node.test, kind, f"an end of the test range of {what}")
     _drawn(ck, ctx, node, kind, what)
@@ -178,7 +178,7 @@ def _follows(ck: Checker, ctx: Context, node: ast.ParamDecl) -> None:
 
 def check_count(ck: Checker, ctx: Context, node: ast.CountDecl) -> None:
     what = f"`{node.name}`"
-    check_range(ck, ctx, node.domain, COUNT, f"an end of the range of {what}")
+    check_range(ck, ctx, node.domain, COUNT, f"an end of the range of {what}", node.name)
     _drawn(ck, ctx, node, COUNT, what)
 
 
@@ -267,8 +267,10 @@ def check_default(
     return fits(ck.expect(place, default, kind, what, beside), kind)
 
 
-def check_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, kind: Type, what: str) -> None:
-    """Both ends fit the type, and the low one is not above the high one."""
+def check_range(
+    ck: Checker, ctx: Context, interval: ast.RangeExpr, kind: Type, what: str, lone: str | None = None
+) -> None:
+    """Both ends fit the type, and the low one is not above the high one; of the name ``lone``, which is drawn, it is below."""
     wanted = RATIO if kind == COUNT and not isinstance(interval.low, ast.NumberExpr) else kind
     fitting = True
     for end in (interval.low, interval.high):
@@ -289,6 +291,13 @@ def check_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, kind: Type, 
                     else "swap the components of the two ends where the low one is larger",
                 )
                 return
+        if lone is not None and None not in lows and lows == highs:
+            ck.warning(
+                "empty-range",
+                interval.span,
+                f"both ends of the range of `{lone}` are the same: it always has this value",
+                hint="widen the range; for one fixed value, use `let`, or a default without a range",
+            )
 
 
 def _inside(ck: Checker, ctx: Context, value: ast.Expr, domain: ast.RangeExpr | None, what: str) -> None:

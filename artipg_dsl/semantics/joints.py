@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..diagnostics.suggest import any_of, suggest
 from ..language import FACES, JOINTS
 from ..syntax import ast
+from ..syntax.walk import walk
 from ..units import UNITS
 from . import foreign, placing
 from .declarations import check_range
@@ -37,6 +38,7 @@ from .types import (
 if TYPE_CHECKING:
     from .checker import Checker, Context
 
+_MANY_DEGREES = 720.0
 _UNITS = {  # of what turns, and of what slides
     "damping": (("Nms/rad", "Nms"), ("Ns/m",)),
     "friction": (("Nm",), ("N",)),
@@ -222,6 +224,15 @@ def motion_range(ck: Checker, ctx: Context, interval: ast.RangeExpr, wanted: Typ
     values = interval.low, interval.high
     free = [_clears(ck, ctx, v) for v in values]
     plain = [v for v, is_free in zip(values, free, strict=True) if not is_free]
+    for value in plain if wanted == ANGLE else ():
+        for number in (node for node in walk(value) if isinstance(node, ast.NumberExpr) and node.unit == "deg"):
+            if number.value > _MANY_DEGREES:
+                ck.warning(
+                    "far-motion",
+                    number.span,
+                    f"{number.span.text} are more than two turns",
+                    hint=f"is the unit right? What turns many times is measured in turns: {number.value / 360:.3g}turn",
+                )
     if len(plain) == 2:
         check_range(ck, ctx, interval, wanted, "an end of the range of motion")
     else:

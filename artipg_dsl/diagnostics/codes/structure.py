@@ -210,6 +210,32 @@ STRUCTURE = (
         """,
     ),
     Code(
+        "far-motion",
+        "a joint moves much farther than its object is large",
+        """
+        In each of the few objects that `apgc check` draws, the joint slides more than three times as far as the object is
+        large, or its range is more than two turns and written in degrees. Mostly a unit is wrong, as in
+        `range 0 .. 30m`, or a range is made of the wrong value. What turns many times is measured in turns:
+        `range 0turn .. 5turn`.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Chest {
+          param width : length in 30cm .. 50cm
+          root part body : Cuboid(size = [30cm, width, 20cm])
+          part drawer : Cuboid(size = [20cm, 20cm, 10cm])
+          align drawer.back = body.front + 1mm
+          joint slide : prismatic body -> drawer along x range 0cm .. 20m
+          material oak on body, drawer
+          label semantic.body on body
+          label semantic.drawer on drawer
+        }
+        """,
+    ),
+    Code(
         "bad-mimic",
         "a joint cannot follow another in this way",
         """

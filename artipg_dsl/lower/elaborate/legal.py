@@ -340,14 +340,18 @@ def _of_joint(joint: Joint) -> Iterator[Quantity]:
         if value is not None:
             yield Quantity(f"the {end} of {name}", scope, value, replace(MOTION, unit=unit), place)
     if joint.low is not None and joint.high is not None:
-        ordered = Legal(-1e-9, 2e4, "its low end lies below its high end", unit)
-        yield Quantity(f"the extent of the range of {name}", scope, E.sub(joint.high, joint.low), ordered, place)
+        ordered = Legal(
+            -1e-9, 2e4, "the low end must not lie above the high end", unit, remedy="swap the ends, or correct one"
+        )
+        extent = f"the high end less the low end of the range of {name}"
+        yield Quantity(extent, scope, E.sub(joint.high, joint.low), ordered, place)
         if joint.rest is not E.minimum(E.maximum(E.ZERO, joint.low), joint.high):
             inside = E.minimum(E.sub(joint.rest, joint.low), E.sub(joint.high, joint.rest))
-            words = "it has to lie in the range of the joint"
-            yield Quantity(
-                f"how far the rest value of {name} lies inside", scope, inside, Legal(-1e-9, 2e4, words, unit), place
+            within = Legal(
+                -1e-9, 2e4, "it must lie in the range", unit, remedy="move `rest` into the range, or widen the range"
             )
+            between = f"the distance of the rest value of {name} from the nearer end of its range"
+            yield Quantity(between, scope, inside, within, place)
     held = (("damping", joint.damping, HELD), ("friction", joint.friction, HELD), ("stiffness", joint.stiffness, HELD))
     driven = (("effort", joint.effort, DRIVEN), ("velocity", joint.velocity, DRIVEN))
     for word, value, legal in (*held, *driven):
