@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...graph import expr as E
+from ...graph.defined import Sharp
 from ...graph.expr import Column, Expr
 from ...graph.program import Draw
 from ...source import Span
 from ...syntax import ast
 from ...units import SI_UNITS
-from ..expressions.context import Unknown, where
+from ..expressions.context import Draft, Unknown, where
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..values.kinds import Choice, Value, Vec
@@ -125,7 +126,27 @@ def _weight_of(env: Env, alternative: ast.Alternative) -> Expr:
     weight = E.ONE if alternative.weight is None else ev.scalar(alternative.weight)
     if alternative.guard is None:
         return weight
-    return E.where(ev.condition(alternative.guard), weight, E.ZERO)
+    known = ev.condition(alternative.guard)
+    env.context.guarded.append((known, alternative))
+    return E.where(known, weight, E.ZERO)
+
+
+def warn_never_drawn(context: Draft, own: object) -> None:
+    """Report the alternatives in the file ``own`` of which the ``when`` never holds, wherever it is asked."""
+    intervals = Sharp(context.program.draws, context.program.definitions)
+    asked: dict[int, tuple[ast.Alternative, list[Expr]]] = {}
+    for known, alternative in context.guarded:
+        asked.setdefault(id(alternative), (alternative, []))[1].append(known)
+    for alternative, conditions in asked.values():
+        guard = alternative.guard
+        if guard is None or guard.span.source is not own or any(intervals.of(known)[1] > 0.0 for known in conditions):
+            continue
+        context.report.warning(
+            "excluded-value",
+            guard.span,
+            f"`{guard.span.words}` never holds: the alternative {alternative.name or 'none'} is never drawn",
+            hint="correct the condition, widen the ranges of what it compares, or leave the alternative out",
+        )
 
 
 def _told_apart(names: Sequence[str]) -> tuple[str, ...]:

@@ -165,6 +165,9 @@ class Draft:
     )  # the preferences that the category itself states, and where
     said: dict[tuple[object, ...], list[Said]] = field(default_factory=dict)  # of one thing, in the order of the text
     holding: dict[int, list[Holding]] = field(default_factory=dict)  # of each label and field, where it holds
+    guarded: list[tuple[Expr, ast.Alternative]] = field(
+        default_factory=list
+    )  # alternatives behind which a `when` stands
     handed: list[Handed] = field(default_factory=list)  # arguments for parameters that have a range
     counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
