@@ -20,6 +20,7 @@ from .types import (
     DIMENSIONS,
     MATERIAL,
     PLACES,
+    SIZE,
     SURFACE,
     UNKNOWN,
     ArrayType,
@@ -44,7 +45,8 @@ def type_of(ck: Checker, entry: Entry) -> Type:
     ctx = ck.context(entry.scope).given(ck.entry_condition(entry))
     match entry.node:
         case ast.ParamDecl(type=ref):
-            return of_reference(ck, ctx, ref)
+            kind = of_reference(ck, ctx, ref)
+            return kind if entry.name != "size" or kind == SIZE else UNKNOWN  # that a box has another is reported there
         case ast.CountDecl():
             return COUNT
         case ast.LetDecl(parameters=parameters, value=value, keyword=keyword):

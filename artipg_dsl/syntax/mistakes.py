@@ -222,6 +222,11 @@ MISTAKES = (
         ),
     ),
     Mistake(
+        "the value of a property is missing before the end of the line",
+        "`#` begins a comment; a colour is written `colour [red, green, blue]`, each from 0 to 1",
+        ("top:material a { colour\n", "top:material a { density 5kg/m3 colour\n"),
+    ),
+    Mistake(
         "properties stand side by side, without commas",
         "for example `roughness 0.5  metalness 0`, or each on a line of its own",
         (

@@ -8,6 +8,7 @@ from functools import cache
 from .words import file_words, statement_words
 
 _QUIET = re.compile(r'"(?:[^"\\\n]|\\[^\n])*"?|#[^\n]*')
+_ELSE = re.compile(r"\s*else\b[^{}]*\{")  # the branch of a `when` that is gone goes with it
 _TOP = re.compile(r"(?m)^(?:use|role|template|primitive|category|vocabulary)(?![A-Za-z0-9_])")
 
 
@@ -42,6 +43,8 @@ def without_statement(text: str, place: int, line_alone: bool = False) -> str | 
     if line_alone and line_end >= 0:
         stop = line_end
     end = _after_blocks(plain, start, stop)
+    while end is not None and (otherwise := _ELSE.match(plain, end)):
+        end = _after_blocks(plain, start, otherwise.end())
     if end is None or not plain[start:end].strip():
         return None
     return text[:start] + re.sub(r"[^\n]", " ", text[start:end]) + text[end:]
