@@ -142,7 +142,8 @@ OPERATORS = _by_name(
     ),
     Kind(
         "sweep",
-        "`sweep(section)` | `along path up y` | a bar along any path; `start` and `end` are ports that point away from it",
+        "`sweep(section)` | `along path up y` | a bar along any path; `start` and `end` are ports that point away from it, "
+        "with the `up` of the section",
         "sweep(circle(r)) along path up y",
         needs=("along",),
         takes=("up",),
