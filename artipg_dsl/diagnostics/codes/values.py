@@ -85,7 +85,8 @@ VALUES = (
         "a range is empty",
         """
         In a range `low .. high` the low end must not lie above the high one. The ends may be formulas; where both are
-        known in advance, they are compared before anything is drawn. Swap the ends.
+        known in advance, they are compared before anything is drawn. Swap the ends. Of a parameter or a count, a range with
+        a single value is a warning: for a fixed value, use `let` or a default without a range.
         """,
         """
         apg 1
@@ -300,7 +301,8 @@ VALUES = (
         less than the text says, as where `when legs == 3 { require ... }` can hardly hold. `apgc check` sees it in 256
         attempts, judged by the requirements alone. Widen the ranges of what is required; for an equation write `align`,
         as drawn numbers are never equal by chance. If the value is not meant, leave it out. Options of a choice and ends
-        of the range of a count that `values` does not list are told, too.
+        of the range of a count that `values` does not list are told, too, and alternatives of parts and styles whose
+        `when` never holds within the ranges of what it compares.
         """,
         """
         apg 1
