@@ -95,11 +95,7 @@ CONSTANT = {
         1,
         "the pitch of the joint `j` is 0",
     ),
-    "an axis": (
-        TURN.format("line(at = body.top.center, along = [0, 0, 0])"),
-        1,
-        "a direction must not be [0, 0, 0]",
-    ),
+    "an axis": (TURN.format("line(at = body.top.center, along = [0, 0, 0])"), 1, "a direction must not be [0, 0, 0]"),
     "a line": (
         TURN.format("line(at = body.top.center, to = body.top.center)"),
         1,
