@@ -32,6 +32,7 @@ class RayHits:
     distance: np.ndarray
 
     def part(self, of: Callable[[np.ndarray], np.ndarray]) -> RayHits:
+        """What ``of`` takes from each of these arrays."""
         return RayHits(of(self.face), of(self.u), of(self.v), of(self.distance))
 
 
