@@ -348,7 +348,7 @@ class Examined:
                 "far-motion",
                 self._line(joint.where) or self.span,
                 f"`{joint.path}` slides {plain(float(way[k]), 'm')}, and the whole object is about "
-                f"{plain(float(f'{size[joints.owner[k]]:.2g}'), 'm')} large",
+                f"{plain(float(f'{size[joints.owner[k]]:.2g}'), 'm')} across",
                 hint="is the unit right? Shorten its range, or bound what the range is made of",
             )
 
