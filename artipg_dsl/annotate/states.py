@@ -183,18 +183,19 @@ def name_values(batch: Batch, named: Iterable[tuple[str, float, str]]) -> np.nda
             raise UsageError(f"{batch.program.name} has no joint `{name}`", did_you_mean(name, every) or known)
         rows = [k for k, names in enumerate(zip(joints.name, own, strict=True)) if name in names]
         _refuse_idle(batch, name, rows, unit)
-        for row in rows:
-            units = _LENGTHS if JOINTS[joints.kind[row]].slides else _ANGLES
-            chosen[row] = True
-            if unit == "%":
-                values[row] = _part_way(batch, number / 100)[0][row]
-            elif unit in units or not unit:
-                values[row] = number * units.get(unit, 1.0)
-            else:
+        chosen[rows] = True
+        if unit == "%":
+            values[rows] = _part_way(batch, number / 100)[0][rows]
+            continue
+        for kind in sorted({joints.kind[row] for row in rows}):
+            units = _LENGTHS if JOINTS[kind].slides else _ANGLES
+            if unit and unit not in units:
                 raise UsageError(
-                    f"`{name}={number:g}{unit}`: the joint is {joints.kind[row]}",
+                    f"`{name}={number:g}{unit}`: the joint is {kind}",
                     f"write {name}=20% or a unit of {', '.join(units)}",
                 )
+            mine = [row for row in rows if joints.kind[row] == kind]
+            values[mine] = number * units.get(unit, 1.0)
     low, high = (np.where(np.isnan(end), values, end) for end in (joints.low, joints.high))
     values = np.clip(values, low, high)
     return (
