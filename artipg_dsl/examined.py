@@ -322,21 +322,16 @@ class Examined:
 
     def warn_far(self) -> None:
         """Name joints that slide much farther than their object is large, in every object that has them."""
+        from .geometry.sites import object_boxes  # start-up
         from .lower.solve.feasible import plain  # start-up
 
-        joints, parts = self.batch.joints(), self.batch.parts()
+        joints = self.batch.joints()
         way = joints.high - joints.low
         slides = np.array([kind == "prismatic" for kind in joints.kind], dtype=bool)
         if self.batch.program.closures or not np.any(slides & (way > _SHORT)):
             return  # in a loop, the ends only bound where it is sought
-        around = np.linalg.norm(parts.high - parts.low, axis=1) / 2  # about the middle of a part, however it is turned
-        middle = parts.translation + np.einsum("nij,nj->ni", parts.rotation, (parts.low + parts.high) / 2)
-        size = np.array(
-            [
-                np.linalg.norm(np.ptp(middle[mine], axis=0)) + 2 * np.max(around[mine], initial=0.0)
-                for mine in (parts.owner == row for row in range(int(parts.owner.max(initial=-1)) + 1))
-            ]
-        )
+        low, high = object_boxes(self.batch.sites(), len(self.batch))
+        size = np.linalg.norm(np.maximum(high - low, 0.0), axis=1)
         far = slides & (way > np.maximum(_SHORT, _FAR * size[joints.owner]))
         for number in np.unique(joints.definition[far]).tolist():
             mine = joints.definition == number
