@@ -60,7 +60,7 @@ def objects(folder: Path) -> Iterator[tuple[Job, int, Real, dict[str, Any]]]:
     for one in json.loads((folder / "fit.json").read_text())["objects"]:
         if one["object"] is not None:
             record = json.loads((folder / "fits" / f"{one['name']}.json").read_text())
-            yield job, one["object"], read_real(File(Path(one["source"])), record), record
+            yield job, one["object"], read_real(File(folder / one["source"]), record), record
 
 
 def figures(folders: list[str]) -> None:
