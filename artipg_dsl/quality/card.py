@@ -236,7 +236,7 @@ def make_card(
     size = measure_extents(batch)
     step(5)
     models = find_variants(sampler, batch, variants or {}, {} if real is None else real.variants, checked)
-    parameters = tuple(find_dead_parameters(batch, step(6)))
+    parameters = tuple(find_dead_parameters(sampler, batch, step(6)))
     alternatives = tuple(find_dead_alternatives(sampler, batch, step(7)))
     step(8)
     labels = (*find_dead_labels(batch), *find_idle_labels(batch), *find_dead_grasps(batch))

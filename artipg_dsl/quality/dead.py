@@ -30,6 +30,7 @@ from .fingerprint import fingerprint_objects
 
 _FEW = 48  # objects tried at first
 _MANY = 400  # objects tried before a parameter is called dead
+_MORE = 2048  # objects among which what is rare is looked for
 _TOGETHER = 1024  # objects evaluated at once
 _LOOKS = ((_FEW, 64), (_MANY, 512))  # objects, and points on each primitive that a label names
 _ROWS = 8  # of primitives on which a label may hold, at least, for it to be called dead
@@ -54,14 +55,55 @@ class Dead:
     option: str = ""
 
 
-def find_dead_parameters(batch: Batch, progress: Callable[[int, int], None] | None = None) -> list[Dead]:
-    """Numbers that are drawn and change nothing that can be observed; ``progress(done, total)`` counts draws."""
+def find_dead_parameters(
+    sampler: Sampler, batch: Batch, progress: Callable[[int, int], None] | None = None
+) -> list[Dead]:
+    """Numbers that are drawn and change nothing that can be observed; ``progress(done, total)`` counts draws.
+
+    What few of the objects have is looked for among ``_MORE`` others as well.
+    """
     draws = batch.program.draws
     tried = [k for k, draw in enumerate(draws) if draw.kind != "choice" and k not in batch.state.given]
-    having = {number: np.unique(batch.owner(draws[number].column.scope)) for number in tried}
-    told = {number: _Told() for number in tried if len(having[number])}
+    told = {number: _Told() for number in tried}
+    having = _having(batch, tried)
+    _try(batch, having, told, progress)
+    rare = [number for number in tried if not told[number].alive and len(having[number]) < _FEW]
+    if rare:
+        others = _others(sampler, batch)
+        _try(others, _having(others, rare), told, progress)
+    found = []
+    for number in tried:
+        why = told[number].why()
+        if why:
+            found.append(Dead(draws[number].column.name, str(draws[number].where or ""), why))
+    return found
+
+
+def _others(sampler: Sampler, batch: Batch) -> Batch:
+    """First attempts at further objects."""
+    numbers = np.uint64(batch.numbers.max()) + np.arange(1, _MORE + 1, dtype=np.uint64)
+    (answers,) = ask(sampler.program, sampler.plan, batch.seed, batch.state.given, [Question({}, numbers)], _MORE)
+    return answers.batch
+
+
+def _having(batch: Batch, draws: Sequence[int]) -> dict[int, np.ndarray]:
+    """The objects that have each of some draws, and are as they are asked to be."""
+    good = ~batch.state.failed
+    owners = {number: np.unique(batch.owner(batch.program.draws[number].column.scope)) for number in draws}
+    return {number: own[good[own]] for number, own in owners.items()}
+
+
+def _try(
+    batch: Batch,
+    having: Mapping[int, np.ndarray],
+    told: Mapping[int, _Told],
+    progress: Callable[[int, int], None] | None,
+) -> None:
+    """Move each draw in objects that have it until one of them shows it."""
+    for number, objects in having.items():
+        told[number].drawn = told[number].drawn or len(objects) > 0
     for most in (_FEW, _MANY):
-        left = {number: having[number][:most] for number in told if most == _FEW or len(having[number]) > _FEW}
+        left = {n: own[:most] for n, own in having.items() if len(own) > (0 if most == _FEW else _FEW)}
         left = {number: objects for number, objects in left.items() if not told[number].alive}
         there = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *left.values()]))
         before = np.zeros(len(batch), dtype=np.uint64)
@@ -75,19 +117,14 @@ def find_dead_parameters(batch: Batch, progress: Callable[[int, int], None] | No
                     progress(done, len(told))
                 _move(batch, group, step, before, told)
                 done += len(group)
-    found = []
-    for number in tried:
-        why = told[number].why() if number in told else "is never drawn"
-        if why:
-            found.append(Dead(draws[number].column.name, str(draws[number].where or ""), why))
-    return found
 
 
 @dataclass(slots=True)
 class _Told:
-    """What objects told in which a draw was moved: whether it changed, changed ``alone``, whether they ``look`` otherwise; and whether one
-    did so where nothing else had to give way."""
+    """What objects told in which a draw was moved: whether there were any, whether it changed, changed ``alone``, whether they ``look``
+    otherwise; and whether one did so where nothing else had to give way."""
 
+    drawn: bool = False
     moved: bool = False
     alone: bool = False
     look: bool = False
@@ -95,6 +132,8 @@ class _Told:
 
     def why(self) -> str:
         """Why the draw counts as dead; nothing said if it shows somewhere."""
+        if not self.drawn:
+            return "is never drawn"
         if self.alive or (self.look and not self.alone):
             return ""
         return "changes nothing" if self.moved else "has no room to vary"
@@ -154,12 +193,14 @@ def _moved(draw: Draw, drawn: np.ndarray, values: Kept, step: np.ndarray) -> Kep
 def find_dead_alternatives(
     sampler: Sampler, batch: Batch, progress: Callable[[int, int], None] | None = None
 ) -> list[Dead]:
-    """Alternatives that no object takes or that look exactly like another; ``progress(done, total)`` counts options."""
+    """Alternatives that no object takes, nor one of ``_MORE`` others, or that look exactly like another; ``progress(done, total)`` counts
+    options."""
     chosen = [k for k, d in enumerate(batch.program.draws) if d.kind == "choice" and k not in batch.state.given]
-    count = {
-        k: np.bincount(batch.state.values[k].astype(np.int64), minlength=len(batch.program.draws[k].options))
-        for k in chosen
-    }
+    count = {k: _taken(batch, k) for k in chosen}
+    if rare := [k for k in chosen if not count[k].all()]:
+        others = _others(sampler, batch)
+        for k in rare:
+            count[k] += _taken(others, k)
     taken = [(number, option) for number in chosen for option in np.flatnonzero(count[number]).tolist()]
     looks = dict(zip(taken, _take(sampler, batch, taken, progress or (lambda done, total: None)), strict=True))
     found = []
@@ -173,6 +214,13 @@ def find_dead_alternatives(
                 told.setdefault(option, f"cannot be told from {draw.options[other]}")
         found += [Dead(draw.column.name, str(draw.where or ""), why, draw.options[k]) for k, why in told.items()]
     return found
+
+
+def _taken(batch: Batch, number: int) -> np.ndarray:
+    """How often each option of a choice is taken by objects that are as they are asked to be."""
+    draw = batch.program.draws[number]
+    good = ~batch.state.failed[batch.owner(draw.column.scope)]
+    return np.bincount(batch.state.values[number][good].astype(np.int64), minlength=len(draw.options))
 
 
 def find_dead_labels(batch: Batch) -> list[Dead]:
