@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from .. import random
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError
+from ..graph.interval import Intervals
 from ..language import JOINTS
 from ..records import dataclass
 from ..runtime.detents import caught, in_positions
@@ -18,6 +19,7 @@ from ..runtime.motion import freedoms_of
 from .frames import rotate
 
 if TYPE_CHECKING:
+    from ..graph.program import Joint, Program
     from ..runtime.batch import Batch
 
 _MOST = 10_000
@@ -182,7 +184,9 @@ def name_values(batch: Batch, named: Iterable[tuple[str, float, str]]) -> np.nda
             known = f"its joints are {', '.join(every)}" if every else "it has none at all"
             raise UsageError(f"{batch.program.name} has no joint `{name}`", did_you_mean(name, every) or known)
         rows = [k for k, names in enumerate(zip(joints.name, own, strict=True)) if name in names]
-        _refuse_idle(batch, name, rows, unit)
+        meant = _meant(batch.program, name)
+        _refuse_idle(batch, name, meant, rows, unit)
+        _refuse_far(batch.program, name, meant, number, unit)
         chosen[rows] = True
         if unit == "%":
             values[rows] = _part_way(batch, number / 100)[0][rows]
@@ -205,11 +209,37 @@ def name_values(batch: Batch, named: Iterable[tuple[str, float, str]]) -> np.nda
     )
 
 
-def _refuse_idle(batch: Batch, name: str, rows: list[int], unit: str) -> None:
-    """A name that moves nothing, in whichever objects: of joints that follow others, or a share of a way that has no end."""
-    joints, program = batch.joints(), batch.program
+def _meant(program: Program, name: str) -> list[Joint]:
+    """The joints of a program of which a name may be."""
     names = {name, re.sub(r"_\d+(?=\.|$)", "", name)}  # half_1.open is one of half.open
-    meant = [joint for joint in program.joints if names & {joint.name, joint.path}]
+    return [joint for joint in program.joints if names & {joint.name, joint.path}]
+
+
+def _refuse_far(program: Program, name: str, meant: Sequence[Joint], number: float, unit: str) -> None:
+    """A value that no object reaches, by the domains of its program."""
+    if unit == "%":
+        if number > 100:
+            raise UsageError(f"`{name}={number:g}%` is more than the whole way", f"write {name}=100% for its end")
+        return
+    asked = [joint for joint in meant if unit in ("", *(_LENGTHS if JOINTS[joint.kind].slides else _ANGLES))]
+    if not asked or any(joint.low is None or joint.high is None or joint.mimic is not None for joint in asked):
+        return
+    domains = Intervals(program.draws, program.definitions)
+    ends = [(domains.of(joint.low), domains.of(joint.high)) for joint in asked if joint.low and joint.high]
+    tilting = any(JOINTS[joint.kind].tilts for joint in asked)
+    high = max(far[1] for _, far in ends)
+    low = -high if tilting else min(near[0] for near, _ in ends)
+    scale = {**_LENGTHS, **_ANGLES}.get(unit, 1.0)
+    if not low - _SLACK <= number * scale <= high + _SLACK:
+        raise UsageError(
+            f"`{name}={number:g}{unit}` is out of reach: the joint moves from {low / scale:.4g}{unit} to {high / scale:.4g}{unit} at most",
+            f"values beyond the limits of some objects are clipped; write {name}=100% for the end of each",
+        )
+
+
+def _refuse_idle(batch: Batch, name: str, meant: Sequence[Joint], rows: list[int], unit: str) -> None:
+    """A name that moves nothing, in whichever objects: of joints that follow others, or a share of a way that has no end."""
+    joints = batch.joints()
     if unit == "%" and meant and all(joint.low is None and joint.high is None for joint in meant):
         raise UsageError(f"the joint `{name}` has no end to share the way to", f"write a value, such as {name}=45deg")
     if rows and all(joint.mimic is not None for joint in meant) and (joints.mimic[rows] >= 0).all():

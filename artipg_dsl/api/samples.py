@@ -217,7 +217,8 @@ class Samples(Files):
     def states(self, **values: float) -> np.ndarray:
         """Joint values (J,) at rest except for the named joints: ``batch.states(open=1.2)`` sets all joints of that name.
 
-        Radians and metres; values stay within the limits, and what a joint waits for is open. Raises UsageError.
+        Radians and metres; values stay within the limits of each object, and what a joint waits for is open. Raises UsageError, also where
+        no object reaches a value.
         """
         from ..annotate.states import name_values
 

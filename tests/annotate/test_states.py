@@ -73,12 +73,22 @@ def test_a_joint_that_mimics_follows() -> None:
     [
         ("Scissors", "half_1.open=10deg", "the joint `half_1.open` follows `half_0.open`"),
         ("Globe", "spin=50%", "the joint `spin` has no end to share the way to"),
+        ("Microwave", "open=170deg", "`open=170deg` is out of reach: the joint moves from 0deg to 120deg at most"),
+        ("Microwave", "open=120%", "`open=120%` is more than the whole way"),
     ],
 )
 def test_names_that_would_move_nothing(category: str, text: str, told: str) -> None:
     batch = Session.of(category).sampler.batch(np.arange(1), 5)
     with pytest.raises(UsageError, match=told):
         joint_values(batch, read_states(text))
+
+
+def test_values_that_some_objects_reach_are_clipped_in_the_others() -> None:
+    batch = Session.of("Microwave").sampler.batch(np.arange(8), 5)
+    joints, asked = batch.joints(), np.deg2rad(105.0)
+    doors = np.asarray(joints.name) == "open"
+    values = joint_values(batch, read_states("open=105deg"))[0, doors]
+    assert (values == np.minimum(asked, joints.high[doors])).all() and len(np.unique(values < asked)) == 2
 
 
 def test_a_table_of_states_ends_in_nan(batch: Batch) -> None:
