@@ -1,5 +1,7 @@
 """Folders give the items that were written, by the names of a stream."""
 
+import pickle
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +67,8 @@ def test_items_are_whole_numbers_of_some_folder(folders: list[Path]) -> None:
         Stored([])
     with pytest.raises(UserError, match="folders is None"):
         Stored(None)  # type: ignore[arg-type]
+    with pytest.raises(UserError, match="chests is named twice"):
+        Stored([folders[0], str(folders[0])])
 
 
 def test_what_is_missing_is_named(folders: list[Path], chest: Path, tmp_path: Path) -> None:
@@ -88,4 +92,24 @@ def test_what_is_missing_is_named(folders: list[Path], chest: Path, tmp_path: Pa
     with pytest.raises(UserError, match="points of 4 things for 2 objects"):
         Stored(tmp_path / "links")
     with pytest.raises(UserError, match="32 and 64 points"):
-        Stored([folders[0], tmp_path / "few"]).take([0])
+        Stored([folders[0], tmp_path / "few"])
+
+
+def test_views_of_other_objects_are_told(folders: list[Path], tmp_path: Path) -> None:
+    path = shutil.copytree(folders[1], tmp_path / "boxes") / "views-00000.npz"
+    views = dict(np.load(path))
+    np.savez(path, **{name: array[1:] for name, array in views.items()})  # as a run that was ended has left them
+    with pytest.raises(UserError, match="views of 2 of its 3 objects"):
+        Stored(tmp_path / "boxes", "completion")
+    np.savez(path, **views | {"cloud_points": views["cloud_points"][:, :, :9]})
+    with pytest.raises(UserError, match="9 and 2048 points in their views"):
+        Stored([folders[0], tmp_path / "boxes"], "completion")
+
+
+def test_a_copy_reads_the_folders_itself(folders: list[Path]) -> None:
+    stored = Stored(folders, "affordance")
+    sent = pickle.dumps(stored)
+    assert len(sent) < stored.take([0])["points"].nbytes * len(stored)
+    copy = pickle.loads(sent).take([3, 11])
+    for name, values in stored.take([3, 11]).items():
+        np.testing.assert_array_equal(copy[name], values)

@@ -1,5 +1,6 @@
 """PyTorch's own DataLoader over streams and folders."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -86,3 +87,10 @@ def test_stored_items_are_shuffled_and_collated(folders: list[Path]) -> None:
     every = torch.cat([b["category"] * 10 + b["object"] for b in seen]).tolist()
     assert sorted(every) == sorted([0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 10, 11, 12]) and every != sorted(every)
     np.testing.assert_array_equal(stored[1]["points"], loaders.Stored(folders, "affordance").take([1])["points"][0])
+
+
+def test_workers_share_what_has_been_read(folders: list[Path], tmp_path: Path) -> None:
+    stored = Stored(shutil.copytree(folders[1], tmp_path / "boxes"))
+    shutil.rmtree(tmp_path / "boxes")
+    (batch,) = DataLoader(stored, batch_size=3, num_workers=1, multiprocessing_context="fork")
+    np.testing.assert_array_equal(batch["points"], loaders.Stored(folders[1]).take([0, 1, 2])["points"])
