@@ -53,21 +53,28 @@ def make_views(
     its size. ``engine``: "embree" or "numpy", the best there is by default. Raises UserError if a camera sees nothing,
     or stands within a solid.
     """
+    made = _Views(batch, cameras or Cameras(), states, _find_engine(engine))
+    made.fill()
+    return made.views()
+
+
+def see_points(
+    batch: Batch, cameras: Cameras, states: np.ndarray | None = None, engine: str | None = None
+) -> np.ndarray:
+    """Of ``make_views`` the ``points`` of its clouds alone, (..., k, 3) float32, in a part of the time. Raises as it does."""
+    made = _Places(batch, cameras, states, _find_engine(engine))
+    made.fill()
+    return made.points.reshape(*made.lead, cameras.points, 3)
+
+
+def _find_engine(engine: str | None) -> str:
+    """The best there is where none is named. Raises UsageError, UserError."""
     engine = engine or best_engine()
     if engine not in ENGINES:
         raise UsageError(f"there is no engine `{engine}` to cast rays with", f"there are {', '.join(ENGINES)}")
     if engine == "embree" and best_engine() != "embree":
         raise EMBREE.missing("the engine `embree`")
-    made = _Views(batch, cameras or Cameras(), states, engine)
-    pixels = made.each * _cameras_pixels(made.cameras)
-    step = min(max(1, _PIXELS // pixels), 16)
-    for first in range(0, len(batch), step):
-        made.fill(first, min(first + step, len(batch)))
-    return made.views(states is not None and np.ndim(states) == 2)
-
-
-def _cameras_pixels(cameras: Cameras) -> int:
-    return cameras.count * cameras.width * cameras.height
+    return engine
 
 
 def _enter(array: np.ndarray, at: np.ndarray, values: np.ndarray) -> None:
@@ -79,43 +86,27 @@ def _enter(array: np.ndarray, at: np.ndarray, values: np.ndarray) -> None:
         array[:, k][at] = values[:, k]
 
 
-class _Views:
-    """Arrays that are filled object by object; a *shot* is one object in one state seen by one camera."""
+class _Shots:
+    """A *shot* is one object in one state seen by one camera; ``lead`` is their shape. Arrays are filled some objects at a time."""
 
     def __init__(self, batch: Batch, cameras: Cameras, states: np.ndarray | None, engine: str):
         self.batch, self.cameras, self.caster = batch, cameras, ENGINES[engine]
         several = states is not None and np.ndim(states) == 2
         self.poses = [batch.pose(one) for one in (np.asarray(states) if several else [states])]
         self.each = len(self.poses)
-        shots, pixels, k = len(batch) * self.each * cameras.count, cameras.width * cameras.height, cameras.points
-        self.turn, self.eye = np.zeros((shots, 3, 3)), np.zeros((shots, 3))
-        self.images = self._arrays(shots * pixels, {"depth": 1, "normal": 3, "npcs": 3})
-        more = {"points": 3, "camera": 3, "normals": 3, "npcs": 3}
-        self.cloud = self._arrays(shots * k, more)
-        self.cloud["pixel"] = np.zeros((shots * k, 2), np.uint16)
-        kinds = field_kinds(batch.program.labels)
-        self.cloud |= {
-            n: np.zeros((shots * k, 3) if kind == "vectors" else shots * k, bool if kind == "mask" else np.float32)
-            for n, kind in kinds.items()
-        }
+        self.lead = (len(batch), self.each, cameras.count) if several else (len(batch), cameras.count)
+        self.count = len(batch) * self.each * cameras.count
+        self.turn, self.eye = np.zeros((self.count, 3, 3)), np.zeros((self.count, 3))
         self.key = random.key(batch.seed, "views")
 
-    @staticmethod
-    def _arrays(size: int, vectors: dict[str, int]) -> Arrays:
-        made = {n: np.zeros((size, width) if width > 1 else size, np.float32) for n, width in vectors.items()}
-        return made | {name: np.full(size, NONE, np.uint16) for name in ("semantic", "instance", "link")}
+    def fill(self) -> None:
+        """All objects."""
+        pixels = self.each * self.cameras.count * self.cameras.width * self.cameras.height
+        step = min(max(1, _PIXELS // pixels), 16)
+        for first in range(0, len(self.batch), step):
+            self._fill_some(first, min(first + step, len(self.batch)))
 
-    def views(self, several: bool) -> Views:
-        """The arrays in their final shapes."""
-        c = self.cameras
-        lead = (len(self.batch), self.each, c.count) if several else (len(self.batch), c.count)
-        images = {n: a.reshape(*lead, c.height, c.width, *a.shape[1:]) for n, a in self.images.items()}
-        cloud = {n: a.reshape(*lead, c.points, *a.shape[1:]) for n, a in self.cloud.items()}
-        inside = np.broadcast_to(c.intrinsics(), (*lead, 3, 3)).copy()
-        outside = extrinsics(self.turn, self.eye).reshape(*lead, 4, 4)
-        return Views(inside, outside, images, cloud)
-
-    def fill(self, first: int, stop: int) -> None:
+    def _fill_some(self, first: int, stop: int) -> None:
         """The objects ``first .. stop - 1``."""
         made = make_soup(self.batch, first, stop)
         shots: list[_Shot] = []
@@ -142,23 +133,83 @@ class _Views:
         self._write(made, shots)
 
     def _write(self, made: Soup, shots: list[_Shot]) -> None:
-        """Images and clouds of some shots, everything that does not depend on the shot for all of them at once."""
-        hits = SoupHits(*(np.concatenate([getattr(s.hits, name) for s in shots]) for name in ("triangle", "weights")))
+        """What is wanted of some shots, everything that does not depend on the shot for all of them at once."""
+        raise NotImplementedError
+
+    def _moved(self, shots: list[_Shot], shot: np.ndarray, link: np.ndarray) -> np.ndarray:
+        """The rows (n,) in all poses, one after the other, of points on the link rows ``link`` (n,) in the shots ``shot`` (n,)."""
+        state = np.array([s.number // self.cameras.count % self.each for s in shots])[shot]
+        return np.asarray(state * len(self.poses[0][0]) + link)
+
+    def _slots(self, shots: list[_Shot]) -> np.ndarray:
+        """Where the points of the clouds of some shots are among those of all."""
+        k = self.cameras.points
+        return (np.array([s.number for s in shots])[:, None] * k + np.arange(k)).ravel()
+
+
+class _Places(_Shots):
+    """Where the points of the clouds are, and nothing else."""
+
+    def __init__(self, batch: Batch, cameras: Cameras, states: np.ndarray | None, engine: str):
+        super().__init__(batch, cameras, states, engine)
+        self.points = np.zeros((self.count * cameras.points, 3), np.float32)
+
+    def _write(self, made: Soup, shots: list[_Shot]) -> None:
+        chosen = [s.hits.take(s.chosen) for s in shots]
+        hits = SoupHits(*(np.concatenate([getattr(one, name) for one in chosen]) for name in SoupHits.__slots__))
+        row = self._moved(shots, np.repeat(np.arange(len(shots)), self.cameras.points), made.link[hits.triangle])
+        turn, shift = (np.concatenate(parts) for parts in zip(*self.poses, strict=True))
+        self.points[self._slots(shots)] = carry_vectors(turn, shift, row, hits.blend(made.corner))
+
+
+class _Views(_Shots):
+    """All that ``Views`` has."""
+
+    def __init__(self, batch: Batch, cameras: Cameras, states: np.ndarray | None, engine: str):
+        super().__init__(batch, cameras, states, engine)
+        pixels, k = cameras.width * cameras.height, cameras.points
+        self.images = self._arrays(self.count * pixels, {"depth": 1, "normal": 3, "npcs": 3})
+        more = {"points": 3, "camera": 3, "normals": 3, "npcs": 3}
+        self.cloud = self._arrays(self.count * k, more)
+        self.cloud["pixel"] = np.zeros((self.count * k, 2), np.uint16)
+        kinds = field_kinds(batch.program.labels)
+        self.cloud |= {
+            n: np.zeros(
+                (self.count * k, 3) if kind == "vectors" else self.count * k, bool if kind == "mask" else np.float32
+            )
+            for n, kind in kinds.items()
+        }
+
+    @staticmethod
+    def _arrays(size: int, vectors: dict[str, int]) -> Arrays:
+        made = {n: np.zeros((size, width) if width > 1 else size, np.float32) for n, width in vectors.items()}
+        return made | {name: np.full(size, NONE, np.uint16) for name in ("semantic", "instance", "link")}
+
+    def views(self) -> Views:
+        """The arrays in their final shapes."""
+        c, lead = self.cameras, self.lead
+        images = {n: a.reshape(*lead, c.height, c.width, *a.shape[1:]) for n, a in self.images.items()}
+        cloud = {n: a.reshape(*lead, c.points, *a.shape[1:]) for n, a in self.cloud.items()}
+        inside = np.broadcast_to(c.intrinsics(), (*lead, 3, 3)).copy()
+        outside = extrinsics(self.turn, self.eye).reshape(*lead, 4, 4)
+        return Views(inside, outside, images, cloud)
+
+    def _write(self, made: Soup, shots: list[_Shot]) -> None:
+        hits = SoupHits(*(np.concatenate([getattr(s.hits, name) for s in shots]) for name in SoupHits.__slots__))
         shot = np.repeat(np.arange(len(shots)), [len(s.hits.triangle) for s in shots])
         bound = bind_hits(made, hits)
         link, part = made.link[hits.triangle], made.part[hits.triangle]
-        state = np.array([s.number // self.cameras.count % self.each for s in shots])[shot]
-        turn = np.stack([rotation for rotation, _ in self.poses])
-        shift = np.stack([translation for _, translation in self.poses])
+        row = self._moved(shots, shot, link)
+        turn, shift = (np.concatenate(parts) for parts in zip(*self.poses, strict=True))
         every = {
-            "normal": carry_vectors(turn.reshape(-1, 3, 3), None, state * turn.shape[1] + link, bound.normal),
+            "normal": carry_vectors(turn, None, row, bound.normal),
             "npcs": part_coordinates(self.batch, part, bound.position),
             "semantic": read_classes(self.batch, bound),
             "instance": np.asarray(self.batch.parts().number)[part],
             "link": np.asarray(self.batch.links().number)[link],
         }
         depth = np.concatenate([s.depth for s in shots])
-        pixels, k = self.cameras.width * self.cameras.height, self.cameras.points
+        pixels = self.cameras.width * self.cameras.height
         place = np.concatenate([s.number * pixels + s.pixel for s in shots])
         within = np.concatenate([np.arange(len(s.pixel)) < s.in_image for s in shots])
         seen = slice(None) if within.all() else within
@@ -169,22 +220,20 @@ class _Views:
 
         begins = np.cumsum([0, *(len(s.pixel) for s in shots[:-1])])
         chosen = np.concatenate([begin + s.chosen for begin, s in zip(begins, shots, strict=True)])
-        slot = (np.array([s.number for s in shots])[:, None] * k + np.arange(k)).ravel()
+        slot = self._slots(shots)
         every["normals"] = every.pop("normal")
-        position = carry_vectors(
-            turn.reshape(-1, 3, 3), shift.reshape(-1, 3), (state * turn.shape[1] + link)[chosen], bound.position[chosen]
-        )
+        position = carry_vectors(turn, shift, row[chosen], bound.position[chosen])
         which = np.array([s.number for s in shots])[shot[chosen]]
         camera = carry_vectors(self.turn, None, which, position - self.eye[which])
-        row, column = np.divmod(place[chosen] % pixels, self.cameras.width)
+        line, column = np.divmod(place[chosen] % pixels, self.cameras.width)
         for name, values in every.items():
             _enter(self.cloud[name], slot, values[chosen])
         _enter(self.cloud["points"], slot, position)
         _enter(self.cloud["camera"], slot, camera)
-        self.cloud["pixel"][slot] = np.stack([row, column], axis=-1)
+        self.cloud["pixel"][slot] = np.stack([line, column], axis=-1)
         for name, values in read_labels(self.batch, bound.take(chosen)).fields.items():
             if values.ndim == 2:
-                values = carry_vectors(turn.reshape(-1, 3, 3), None, (state * turn.shape[1] + link)[chosen], values)
+                values = carry_vectors(turn, None, row[chosen], values)
             _enter(self.cloud[name], slot, values)
 
 
@@ -207,7 +256,7 @@ class _Target:
 class _Shot:
     """The hits of one camera: first those of the ``in_image`` pixels, then those that a cloud needs beside them."""
 
-    def __init__(self, of: _Views, target: _Target, number: int, view: int):
+    def __init__(self, of: _Shots, target: _Target, number: int, view: int):
         self.target, self.number, self.view = target, number, view
         self.turn, self.eye, self.cameras = of.turn[number], of.eye[number], of.cameras
         self.draw = of.key, random.mix(target.address, view)

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..annotate.cameras import Cameras
-from ..annotate.views import make_views
+from ..annotate.views import see_points
 from .clouds import draw, fit_diagonal, shapenet_axes
 from .entry import SPLITS, Entry
 from .findings import Findings
@@ -43,7 +43,7 @@ def clouds(batch: Batch) -> tuple[np.ndarray, np.ndarray]:
     """Whole clouds (B, n, 3) and partial ones (B, V, k, 3), in ShapeNet's axes, the whole cloud's diagonal 1."""
     whole = draw(batch, WHOLE).position
     fit = fit_diagonal(whole)
-    seen = make_views(batch, _CAMERAS).cloud["points"].astype(np.float64)
+    seen = see_points(batch, _CAMERAS).astype(np.float64)
     placed = shapenet_axes(fit.apply(whole)), shapenet_axes(fit.apply(seen))
     return placed[0].astype(np.float32), placed[1].astype(np.float32)
 

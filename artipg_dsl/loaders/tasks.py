@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..annotate.camera_file import cameras_of
-from ..annotate.cloud import Dress, sample_points
+from ..annotate.cloud import Dress, sample_points, sample_surface
+from ..annotate.sampling import Sampling
 from ..annotate.states import draw_values, joint_values, read_states
-from ..annotate.views import make_views
+from ..annotate.views import see_points
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError
 from ..records import dataclass
@@ -23,10 +24,12 @@ Arrays = dict[str, np.ndarray]
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """``points``: arrays of the cloud (B, n, ...) beside ``points`` itself; ``partial``: also a cloud seen by one camera."""
+    """``points``: arrays of the cloud (B, n, ...) beside ``points`` itself; ``vocabulary``: that of their labels; ``partial``: also a
+    cloud seen by one camera."""
 
     name: str
     points: tuple[str, ...]
+    vocabulary: str = "semantic"
     partial: bool = False
 
 
@@ -34,7 +37,7 @@ _ALL = (
     Task("segmentation", ("normals", "semantic", "instance", "link")),
     Task("pose", ("normals", "npcs", "semantic", "instance", "link", "motion")),
     Task("completion", (), partial=True),
-    Task("affordance", ("normals", "affordance", "motion")),
+    Task("affordance", ("normals", "affordance", "motion"), "affordance"),
 )
 TASKS: dict[str, Task] = {task.name: task for task in _ALL}
 
@@ -83,7 +86,13 @@ def make_arrays(
     ``semantic``, ``instance``, ``link`` (B, n) int64; ``affordance`` (B, n, W) float32 in the order of ``words["affordance"]``;
     ``partial`` (B, n, 3): what one camera sees. ``dress`` moves points to where their details are.
     """
-    made = sample_points(batch, points, states, motion="motion" in task.points, dress=dress)
+    if task.partial:
+        camera = cameras_of(1, **{"points": points, **views})
+        # for one picture embree's tree takes longer to build than a z-buffer to fill, which is there without an extra, too
+        seen = see_points(batch, camera, states, "numpy")[:, 0]
+        return {"points": sample_surface(batch, Sampling(points), states).position.astype(np.float32), "partial": seen}
+    motion = "motion" in task.points
+    made = sample_points(batch, points, states, motion=motion, dress=dress, vocabulary=task.vocabulary)
     found: Arrays = {"points": made.position.astype(np.float32)}
     sources = {"normals": made.normal, "npcs": made.npcs, "motion": made.motion}
     sources |= {"semantic": made.semantic, "instance": made.instance, "link": made.link}
@@ -94,9 +103,6 @@ def make_arrays(
             array = sources[name]
             assert array is not None
             found[name] = array.astype(DTYPES.get(name, np.float32))
-    if task.partial:
-        cloud = make_views(batch, cameras_of(1, **{"points": points, **views}), states).cloud["points"]
-        found["partial"] = cloud[:, 0].astype(np.float32)
     return found
 
 

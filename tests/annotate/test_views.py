@@ -15,7 +15,7 @@ from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.frames import rotate, unrotate
 from artipg_dsl.annotate.poses import part_poses
 from artipg_dsl.annotate.states import joint_values, open_values, read_states
-from artipg_dsl.annotate.views import NONE, Views, make_views
+from artipg_dsl.annotate.views import NONE, Views, make_views, see_points
 from artipg_dsl.errors import UsageError, UserError
 from artipg_dsl.geometry import rays
 from artipg_dsl.geometry.block import to_local
@@ -189,8 +189,11 @@ def test_views_of_an_object_are_its_own(sampler: Sampler, batch: Batch) -> None:
         assert all(these[name][3].tobytes() == those[name][0].tobytes() for name in these)
     assert both.extrinsics[3].tobytes() == alone.extrinsics[0].tobytes()
     assert not np.array_equal(both.extrinsics[3], both.extrinsics[2])
-    several = make_views(batch, SMALL, joint_values(batch, read_states("open,rest")))
+    values = joint_values(batch, read_states("open,rest"))
+    several = make_views(batch, SMALL, values)
     assert several.images["depth"][:, 1].tobytes() == both.images["depth"].tobytes()
+    for states, points in ((None, both.cloud["points"]), (values, several.cloud["points"])):
+        np.testing.assert_array_equal(see_points(batch, SMALL, states), points)
 
 
 @pytest.mark.some
