@@ -13,6 +13,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
+import numpy as np
+
 try:
     import torch
     from torch.utils.data import Dataset, IterableDataset, get_worker_info
@@ -108,7 +110,11 @@ class Stored(Dataset[Item]):
 
 
 def _to_tensors(arrays: loaders.tasks.Arrays) -> Item:
-    return {name: torch.from_numpy(array) for name, array in arrays.items()}
+    """Those that a transform has turned round are copied: tensors have no negative strides, and are written to."""
+    return {
+        name: torch.from_numpy(np.require(array, array.dtype.newbyteorder("="), ("C", "W")))
+        for name, array in arrays.items()
+    }
 
 
 def _own_share(rank: int | None, world: int | None) -> tuple[int, int]:

@@ -8,6 +8,7 @@ the task has it, on the points and all that is known of them where it has not.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from inspect import signature
 
 import numpy as np
 
@@ -23,6 +24,8 @@ _PLACES = ("points", "partial")
 _VECTORS = (*_PLACES, "normals", "motion")
 _PER_BATCH = ("object", "category")
 _AXES = {"x": 0, "y": 1, "z": 2}
+_NUMBERS = "biuf"
+_RETURNS = "it returns the NumPy arrays by name: arrays | {...}"
 
 
 def read_transforms(given: Iterable[Transform]) -> list[Transform]:
@@ -33,23 +36,45 @@ def read_transforms(given: Iterable[Transform]) -> list[Transform]:
     for one in found:
         if not callable(one) or isinstance(one, type):
             raise UsageError(f"{one!r} is not a transform", "give functions, such as Jitter()")
+        if not _takes_two(one):
+            raise UsageError(
+                f"the transform {one!r} cannot be called with the arrays of a batch and their draws",
+                "it is a function of both: def flip(arrays, draws)",
+            )
     return found
 
 
+def _takes_two(function: Transform) -> bool:
+    try:
+        signature(function).bind(None, None)
+    except TypeError:
+        return False
+    except ValueError:  # some that are built in have no signature
+        return True
+    return True
+
+
 def apply_transform(transform: Transform, arrays: Arrays, draws: Draws) -> Arrays:
-    """What a transform makes of the arrays of a batch. Raises UsageError where it is not as many objects, or no arrays at all."""
+    """What a transform makes of the arrays of a batch, whose types stay. Raises UsageError where it is not as many objects, or no arrays of
+    numbers at all."""
     made = transform(arrays, draws)
-    if not isinstance(made, dict) or not all(isinstance(array, np.ndarray) for array in made.values()):
-        shown = type(made).__name__ if not isinstance(made, dict) else "a dictionary of something else"
-        raise UsageError(f"the transform {transform!r} gives {shown}", "it returns the arrays: arrays | {...}")
-    count = len(arrays["points"])
-    if wrong := [name for name, array in made.items() if array.shape[:1] != (count,)]:
-        shape = made[wrong[0]].shape
-        raise UsageError(
-            f"the transform {transform!r} makes {wrong[0]!r} of shape {shape}",
-            f"the first axis is that of the {count} objects",
-        )
-    return made
+    if not isinstance(made, dict):
+        raise UsageError(f"the transform {transform!r} gives {type(made).__name__}", _RETURNS)
+    count, found = len(arrays["points"]), {}
+    for name, array in made.items():
+        if not isinstance(array, np.ndarray):
+            raise UsageError(f"the transform {transform!r} makes {name!r} {type(array).__name__}", _RETURNS)
+        if array.shape[:1] != (count,):
+            raise UsageError(
+                f"the transform {transform!r} makes {name!r} of shape {array.shape}",
+                f"the first axis is that of the {count} objects",
+            )
+        dtype = arrays[name].dtype if name in arrays else array.dtype
+        if array.dtype.kind not in _NUMBERS or not np.can_cast(array.dtype, dtype, "same_kind"):
+            kinds = "numbers" if name not in arrays else f"{dtype}"
+            raise UsageError(f"the transform {transform!r} makes {name!r} of type {array.dtype}", f"it holds {kinds}")
+        found[name] = array.astype(dtype, copy=False)
+    return found
 
 
 @dataclass(frozen=True, slots=True)

@@ -100,6 +100,7 @@ def test_it_travels_to_another_process(stream: Stream) -> None:
         ({"fresh": "no"}, "fresh is 'no'"),
         ({"transforms": Jitter()}, "give a list"),
         ({"transforms": [Jitter]}, "is not a transform"),
+        ({"transforms": [lambda arrays: arrays]}, "cannot be called with the arrays"),
         ({"states": "ajar"}, "not a joint state"),
         ({"set": {"widht": "50cm"}}, "width"),
         ({"prior": {"knbos": {"1": 1}}}, "knobs"),
@@ -132,7 +133,9 @@ def test_categories_are_names_each_once(chest: Path) -> None:
     ("transform", "message"),
     [
         (lambda arrays, draws: None, "gives NoneType"),
-        (lambda arrays, draws: arrays | {"extra": 3}, "gives a dictionary of something else"),
+        (lambda arrays, draws: arrays | {"extra": 3}, "makes 'extra' int"),
+        (lambda arrays, draws: arrays | {"name": np.array(["a", "b"])}, "makes 'name' of type <U1"),
+        (lambda arrays, draws: arrays | {"semantic": arrays["semantic"] * 0.5}, "'semantic' of type float64.*int64"),
         (lambda arrays, draws: {"points": arrays["points"][0]}, r"makes 'points' of shape \(8, 3\)"),
     ],
 )
@@ -140,6 +143,13 @@ def test_a_transform_gives_arrays_of_as_many_objects(chest: Path, transform: obj
     data = Stream(chest, size=2, batch=2, points=8, transforms=[transform])  # type: ignore[list-item]
     with pytest.raises(UserError, match=message):
         data.batch(0)
+
+
+def test_arrays_keep_their_types(chest: Path) -> None:
+    noise = Stream(
+        chest, size=2, batch=2, points=8, transforms=[lambda a, draws: a | {"points": a["points"] + draws.normal(8, 3)}]
+    )
+    assert noise.batch(0)["points"].dtype == np.float32
 
 
 def test_what_is_wrong_with_any_category_is_said_at_once(chest: Path, tmp_path: Path) -> None:

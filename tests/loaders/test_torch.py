@@ -42,6 +42,15 @@ def test_batches_are_not_batched_again(stream: Stream, options: dict[str, int]) 
         next(iter(DataLoader(stream, **options)))
 
 
+def test_arrays_that_are_turned_round_become_tensors(chest: Path) -> None:
+    options = {"size": 2, "batch": 2, "points": 32}
+    plain, flipped = (
+        next(iter(Stream(chest, transforms=transforms, **options)))["points"]
+        for transforms in ([], [lambda arrays, draws: {"points": arrays["points"][:, ::-1]}])
+    )
+    assert torch.equal(flipped, plain.flip(1))
+
+
 def test_an_epoch_is_a_whole_number(stream: Stream, folders: list[Path]) -> None:
     for data in (stream, Stored(folders)):
         for wrong in (-1, 0.5, 2**64):
