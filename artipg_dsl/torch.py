@@ -100,12 +100,13 @@ class Stored(Dataset[Item]):
     def __len__(self) -> int:
         return len(self.source)
 
-    def __getitem__(self, item: int) -> Item:
-        return {name: values[0] for name, values in _to_tensors(self.source.take([item], int(self._epoch))).items()}
+    def __getitem__(self, item: int | torch.Tensor) -> Item:
+        return self.__getitems__([item])[0]
 
-    def __getitems__(self, items: Sequence[int]) -> list[Item]:
-        """What a DataLoader asks for: the items of a batch at once."""
-        made = _to_tensors(self.source.take(items, int(self._epoch)))
+    def __getitems__(self, items: Sequence[int | torch.Tensor]) -> list[Item]:
+        """What a DataLoader asks for: the items of a batch at once. Samplers over a tensor of numbers give tensors of one each."""
+        numbers = [item.tolist() if isinstance(item, torch.Tensor) else item for item in items]
+        made = _to_tensors(self.source.take(numbers, int(self._epoch)))
         return [{name: values[k] for name, values in made.items()} for k in range(len(items))]
 
 

@@ -12,7 +12,7 @@ torch = pytest.importorskip(
     "torch", reason="PyTorch is large and not in the extra `test`: pip install 'artipg_dsl[torch]'"
 )
 
-from torch.utils.data import DataLoader  # noqa: E402
+from torch.utils.data import DataLoader, Subset  # noqa: E402
 
 from artipg_dsl.errors import UsageError  # noqa: E402
 from artipg_dsl.torch import Jitter, Stored, Stream  # noqa: E402
@@ -96,6 +96,14 @@ def test_stored_items_are_shuffled_and_collated(folders: list[Path]) -> None:
     every = torch.cat([b["category"] * 10 + b["object"] for b in seen]).tolist()
     assert sorted(every) == sorted([0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 10, 11, 12]) and every != sorted(every)
     np.testing.assert_array_equal(stored[1]["points"], loaders.Stored(folders, "affordance").take([1])["points"][0])
+
+
+def test_a_tensor_of_numbers_names_a_part(folders: list[Path]) -> None:
+    stored = Stored(folders)
+    (batch,) = DataLoader(Subset(stored, torch.tensor([3, 10])), batch_size=2)
+    assert batch["object"].tolist() == [1, 0] and batch["category"].tolist() == [0, 1]
+    with pytest.raises(UsageError, match="an item is 1.0"):
+        stored[torch.tensor(1.0)]
 
 
 def test_workers_share_what_has_been_read(folders: list[Path], tmp_path: Path) -> None:
