@@ -77,8 +77,9 @@ class Stream(IterableDataset[Batch]):
     def __iter__(self) -> Iterator[Batch]:
         info, epoch = get_worker_info(), int(self._epoch)
         first, step = (0, 1) if info is None else (info.id, info.num_workers)
-        for k in range(first, len(self), step):
-            yield Batch(_to_tensors(self.source.batch(k * self.world + self.rank, epoch)))
+        numbers = [k * self.world + self.rank for k in range(first, len(self), step)]
+        for made in self.source.batches(numbers, epoch):
+            yield Batch(_to_tensors(made))
 
 
 class Stored(Dataset[Item]):

@@ -6,7 +6,7 @@ take turns. A batch is a function of its number and the epoch alone: it is the s
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -32,6 +32,10 @@ if TYPE_CHECKING:
     from ..graph.program import Program
     from ..run.request import Request
     from ..runtime.batch import Batch
+
+
+_OF_EACH = 16  # objects of a category that are made at once, by making several batches together
+_MOST_POINTS = 1 << 20  # of batches that are made together
 
 
 class Stream:
@@ -188,22 +192,41 @@ class Stream:
 
         Raises NoObject, IndexError, UsageError, UserError.
         """
-        k, epoch = read_whole("the number of a batch", k), read_epoch(epoch)
-        if not 0 <= k < len(self):
-            raise IndexError(f"there are {len(self)} batches, no batch {k}")
-        item = np.arange(k * self.each, min((k + 1) * self.each, self.size))
-        place = item + (epoch * self.size if self.fresh else 0)
+        return next(self.batches([k], epoch))
+
+    def batches(self, numbers: Iterable[int], epoch: int = 0) -> Iterator[Arrays]:
+        """The batches of these numbers, one after the other, each as of ``batch``. Raises as it does.
+
+        Those of many categories take less time together: of each, one object takes nearly as long as ten.
+        """
+        wanted, epoch = [read_whole("the number of a batch", k) for k in numbers], read_epoch(epoch)
+        for k in wanted:
+            if not 0 <= k < len(self):
+                raise IndexError(f"there are {len(self)} batches, no batch {k}")
+        together = min(-(-_OF_EACH * len(self.sources) // self.each), _MOST_POINTS // (self.each * self.points))
+        step = max(1, together)
+        for first in range(0, len(wanted), step):
+            yield from self._make(wanted[first : first + step], epoch)
+
+    def _make(self, numbers: Sequence[int], epoch: int) -> Iterator[Arrays]:
+        """Some batches, whose objects are made at once."""
+        ranges = [range(k * self.each, min((k + 1) * self.each, self.size)) for k in numbers]
+        place = np.concatenate(ranges) + (epoch * self.size if self.fresh else 0)
         number, category = np.divmod(place, len(self.sources))
-        found: Arrays = {}
+        every: Arrays = {}
         for c in np.unique(category).tolist():
             mine = np.flatnonzero(category == c)
             made = self._jobs[c].of(number[mine]).batch()
             state = state_of(made, self.states, 0 if self.fresh else epoch)
             for name, array in self._arrays(c, made, state).items():
-                found.setdefault(name, np.empty((len(item), *array.shape[1:]), array.dtype))[mine] = array
-        for rank, transform in enumerate(self.transforms):
-            found = apply_transform(transform, found, Draws(self.seed, str(rank), place, epoch))
-        return {"object": number, "category": category} | found
+                every.setdefault(name, np.empty((len(place), *array.shape[1:]), array.dtype))[mine] = array
+        stop = 0
+        for own in ranges:
+            rows = slice(stop, stop := stop + len(own))
+            found = {name: array[rows] for name, array in every.items()}
+            for rank, transform in enumerate(self.transforms):
+                found = apply_transform(transform, found, Draws(self.seed, str(rank), place[rows], epoch))
+            yield {"object": number[rows], "category": category[rows]} | found
 
     def _arrays(self, category: int, made: Batch, state: np.ndarray) -> Arrays:
         found = make_arrays(made, self.task, self.points, state, self.words, self.view, self._dresses[category])

@@ -52,6 +52,17 @@ def test_another_epoch_has_other_objects_unless_it_is_to_have_the_same(stream: S
     np.testing.assert_array_equal(first["points"][~lid], second["points"][~lid])
 
 
+def test_batches_that_are_made_together_are_those_that_are_made_alone(chest: Path, box: Path) -> None:
+    both = Stream([chest, box], "pose", size=11, batch=4, points=16, states="random", transforms=[Jitter()])
+    together = list(both.batches([2, 0, 1], epoch=1))
+    assert [len(batch["object"]) for batch in together] == [3, 4, 4]
+    for k, batch in zip((2, 0, 1), together, strict=True):
+        alone = both.batch(k, epoch=1)
+        assert list(batch) == list(alone)
+        for name, array in alone.items():
+            np.testing.assert_array_equal(batch[name], array)
+
+
 def test_categories_take_turns(chest: Path, box: Path) -> None:
     both = Stream([chest, box], "affordance", size=6, batch=5, points=32)
     batch = both.batch(0)
