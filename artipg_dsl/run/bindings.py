@@ -32,6 +32,7 @@ from .workers import map_each
 _RECORDS = "records"  # of the objects, in the folder; they lay beside its summary before
 _NAMED = 3  # files that a message names
 _HINT = "apgc fit CATEGORY FILES -o fitted writes such a folder"
+_TITLES = {"points": "the number of points", "assignment": "the assignment", "completed": "what was hidden completed"}
 _AGAIN = "the command that fitted these objects writes it anew, and fits only what is missing"
 
 
@@ -72,6 +73,7 @@ def bind_into(
     options = asked.plain(job.program.hash)
     if not force:
         _refuse_others(out, work)
+        _refuse_changes(out, work, options)
     left = [one for one in work if force or not _done(out, options, one)]
     done = len(work) - len(left)
     if progress:
@@ -218,6 +220,20 @@ def _refuse_others(out: Path, work: Sequence[Fit]) -> None:
         )
 
 
+def _refuse_changes(out: Path, work: Sequence[Fit], options: Mapping[str, Any]) -> None:
+    """Refuse a folder of details of the same fits that were bound with other options: they would be replaced unasked. Raises UserError."""
+    for one in work:
+        found = read_kept(out, one.name) or {}
+        old = found.get("options")
+        if "failed" in found or not isinstance(old, dict) or not _is_of(found, one):
+            continue
+        if changed := manifests.describe_changes(_TITLES, old, options):
+            raise UserError(
+                f"{out} holds details bound with other options: {changed}",
+                "choose another folder, repeat the old options to complete them, or use --force to replace them",
+            )
+
+
 def _fit_again(source: str, folder: Path, summary: Mapping[str, Any]) -> str:
     """The command that fits the files of a folder, with the options that tell how they stand."""
     frame = summary.get("options", {}).get("frame", {})
@@ -236,6 +252,7 @@ def _fit_again(source: str, folder: Path, summary: Mapping[str, Any]) -> str:
             *map(shlex.quote, [source, *named[:_NAMED]]),
             *named[_NAMED:],
             *options,
+            "--force",
             "-o",
             shlex.quote(str(folder)),
         ]
@@ -305,7 +322,11 @@ def _done(out: Path, options: Mapping[str, Any], one: Fit) -> bool:
     if found is None or "failed" in found or found.get("options") != options or found.get("object") != one.number:
         return False
     whole = isinstance(found.get("figures"), dict) and {"points", "completed"} <= found.keys()
-    same = all(
+    return whole and _is_of(found, one) and is_there(out / f"{one.name}.npz")
+
+
+def _is_of(found: Record, one: Fit) -> bool:
+    """Whether a record of details is of a fit as it is now."""
+    return all(
         (found.get(key) or None) == (one.record.get(key) or None) for key in ("file", "to_object", "joints", "drawn")
     )
-    return whole and same and is_there(out / f"{one.name}.npz")

@@ -53,7 +53,7 @@ def read_facts(
             raise UserError(f"{called}: {name} is {show_value(own)}, and no facts", _FORM)
         told[name] = {**common, **own}
         apply_facts(program, told[name], f"{called}: {name}")
-    return {name: told.get(name, common) for name in names if told.get(name, common)}
+    return {name: told.get(name, common) for name in names if name in told or common}
 
 
 def _read(path: str | Path | None) -> tuple[str, Any]:

@@ -27,7 +27,18 @@ from . import manifest as manifests
 from .chunk import shard_path
 from .dataset import write_dataset
 from .facts import Facts
-from .fitting import Asked, Group, Record, Work, good_ones, groups_of, prepare_fitted, summarize, to_text
+from .fitting import (
+    Asked,
+    Group,
+    Record,
+    Work,
+    describe_options,
+    good_ones,
+    groups_of,
+    prepare_fitted,
+    summarize,
+    to_text,
+)
 from .job import Job
 from .output import Output
 from .resume import clear
@@ -97,10 +108,11 @@ def write_fits(
 ) -> tuple[Record, list[Record], Job | None]:
     """Fit what the folder does not have yet, and write it; what its summary says, the records of all objects, and the job of those that
     fit, if any do. ``progress(done, total)`` hears of objects as their groups are finished. Raises UserError."""
+    options = asked.plain(sampler.program.hash)
     if not force:
         _refuse_others(folder, items)
+        _refuse_changes(folder, items, asked, options)
     _make_ready(folder)
-    options = asked.plain(sampler.program.hash)
 
     def done(group: Group) -> bool:
         return all(folder.has(item, options, asked.facts.get(item.name, {})) for item in group)
@@ -166,6 +178,26 @@ def _refuse_others(folder: Folder, items: Sequence[Item]) -> None:
             f"{folder.out} holds fits of {others[0]}" + (f" and {len(others) - 1} more" if others[1:] else ""),
             "name them, too, or another folder; `apgc fit --force` leaves them out",
         )
+
+
+def _refuse_changes(folder: Folder, items: Sequence[Item], asked: Asked, options: Mapping[str, Any]) -> None:
+    """Refuse a folder of fits of the same files that are to be replaced unasked: they were made with other options, or with facts of objects
+    of which nothing is said now. Raises UserError."""
+    for item in items:
+        found = folder.record(item.name) or {}
+        old, facts = found.get("options"), found.get("facts")
+        if "drawn" not in found or not isinstance(old, dict) or found.get("file") != item.real.mark():
+            continue
+        if changed := describe_options(old, options):
+            raise UserError(
+                f"{folder.out} holds fits made with other options: {changed}",
+                "choose another folder, repeat the old options to complete them, or use --force to replace them",
+            )
+        if facts and item.name not in asked.facts:
+            raise UserError(
+                f"{folder.out} holds a fit of {item.name} with facts, and none are given now",
+                f"repeat them: --facts {folder.out / FACTS}; {json.dumps({item.name: {}}, ensure_ascii=False)} takes them back",
+            )
 
 
 def _each(sampler: Sampler, asked: Asked, folder: Folder, groups: list[Group], workers: int) -> Iterator[int]:

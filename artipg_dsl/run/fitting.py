@@ -24,11 +24,24 @@ from ..records import dataclass
 from ..sampling.sample import Sampler
 from .facts import Facts, apply_facts
 from .job import Job, prepare
+from .manifest import describe_changes
 from .request import read_request
 from .sharing import LONG, share
 from .workers import map_each
 
 _VERSION = 6  # of what the search finds, so that nothing that another one found is kept
+_TITLES = {
+    "version": "the version of the search",
+    "program": "the compiled program",
+    "up": "the upward axis",
+    "front": "the front",
+    "unit": "the unit",
+    "normalised": "objects without a scale",
+    "seed": "the seed",
+    "checked": "the check of collisions",
+    "words": "the map",
+    "opened": "joints that are moved",
+}
 _NO_MATCH = "does not fit"
 _SHOWN = 8  # labels of files
 
@@ -59,6 +72,11 @@ class Asked:
             "words": [list(pair) for pair in self.words],
             "opened": self.opened,
         }
+
+
+def describe_options(old: Mapping[str, Any], new: Mapping[str, Any]) -> str:
+    """What sets the options of two fits apart, in words; nothing where they are the same."""
+    return describe_changes(_TITLES, *({**told, **(told.get("frame") or {})} for told in (old, new)))
 
 
 def check_words(words: Mapping[str, str], known: tuple[str, ...], name: str) -> tuple[tuple[str, str], ...]:

@@ -216,13 +216,17 @@ def describe_strangers(old: Manifest, request: Request) -> str | None:
 
 def _describe(record: Any, old: Mapping[str, Any], new: Mapping[str, Any]) -> str | None:
     pairs = ((record, old, new), (Made, old["made"], new["made"]))
-    words = [
-        f"{title} ({_short(before.get(key))}, now {_short(after.get(key))})"
-        for kind, before, after in pairs
-        for key, title in read_titles(kind).items()
-        if _compared(key, before.get(key)) != _compared(key, after.get(key))
-    ]
-    return " and ".join(words) or None
+    found = [describe_changes(read_titles(kind), before, after) for kind, before, after in pairs]
+    return " and ".join(filter(None, found)) or None
+
+
+def describe_changes(titles: Mapping[str, str], old: Mapping[str, Any], new: Mapping[str, Any]) -> str:
+    """Which of the entries that have ``titles`` differ, in words; nothing where none does."""
+    return " and ".join(
+        f"{title} ({_short(old.get(key))}, now {_short(new.get(key))})"
+        for key, title in titles.items()
+        if _compared(key, old.get(key)) != _compared(key, new.get(key))
+    )
 
 
 def _compared(key: str, value: Any) -> Any:

@@ -88,7 +88,7 @@ def test_details_of_other_objects_are_not_lost(apgc: Apgc, tmp_path: Path) -> No
     assert code == 1 and f"holds details of {one / 'object.npz'}" in err and tree(out) == before
     assert apgc("bind", one, *asked)[0] == 0 and tree(out) == before
     (one / "object.npz").rename(tmp_path / "moved.npz")
-    assert apgc("bind", one, tmp_path / "moved.npz", *asked, "--visible")[0] == 0  # the same file elsewhere
+    assert apgc("bind", one, tmp_path / "moved.npz", *asked)[0] == 0 and tree(out) == before  # the same file elsewhere
     assert apgc("bind", other, *asked, "--force")[0] == 0
     (out / "object.npz").write_bytes(b"")  # emptied by hand
     assert apgc("bind", other, *asked)[0] == 0 and (out / "object.npz").stat().st_size > 0
@@ -116,7 +116,10 @@ def test_a_folder_of_details(apgc: Apgc, fitted: Path, tmp_path: Path) -> None:
     (out / "chest1.npz").unlink()
     code, _, _ = apgc(*asked)
     assert code == 0 and tree(out) == before
-    code, _, _ = apgc(*asked, "--visible")  # other options: all is bound again
+    code, _, err = apgc(*asked, "--visible")
+    told = "holds details bound with other options: what was hidden completed (True, now False)"
+    assert code == 1 and told in err and tree(out) == before
+    code, _, _ = apgc(*asked, "--visible", "--force")
     summary = json.loads((out / "bind.json").read_text())
     assert code == 0 and [one["completed"] for one in summary["objects"]] == [0, 0]
     assert summary["options"]["completed"] is False
@@ -252,7 +255,7 @@ def test_a_category_that_has_changed_since_the_fit_is_named(apgc: Apgc, tmp_path
     assert code == 1 and "fitted with another text of Chest" in err and "digest" in err
     assert (
         f"fit again: apgc fit {program} " in err
-        and f"chest.apg '{folder / 'my box.obj'}' --up=y --normalised -o {folder}" in err
+        and f"chest.apg '{folder / 'my box.obj'}' --up=y --normalised --force -o {folder}" in err
     )
     (folder / "facts.json").write_text('{"box": {"knobs": 2}}')  # what is known of them is said again
-    assert f"--facts={folder}/facts.json -o" in apgc("bind", folder, "-o", tmp_path / "bound")[2]
+    assert f"--facts={folder}/facts.json --force -o" in apgc("bind", folder, "-o", tmp_path / "bound")[2]

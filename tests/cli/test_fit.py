@@ -52,6 +52,9 @@ def test_a_folder_of_files(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     before = tree(out)  # a second run leaves all as it is, and works on nothing
     code, _, _ = apgc(*asked)
     assert code == 0 and tree(out) == before
+    code, _, err = apgc(*asked, "--seed", 1, "--up=y")  # nor is it replaced unasked
+    assert code == 1 and "other options: the upward axis (auto, now y) and the seed (0, now 1)" in err
+    assert "use --force to replace them" in err and tree(out) == before
     assert apgc("export", out, "--format", "obj")[0] == 0
     exported = tree(out)  # so does it with what has been added
     assert len(exported) > len(before)
@@ -110,7 +113,11 @@ def test_what_is_known_of_each(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     known.write_text(json.dumps(choices))
     assert all(one["facts"] == choices[name] for name, one in fits("--facts", known).items())
     assert json.loads((out / "choices.json").read_text()) == choices  # what was found is true of what is found
-    assert fits() == before and not (out / "facts.json").exists()
+    code, _, err = apgc("fit", CHEST, real, "-o", out, "--front", "x", "--plain")
+    assert code == 1 and "holds a fit of chest0 with facts, and none are given now" in err
+    assert f"repeat them: --facts {out / 'facts.json'}" in err
+    known.write_text('{"chest0": {}, "chest1": {}}')  # taken back
+    assert fits("--facts", known) == before and not (out / "facts.json").exists()
     assert {name: (out / "fits" / f"{name}.json").read_bytes() for name in before} == files
 
 
