@@ -75,11 +75,14 @@ def _hold(given: Any, name: str) -> Held:
     """What Python gives as one real object. Raises UsageError for what cannot be meant."""
     if isinstance(given, Mapping):
         return Held(name, _of_names(given, name))
-    if hasattr(given, "geometry"):
+    if hasattr(given, "geometry") or (hasattr(given, "vertices") and not hasattr(given, "faces")):
         solid = join_meshes(pieces_of(given, name))
-        return Held(name, solid) if len(solid.faces) else _hold(solid.vertices, name)
+        if len(solid.faces):
+            return Held(name, solid)
+        known = {"points": solid.vertices, "normals": solid.normals}
+        return Held(name, _of_names({key: array for key, array in known.items() if array is not None}, name))
     if hasattr(given, "vertices"):
-        given = (given.vertices, given.faces) if hasattr(given, "faces") else np.asarray(given.vertices)
+        given = (given.vertices, given.faces)
     if isinstance(given, tuple) and len(given) == 2:
         return Held(name, _triangles({"vertices": given[0], "faces": given[1]}, name))
     if not _is_array(given):

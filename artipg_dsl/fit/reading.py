@@ -8,9 +8,11 @@ from __future__ import annotations
 import json
 import logging
 import math
+import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from io import StringIO
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -27,6 +29,8 @@ _POINTS = 30_000  # taken of a surface
 _LEAST = 200  # points that a cloud has at least
 _MOST_BYTES = 2 << 30
 _SEED = 1
+_COMMENTS = ("#", "//")
+_NEARLY, _MOSTLY = 0.05, 0.95  # what is normals: so many of this length, but for so much
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,9 +96,10 @@ def check_cloud(cloud: Cloud, name: str) -> Cloud:
         length = np.sqrt((cloud.normals**2).sum(axis=1))
         good &= np.isfinite(length)
     missing = len(good) - int(good.sum())
-    lost = f"{missing} of {len(good)} points are no numbers" if missing else ""
+    told = f"{missing} of {len(good)} points are no numbers" if missing else ""
     if missing > 0.5 * len(good):
-        raise UserError(f"{name}: {lost}", "export it again")
+        raise UserError(f"{name}: {told}", "export it again")
+    lost = ", ".join(filter(None, (cloud.lost, told)))
     at = np.flatnonzero(good)
     if len(at) < _LEAST:
         raise UserError(f"{name} has {len(at)} points, too few to see a shape", f"at least {_LEAST} are needed")
@@ -117,17 +122,52 @@ def check_cloud(cloud: Cloud, name: str) -> Cloud:
 
 def _read_points(path: Path) -> Cloud:
     if path.suffix.lower() == ".xyz":
-        table = np.loadtxt(path, ndmin=2)
-        if table.shape[1] < 3:
-            raise UserError(f"{path.name} has {table.shape[1]} numbers a line", "three are needed, or six with normals")
-        normals = table[:, 3:6] if table.shape[1] >= 6 else None
-        return Cloud(table[:, :3], normals, np.full(len(table), -1), ())
+        return _table_of(path)
     if not is_zipfile(path):  # NumPy would take it for pickled data, and advise to load it unsafely
         raise UserError(f"{path.name} cannot be read as npz: it is no archive of arrays", "np.savez writes one")
     with open(path, "rb") as file, np.load(file, allow_pickle=False) as held:
         if "vertices" in held and "points" not in held:
             return solid_of(held, path.name, path.stem).surface(path.name)
         return points_of(held, path.name)
+
+
+def _table_of(path: Path) -> Cloud:
+    """The cloud of a text file: a point a line, its normal and whatever else behind it."""
+    text = path.read_text(encoding="utf-8-sig", errors="replace")
+    mark = "," if "," in text else None
+    try:
+        table = np.loadtxt(StringIO(text), ndmin=2, comments=_COMMENTS, delimiter=mark)
+    except ValueError:
+        table = np.zeros((0, 0))
+    if table.shape[1] < 3:
+        raise UserError(
+            f"{path.name}{_first_wrong(text, mark)}", "each line needs x y z of a point, as numbers, or x y z nx ny nz"
+        )
+    normals, more = None, table[:, 3:]
+    for three in (more[:, :3], more[:, -3:]) if more.shape[1] >= 3 else ():
+        if normals is None and (np.abs(np.sqrt((three**2).sum(axis=1)) - 1.0) < _NEARLY).mean() > _MOSTLY:
+            normals = three
+    lost = "" if normals is not None or more.shape[1] < 3 else "what follows x y z is no normal"  # but a colour
+    return Cloud(table[:, :3], normals, np.full(len(table), -1), (), lost)
+
+
+def _first_wrong(text: str, mark: str | None) -> str:
+    """Where a table of points goes wrong, and how; ``mark``: what stands between its numbers."""
+    known = 0
+    for number, line in enumerate(text.splitlines(), 1):
+        line = re.split("|".join(_COMMENTS), line)[0].strip()
+        words = line.split(mark)
+        if not line:
+            continue
+        try:
+            count = len([float(word) for word in words])
+        except ValueError:
+            return f", line {number}: `{line[:40]}` is not numbers"
+        if count < 3 or count != (known or count):
+            many = f"{count} number" + ("s" if count > 1 else "")
+            return f", line {number}: `{line[:40]}` has {many}" + (f", those above {known}" if known else "")
+        known = count
+    return " has no points"
 
 
 def points_of(held: Mapping[str, Any], name: str) -> Cloud:
@@ -146,11 +186,26 @@ def points_of(held: Mapping[str, Any], name: str) -> Cloud:
     return Cloud(points, normals, *_labels_of(held, len(points), "points", name))
 
 
+def normals_of(cloud: Any) -> np.ndarray | None:
+    """(n, 3) the normals that a PLY has of its points, None where it has none: trimesh keeps what else it reads of these beside them."""
+    try:
+        held = cloud.metadata["_ply_raw"]["vertex"]["data"]
+        found = np.stack([np.asarray(held[key], dtype=np.float64).ravel() for key in ("nx", "ny", "nz")], axis=1)
+    except (AttributeError, KeyError, TypeError, ValueError):
+        return None
+    return found if found.shape == np.shape(cloud.vertices) else None
+
+
 def _labels_of(held: Mapping[str, Any], count: int, of: str, name: str) -> tuple[np.ndarray, tuple[str, ...]]:
     """The labels (count,) of points or faces among named arrays, and what they are called; -1 where nothing is said. Raises UserError."""
     for ids, words in (("label", "label_names"), ("link_id", "link_names")):
         if ids in held and words in held:
-            label, names = np.asarray(held[ids]).astype(np.int64), tuple(map(str, held[words]))
+            label, names = np.asarray(held[ids]), tuple(map(str, held[words]))
+            if label.dtype.kind not in "biu" and not (label.dtype.kind == "f" and (label == np.floor(label)).all()):
+                raise UserError(
+                    f"{name}: `{ids}` is of type {label.dtype}", f"whole numbers are needed, places in `{words}`"
+                )
+            label = label.astype(np.int64)
             if label.shape != (count,):
                 raise UserError(
                     f"{name}: `{ids}` is of shape {label.shape}", f"one of ({count},) is needed, as of the {of}"
@@ -175,12 +230,13 @@ def _read_solids(path: Path) -> Cloud:
 @dataclass(frozen=True, slots=True, eq=False)
 class Solid:
     """``vertices`` (v, 3) of triangles ``faces`` (f, 3), each with a ``label`` (f,) that indexes ``names``, -1 for none; of a cloud all
-    vertices and no face."""
+    vertices and no face, and their ``normals`` (v, 3) if they are known."""
 
     vertices: np.ndarray
     faces: np.ndarray
     label: np.ndarray
     names: tuple[str, ...]
+    normals: np.ndarray | None = None
 
     def surface(self, name: str) -> Cloud:
         """Points of its faces. Raises UserError where it has none."""
@@ -194,7 +250,7 @@ class Solid:
             return _sampled(self.vertices[self.faces], self.label, self.names, name)
         if not len(self.vertices):
             raise UserError(f"{name} has no surface")
-        return Cloud(self.vertices, None, np.full(len(self.vertices), -1), ())
+        return Cloud(self.vertices, self.normals, np.full(len(self.vertices), -1), ())
 
 
 def solid_of(held: Mapping[str, Any], name: str, called: str) -> Solid:
@@ -221,8 +277,10 @@ def join_meshes(meshes: Sequence[tuple[str, Any]]) -> Solid:
     solid = [(name, mesh) for name, mesh in meshes if len(getattr(mesh, "faces", ()))]
     if not solid:
         points = [np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3) for _, mesh in meshes]
+        known = [found for _, mesh in meshes if (found := normals_of(mesh)) is not None]
+        normals = np.concatenate(known) if known and len(known) == len(meshes) else None
         none = np.zeros((0, 3), dtype=np.int64)
-        return Solid(np.concatenate([np.zeros((0, 3)), *points]), none, none[:, 0], ())
+        return Solid(np.concatenate([np.zeros((0, 3)), *points]), none, none[:, 0], (), normals)
     names = tuple(dict.fromkeys(name for name, _ in solid))
     vertices = [np.asarray(mesh.vertices, dtype=np.float64) for _, mesh in solid]
     first = np.cumsum([0, *map(len, vertices)])

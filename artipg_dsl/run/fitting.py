@@ -76,7 +76,12 @@ class Asked:
 
 def describe_options(old: Mapping[str, Any], new: Mapping[str, Any]) -> str:
     """What sets the options of two fits apart, in words; nothing where they are the same."""
-    return describe_changes(_TITLES, *({**told, **(told.get("frame") or {})} for told in (old, new)))
+
+    def flat(told: Mapping[str, Any]) -> Record:
+        frame = told.get("frame")
+        return {**told, **(frame if isinstance(frame, dict) else {})}  # should it have been edited
+
+    return describe_changes(_TITLES, flat(old), flat(new))
 
 
 def check_words(words: Mapping[str, str], known: tuple[str, ...], name: str) -> tuple[tuple[str, str], ...]:

@@ -14,6 +14,7 @@ import trimesh
 
 from artipg_dsl.errors import UserError
 from artipg_dsl.fit.finding import find_files
+from artipg_dsl.fit.given import read_objects
 from artipg_dsl.fit.reading import read_cloud
 from artipg_dsl.fit.sources import File, mark, name_files
 
@@ -151,7 +152,10 @@ def test_a_large_folder_is_listed_at_once(tmp_path: Path) -> None:
         ("a.gltf", b"", "a.gltf is empty"),
         ("a.stl", b"solid\x00nonsense", "a.stl"),
         ("a.glb", b"glTF", "a.glb cannot be read as glb"),
-        ("a.xyz", b"1 2\n3 4\n", "2 numbers a line"),
+        ("a.xyz", b"1 2\n3 4\n", "a.xyz, line 1: `1 2` has 2 numbers"),
+        ("a.xyz", b"# x y z\n1 2 3\n3 4\n", "a.xyz, line 3: `3 4` has 2 numbers, those above 3"),
+        ("a.xyz", b"0,1 0,2 0,3\n", "a.xyz, line 1: `0,1 0,2 0,3` is not numbers"),
+        ("a.xyz", b"// x y z\n", "a.xyz has no points"),
         ("a.xyz", b"1 2 3\n", "too few to see a shape"),
         ("a.xyz", b"nan nan nan\n" * 300, "are no numbers"),
         ("a.xyz", b"".join(b"%d 0 0\n" % k for k in range(300)), "is a line, not a surface"),
@@ -250,11 +254,41 @@ def test_points_that_are_no_numbers_are_left_out_and_told(tmp_path: Path) -> Non
     assert read_cloud(tmp_path / "b.npz").lost == ""
 
 
+def test_normals_of_text_are_told_from_colours(tmp_path: Path) -> None:
+    box = trimesh.creation.box(SIZE)
+    points, face = trimesh.sample.sample_surface(box, 500, seed=1)
+    normals, colours = box.face_normals[face], np.tile([12.0, 200.0, 40.0], (500, 1))
+    for behind, given in (([normals], True), ([colours, normals], True), ([colours], False), ([colours / 255], False)):
+        np.savetxt(tmp_path / "a.xyz", np.hstack([points, *behind]), delimiter=", ", header="x y z and more")
+        cloud = read_cloud(tmp_path / "a.xyz")
+        assert (cloud.normals is not None) == given and cloud.lost == (
+            "" if given else "what follows x y z is no normal"
+        )
+        assert cloud.normals is None or ((cloud.points * cloud.normals).sum(axis=1) > 0).all()
+
+
+@pytest.mark.parametrize("order", ["little", "big"])
+def test_normals_of_a_ply(tmp_path: Path, order: str) -> None:
+    box = trimesh.creation.box(SIZE)
+    points, face = trimesh.sample.sample_surface(box, 500, seed=1)
+    kinds = {name: f"{'<' if order == 'little' else '>'}f4" for name in ("x", "y", "z", "nx", "ny", "nz")}
+    table = np.rec.fromarrays([*points.T, *box.face_normals[face].T], dtype=list(kinds.items()))
+    names = "".join(f"property float {name}\n" for name in kinds)
+    head = f"ply\nformat binary_{order}_endian 1.0\nelement vertex 500\n{names}end_header\n"
+    (tmp_path / "a.ply").write_bytes(head.encode() + table.tobytes())
+    cloud = read_cloud(tmp_path / "a.ply")
+    assert cloud.normals is not None and ((cloud.points * cloud.normals).sum(axis=1) > 0).all()
+    (given,) = read_objects(trimesh.load(tmp_path / "a.ply", process=False), print)
+    assert np.array_equal(given.real.read().normals, cloud.normals)
+
+
 @pytest.mark.parametrize(
     ("label", "told"),
     [
         (np.zeros(999, dtype=int), r"`label` is of shape \(999,\)"),
         (np.full(1000, 2), "`label` has 2, and `label_names` names 0 to 1"),
+        (np.full(1000, 0.5), "`label` is of type float64"),
+        (np.full(1000, "door"), "`label` is of type <U4"),
     ],
 )
 def test_labels_that_mean_nothing(tmp_path: Path, label: np.ndarray, told: str) -> None:
