@@ -67,7 +67,7 @@ def fit_objects(
     "faces": ..., "label": (f,), ...}``, all but the first optional. ``real`` is one of these, a list, or a dictionary of names,
     ``{"antique": mesh}``. Arrays give what a file of them gives, and nothing is written.
 
-    ``up`` and ``front`` are axes such as "z" or "-y" ("any" tries all for ``up``), ``unit`` is "m", "cm", "mm" or "in"; what is not
+    ``up`` and ``front`` are axes such as "z" or "-y" ("any" tries all for ``up``), ``unit`` is "m", "cm", "mm", "in" or "ft"; what is not
     given is found. In memory z is up if nothing is said, and other axes are tried where nothing fits well. ``normalised``: the scale
     means nothing. ``map`` maps names of labels to words of ``semantic``, which are kept apart: ``{"Seat_01": "seat"}``. ``set`` is
     what is known of all objects, ``facts`` what is known of each, by its name, or a file of it, ``{"door_03": {"leaves": 2}}``: only

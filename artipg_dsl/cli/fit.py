@@ -60,7 +60,7 @@ def _table(summary: dict[str, Any]) -> str:
     lines = [
         f"{one['distance']:6.2f}%  {one['verdict']:<12}  {one['name']}"
         + ("" if one["valid"] else "  (not valid)")
-        + (f"  ({one['lost']})" if "lost" in one else "")
+        + "".join(f"  ({one[key]})" for key in ("lost", "doubt") if key in one)
         for one in summary["objects"]
     ]
     lines += [f"     -   {'not read':<12}  {one['name']}: {one['reason']}" for one in summary["failed"]]

@@ -154,9 +154,9 @@ def add_real(to: argparse.ArgumentParser) -> None:
     )
     to.add_argument(
         "--unit",
-        choices=("auto", "m", "cm", "mm", "in"),
+        choices=("auto", "m", "cm", "mm", "in", "ft"),
         default="auto",
-        help="unit of the files (default: m, unless the category's sizes suggest another)",
+        help="unit of the files (default: m, unless the category's sizes suggest cm, mm or in)",
     )
     to.add_argument("--normalised", action="store_true", help="the files have no scale; determine it")
     to.add_argument(

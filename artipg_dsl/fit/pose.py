@@ -16,7 +16,8 @@ from .reading import Cloud
 
 AXES = ("x", "-x", "y", "-y", "z", "-z")
 _ANY = "any"  # upward axis
-UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+_GUESSED = "m", "cm", "mm", "in"  # a foot is too near to a metre to be told from it by the size of an object
 _COMPARED = 8192  # points of a target
 _NEIGHBOURS = 12, 24, 48  # that tell a normal: as few as lie in a plane
 _THICK = 0.15  # of the reach of neighbours: how far they may lie off a plane
@@ -87,7 +88,7 @@ def turn(up: str, front: str) -> np.ndarray:
 @dataclass(frozen=True, slots=True, eq=False)
 class Posed:
     """A cloud's outer surface in metres, in the frame of its file: ``points``, ``normals`` (n, 3), ``label`` (n,); its ``unit`` in metres,
-    which ``turns`` are tried, and which ``others`` if nothing fits well in these."""
+    which ``turns`` are tried, and which ``others`` if nothing fits well in these. ``doubt`` says what is odd about its size."""
 
     points: np.ndarray
     normals: np.ndarray
@@ -97,12 +98,13 @@ class Posed:
     turns: list[tuple[str, str]]
     known: bool
     others: list[tuple[str, str]] = field(default_factory=list)
+    doubt: str = ""
 
 
 def pose(cloud: Cloud, frame: Frame, suffix: str, usual: float | None) -> Posed:
     """The outer surface of a cloud; ``usual`` is the diagonal of common objects of the category, in metres, None if any size is right.
     Raises UserError for one that is far larger or smaller."""
-    unit = _unit(float(np.sqrt((np.ptp(cloud.points, axis=0) ** 2).sum())), frame, usual)
+    unit, doubt = _unit(float(np.sqrt((np.ptp(cloud.points, axis=0) ** 2).sum())), frame, usual)
     points = np.asarray(cloud.points, dtype=np.float64) * UNITS[unit]
     apart = _apart(points)
     seen = outer(points[None], np.array([apart]))[0]
@@ -113,22 +115,22 @@ def pose(cloud: Cloud, frame: Frame, suffix: str, usual: float | None) -> Posed:
         facing = np.bincount(label + 1, facing)[label + 1]
     normals = np.where((facing < 0.0)[:, None], -normals, normals)
     turns = frame.turns(suffix), not frame.normalised, frame.others(suffix)
-    return Posed(points, normals, label, cloud.names, unit, *turns)
+    return Posed(points, normals, label, cloud.names, unit, *turns, doubt)
 
 
-def _unit(across: float, frame: Frame, usual: float | None) -> str:
-    """The unit of a cloud with a diagonal ``across``. Raises UserError."""
+def _unit(across: float, frame: Frame, usual: float | None) -> tuple[str, str]:
+    """The unit of a cloud with a diagonal ``across``, and what is odd about its size, if anything is. Raises UserError."""
     unit = "m" if frame.unit == "auto" else frame.unit
     if usual is None or frame.normalised:
-        return unit
+        return unit, ""
     if frame.unit == "auto" and abs(np.log(across / usual)) > np.log(_ODD):
-        unit = min(UNITS, key=lambda name: abs(np.log(across * UNITS[name] / usual)))
-    if abs(np.log(across * UNITS[unit] / usual)) > np.log(_FAR):
-        raise UserError(
-            f"its diagonal is {across * UNITS[unit]:.2g} m with {unit} as unit, that of usual objects {usual:.2g} m",
-            "scale it, or say that it is normalised (--normalised) if its scale means nothing",
-        )
-    return unit
+        unit = min(_GUESSED, key=lambda name: abs(np.log(across * UNITS[name] / usual)))
+    off = abs(np.log(across * UNITS[unit] / usual))
+    told = f"its diagonal is {across * UNITS[unit]:.2g} m with {unit} as unit, that of usual objects {usual:.2g} m"
+    if off > np.log(_FAR):
+        raise UserError(told, "scale it, or say that it is normalised (--normalised) if its scale means nothing")
+    odd = frame.unit == "auto" and off > np.log(_ODD)
+    return unit, f"{told}: if the unit is another, say which (--unit)" if odd else ""
 
 
 def _apart(points: np.ndarray) -> float:

@@ -157,13 +157,15 @@ class Work:
         """The record of each object of a group, and what was found of those that could be read."""
         asked, facts = self.asked, self.asked.facts.get(group[0].name, {})
         marks = [item.real.mark() for item in group]  # of what is read: files may change while they are fitted
-        read: dict[str, tuple[Posed, str]] = {}
+        read: dict[str, tuple[Posed, Record]] = {}
         told: dict[str, tuple[Record, Fitted | None]] = {}
         for item in group:
             try:
                 models = self._models(facts)
                 cloud = item.real.read()
-                read[item.name] = pose(cloud, asked.frame, item.real.suffix, models.usual), cloud.lost
+                posed = pose(cloud, asked.frame, item.real.suffix, models.usual)
+                remarks = {"lost": cloud.lost, "doubt": posed.doubt}
+                read[item.name] = posed, {key: text for key, text in remarks.items() if text}
             except UserError as wrong:
                 told[item.name] = {"failed": explain(wrong)}, None
         try:
@@ -171,9 +173,9 @@ class Work:
         except UserError as wrong:
             told |= {name: ({"failed": explain(wrong)}, None) for name in read}
             found, read = [], {}
-        for (name, (posed, lost)), one in zip(read.items(), found, strict=True):
+        for (name, (posed, remarks)), one in zip(read.items(), found, strict=True):
             labels = {"labels": sorted(set(posed.names))} if asked.words else {}
-            told[name] = {**one.told, **labels, **({"lost": lost} if lost else {}), "drawn": one.values}, one
+            told[name] = {**one.told, **labels, **remarks, "drawn": one.values}, one
         records: list[tuple[Record, Fitted | None]] = []
         for item, file in zip(group, marks, strict=True):
             said, one_found = told[item.name]
@@ -258,7 +260,7 @@ def summarize(category: str, options: Mapping[str, Any], records: Sequence[Recor
             "verdict": r["verdict"],
             "distance": r["distance"]["both"],
             "valid": r["valid"],
-            **{key: r[key] for key in ("facts", "lost") if r.get(key)},
+            **{key: r[key] for key in ("facts", "lost", "doubt") if r.get(key)},
         }
         for r in records
         if "drawn" in r

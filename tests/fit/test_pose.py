@@ -103,6 +103,11 @@ def test_the_unit_is_what_the_sizes_of_the_category_suggest() -> None:
     posed = pose(cloud, Frame(front="x"), ".stl", 0.7)
     assert posed.unit == "mm" and np.allclose(targets([posed]).size[0], [0.3, 0.4, 0.5], atol=1e-3)
     assert pose(cloud, Frame(front="x", unit="cm"), ".stl", 0.7).unit == "cm"
+    feet = Cloud(points / 304.8, normals, cloud.label, ())  # as metres three times as long as usual
+    posed = pose(feet, Frame(front="x"), ".stl", 0.7)
+    assert posed.unit == "m" and "2.3 m with m as unit, that of usual objects 0.7 m" in posed.doubt
+    posed = pose(feet, Frame(front="x", unit="ft"), ".stl", 0.7)
+    assert posed.doubt == "" and np.allclose(targets([posed]).size[0], [0.3, 0.4, 0.5], atol=1e-3)
     assert pose(cloud, Frame(front="x", normalised=True), ".stl", 0.7).unit == "m"
 
 
