@@ -186,7 +186,7 @@ def points_of(held: Mapping[str, Any], name: str) -> Cloud:
     return Cloud(points, normals, *_labels_of(held, len(points), "points", name))
 
 
-def normals_of(cloud: Any) -> np.ndarray | None:
+def _normals_of(cloud: Any) -> np.ndarray | None:
     """(n, 3) the normals that a PLY has of its points, None where it has none: trimesh keeps what else it reads of these beside them."""
     try:
         held = cloud.metadata["_ply_raw"]["vertex"]["data"]
@@ -277,7 +277,7 @@ def join_meshes(meshes: Sequence[tuple[str, Any]]) -> Solid:
     solid = [(name, mesh) for name, mesh in meshes if len(getattr(mesh, "faces", ()))]
     if not solid:
         points = [np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3) for _, mesh in meshes]
-        known = [found for _, mesh in meshes if (found := normals_of(mesh)) is not None]
+        known = [found for _, mesh in meshes if (found := _normals_of(mesh)) is not None]
         normals = np.concatenate(known) if known and len(known) == len(meshes) else None
         none = np.zeros((0, 3), dtype=np.int64)
         return Solid(np.concatenate([np.zeros((0, 3)), *points]), none, none[:, 0], (), normals)
