@@ -18,7 +18,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..geometry.nearest import Nearest
 from ..geometry.vectors import cross, dot
-from .cover import SUNK, find_covered
+from .cover import hold
 from .skin import Grid, Skin, gather, neighbours, tie_breakers, total
 from .suits import Suits
 from .unfold import keep_apart, unfold
@@ -61,14 +61,13 @@ def _find_ways(skin: Skin, wardrobe: Wardrobe, suits: Suits, scale: np.ndarray, 
     means = neighbours(node[skin.corners], place)
     for _ in range(_ROUNDS):
         way = 0.5 * way + 0.5 * (means @ way)
-    covered = find_covered(place, outward, way, element, suits.elements, wardrobe.solids, size)
-    sunk = -SUNK * size[covered, None] * outward[covered]
-    way[covered] = sunk
+    held, kept = hold(place, outward, way, element, suits.elements, wardrobe.solids, size)
+    way[held] = kept
     for _ in range(_ROUNDS):  # no wall around it, which would fold
         way = 0.5 * way + 0.5 * (means @ way)
-        way[covered] = sunk
+        way[held] = kept
     firm = told > 0.0
-    firm[covered] = True
+    firm[held] = True
     way = keep_apart(place, outward, way, firm, element, size)
     return unfold(skin.place, _met(vertex, outward, way, len(skin)), skin.faces, skin.element)
 
