@@ -229,13 +229,12 @@ class Session:
         if lowering is None and not self.report.failed:
             what = self.path or "the text"
             self.report.error("no-category", None, f"{what} declares no category, so there is nothing to sample")
-        for span in () if lowering is None else lowering.context.unclear:
+        for span, why in () if lowering is None else lowering.context.unclear:
             self.report.error(
                 "needs-clearance",
                 span,
-                "this `clearance` cannot be solved for",
-                hint="only the high end of a revolute or prismatic joint that moves independently, without `positions`, can be; "
-                "write a number or a formula",
+                f"this `clearance` cannot be solved for: {why}",
+                hint="write a number or a formula; `clearance` is for the high end of a revolute or prismatic joint that moves independently",
             )
         if lowering is None or self.report.failed:
             raise CompileError(self.report)

@@ -174,7 +174,7 @@ def idle_starts(lowering: Lowering) -> None:
 
 def bounds(lowering: Lowering) -> None:
     """Turn requirements into ranges of the draws; refuse those that nothing can meet."""
-    judge(lowering.context, attach_bounds(lowering.program), lowering.root.module.source.name)
+    judge(lowering.context, attach_bounds(lowering.program, lowering.context.strict), lowering.root.module.source.name)
 
 
 def arguments(lowering: Lowering) -> None:
@@ -244,17 +244,25 @@ WATCHERS: list[Callable[[Pass, Lowering], None]] = []
 def clearances(links: Links) -> None:
     """Mark the joints that turn or slide as far as nothing is in the way; refuse those that do not move by themselves."""
     program = links.context.program
-    followed = {k for joint in program.joints if joint.mimic is not None for k in definitions_of(joint.mimic[0])}
+    leaders = [
+        (k, joint.path) for joint in program.joints if joint.mimic is not None for k in definitions_of(joint.mimic[0])
+    ]
+    followed = dict(reversed(leaders))
     for number, span in links.context.clearances.items():
         joint = program.joints[number]
-        if (
-            number in followed
-            or joint.mimic is not None
-            or joint.gates
-            or joint.positions is not None
-            or program.closures
-        ):
-            links.context.unclear.append(span)
+        why = None
+        if joint.mimic is not None:
+            why = f"`{joint.path}` follows another joint"
+        elif number in followed:
+            why = f"`{followed[number]}` follows `{joint.path}`"
+        elif joint.gates:
+            why = f"`{joint.path}` waits for another joint"
+        elif joint.positions is not None:
+            why = f"`{joint.path}` has `positions`"
+        elif program.closures:
+            why = "the object has a closed loop (`close`)"
+        if why is not None:
+            links.context.unclear.append((span, why))
         program.joints[number] = replace(joint, clearance=True, whatever=number in links.context.whatever)
 
 

@@ -81,9 +81,16 @@ def test_an_annotation_has_the_end_that_was_found() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["clearance .. 90deg", "0deg .. clearance mimic lead", "0deg .. clearance all mimic lead"]
+    ("text", "why"),
+    [
+        ("clearance .. 90deg", "only the high end of a range"),
+        ("0deg .. clearance mimic lead", "`swing` follows another joint"),
+        ("0deg .. clearance all mimic lead", "`swing` follows another joint"),
+        ("0deg .. clearance when lead > 5deg", "`swing` waits for another joint"),
+        ("0deg .. clearance positions 3", "`swing` has `positions`"),
+    ],
 )
-def test_what_is_not_solved_for_is_refused(text: str) -> None:
+def test_what_is_not_solved_for_is_refused(text: str, why: str) -> None:
     lead = """
   part other : Cuboid(size = [2cm, 2cm, 2cm])
   align other.top = body.bottom - 1mm
@@ -91,7 +98,8 @@ def test_what_is_not_solved_for_is_refused(text: str) -> None:
 """
     with pytest.raises(CompileError) as caught:
         program(TURN.replace("0deg .. clearance", text) + lead)
-    assert [d.code for d in caught.value.report.diagnostics] == ["needs-clearance"]
+    (found,) = caught.value.report.diagnostics
+    assert found.code == "needs-clearance" and why in found.message
 
 
 # ------------------------------------------------------------------ clearance all

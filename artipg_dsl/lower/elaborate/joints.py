@@ -87,8 +87,10 @@ def limit(ev: Evaluator, node: ast.Expr, kind: str) -> Expr:
 def ends(ev: Evaluator, interval: ast.RangeExpr, kind: str, joint: int) -> tuple[Expr, Expr]:
     """Both ends of the range of a joint, by its number."""
     low, high = interval.low, interval.high
-    if clears(ev, low) or clears(ev, high) and not JOINTS[kind].clears:
-        ev.env.context.unclear.append((low if clears(ev, low) else high).span)
+    if clears(ev, low):
+        ev.env.context.unclear.append((low.span, "only the high end of a range can be `clearance`"))
+    elif clears(ev, high) and not JOINTS[kind].clears:
+        ev.env.context.unclear.append((high.span, f"a {kind} joint cannot end at `clearance`"))
     elif clears(ev, high):
         ev.env.context.clearances[joint] = high.span
         if isinstance(high, ast.AllExpr):

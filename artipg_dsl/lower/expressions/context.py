@@ -183,10 +183,11 @@ class Draft:
     fields: dict[str, ast.FieldStmt] = field(default_factory=dict)  # the first of each name
     # of sites, with the depths of the targets
     materials: dict[int, list[tuple[int, tuple[tuple[str, Expr], ...]]]] = field(default_factory=dict)
+    strict: set[int] = field(default_factory=set)  # requirements by `<` whose sides may come as near as one likes
     near: dict[Span, bool] = field(default_factory=dict)  # statements with `near` -> whether a search began there
     clearances: dict[int, Span] = field(default_factory=dict)  # joints that go as far as nothing is in the way
     whatever: set[int] = field(default_factory=set)  # those of them for which the other joints may be anywhere
-    unclear: list[Span] = field(default_factory=list)  # such ends that are not solved for
+    unclear: list[tuple[Span, str]] = field(default_factory=list)  # such ends that are not solved for, and why not
     driven: dict[Span, bool] = field(default_factory=dict)  # `pushes(joint)` -> whether the joint carries a target
     trace: list[tuple[Span, str]] = field(default_factory=list)
     blamed: tuple[Span, str] | None = None  # where and how errors begin while a primitive is shaped by its user's curve
