@@ -259,8 +259,11 @@ def _lacking(
         f"{what} has no {missing}",
         hint=foreign.MEMBERS.get(word)
         or did_you_mean(word, offered)
-        or listed([n for n in offered if n not in BOX_MEMBERS])
-        or listed(list(BOX_MEMBERS)),
+        or listed(
+            [*own, "and the faces of its box"]
+            if (own := [n for n in offered if n not in BOX_MEMBERS])
+            else list(BOX_MEMBERS)
+        ),
     )
 
 
