@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .diagnostics import CompileError, Report
+from .errors import plural
 from .examined import Examined, how_to_place, why_endless
 from .source import Span
 
@@ -64,15 +65,15 @@ def _drawn(draw: Draw, lowering: Lowering, span: Span, report: Report) -> Batch 
     except CompileError:
         return None
     except TooMany as error:
-        report.warning("none-drawn", span, f"no object can be drawn: {error}", hint="bound the counts of its repeats")
+        report.error("none-drawn", span, f"no object can be drawn: {error}", hint="bound the counts of its repeats")
     except Exhausted as error:
         program = lowering.program
         worst = max(error.statistics.failures().items(), key=lambda item: item[1])[0]
         equation = worst[0] == "requirement" and "==" in program.requirements[worst[1]].text
-        report.warning(
+        report.error(
             "none-drawn",
             span,
-            f"no valid `{program.name}` in {error.attempts} attempts at an object; what failed most: "
+            f"no valid `{program.name}` in {plural(error.attempts, 'attempt')} at an object; what failed most: "
             + describe_cause(program, worst)
             + (why_endless(lowering, worst[1]) if worst[0] == "requirement" else ""),
             hint="what is drawn never equals a number: give the value itself, or write `align` and declare it `derived`"
@@ -94,7 +95,7 @@ def _warn_of_undefined(lowering: Lowering, counted: Statistics, report: Report) 
             report.warning(
                 "undefined-value",
                 span,
-                f"`{span.words}` has no value in {count} of {counted.attempts} attempts at an object: {why}",
+                f"`{span.words}` has no value in {count} of {plural(counted.attempts, 'attempt')} at an object: {why}",
                 hint="narrow the ranges of what it is made of, or avoid such values by `a if c else b`",
             )
 

@@ -8,8 +8,9 @@ import time
 from pathlib import Path
 from typing import Any
 
+from ..errors import plural
 from ..run.progress import Progress, took
-from .messages import plural, say
+from .messages import say
 
 
 def run(options: argparse.Namespace) -> int:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 
 from .. import cache
+from ..errors import plural
 from ..native import compiler
-from .messages import plural
 
 _KINDS = {
     "check": "findings",

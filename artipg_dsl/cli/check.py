@@ -21,7 +21,8 @@ def run(options: argparse.Namespace) -> int:
         print(to_sarif(found, __version__) if options.sarif else to_json(found))
     else:
         from ..diagnostics.text import summary
-        from .messages import findings, plural, say
+        from ..errors import plural
+        from .messages import findings, say
 
         findings(found, sys.stdout)
         say(f"{plural(len(options.files), 'file')}: {summary(found)}")

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import UsageError, plural
 from ..run.progress import Progress
 from .arguments import STREAM
 from .fit import read_words, warn
-from .messages import plural, say
+from .messages import say
 from .wanted import open_wanted
 
 if TYPE_CHECKING:

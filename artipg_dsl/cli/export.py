@@ -8,10 +8,10 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import UsageError
+from ..errors import UsageError, plural
 from ..export.remote import is_same, place_of
 from ..run.progress import Progress, took
-from .messages import plural, say
+from .messages import say
 from .sample import bared, read_resolution, refuse_file
 from .wanted import choose_details, open_wanted, tell_frame
 

@@ -8,10 +8,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from ..errors import UserError
+from ..errors import UserError, plural
 from ..files import read_json
 from ..run.progress import Progress, took
-from .messages import plural, say
+from .messages import say
 
 _FORM = 'write {"their_name": "our_word"}'
 

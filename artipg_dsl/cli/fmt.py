@@ -8,10 +8,11 @@ import sys
 from pathlib import Path
 
 from ..diagnostics import Report
+from ..errors import plural
 from ..export.write import write_bytes
 from ..syntax.format import format_source
 from ..syntax.load import decode, load
-from .messages import findings, plural, say
+from .messages import findings, say
 
 
 def run(options: argparse.Namespace) -> int:

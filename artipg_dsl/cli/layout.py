@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..errors import UserError
+from ..errors import UserError, plural
 from ..run.progress import Progress
-from .messages import plural, say
+from .messages import say
 
 _SHOWN = 20  # faults
 

@@ -24,11 +24,6 @@ def say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def plural(number: int, noun: str) -> str:
-    """``1 object``, ``2 objects``."""
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
-
-
 def error(message: str, hint: str | None) -> None:
     red, blue, reset = (RED, BLUE, RESET) if _coloured(sys.stderr) else ("", "", "")
     say(f"{red}error{reset}: {printable(message)}" + (f"\n  {blue}={reset} help: {printable(hint)}" if hint else ""))

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import UsageError, UserError
+from ..errors import UsageError, UserError, plural
 from ..export.remote import is_same, place_of
 from ..run.progress import Progress, took
 from ..run.settings import show_value
-from .messages import plural, say
+from .messages import say
 from .sample import refuse_file, show_statistics, tell_repairs
 from .sample import write as write_folder
 from .wanted import read_strength, wear

@@ -7,10 +7,10 @@ import time
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..errors import UsageError, UserError
+from ..errors import UsageError, UserError, plural
 from ..export.remote import Place, Remote, is_same, place_of
 from ..run.progress import Progress, took
-from .messages import plural, say
+from .messages import say
 from .wanted import is_folder, open_wanted, read_request, read_strength, tell_frame
 
 if TYPE_CHECKING:
@@ -181,7 +181,7 @@ def tell_repairs(job: Job, manifest: Manifest) -> None:
     what = plural(made, "original" if job.request.mutations else "object")
     say(f"values of {number} of {what} were changed to make them valid: {where}")
     for reason, count in list(repaired.items())[:_REASONS]:
-        say(f"  {count} times: {reason}")
+        say(f"  {plural(count, 'time')}: {reason}")
     if len(repaired) > _REASONS:
         say(f"  and {plural(len(repaired) - _REASONS, 'other reason')}: --stats lists them")
 

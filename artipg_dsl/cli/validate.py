@@ -7,7 +7,7 @@ import json
 import math
 from typing import Any
 
-from ..errors import UserError
+from ..errors import UserError, plural
 from ..language import JOINTS
 from ..run.progress import Progress
 from .wanted import open_wanted
@@ -35,8 +35,8 @@ def _text(found: dict[str, Any]) -> str:
     """The evidence in lines."""
     drawn, delivered, kinds = found["drawn"], found["delivered"], found["kinds"]
     lines = [
-        f"{found['category']}: {found['objects']} objects, seed {found['seed']}",
-        f"first attempts valid  {100 * found['first_valid']:.1f}%   ({found['attempts']} attempts in all)",
+        f"{found['category']}: {plural(found['objects'], 'object')}, seed {found['seed']}",
+        f"first attempts valid  {100 * found['first_valid']:.1f}%   ({plural(found['attempts'], 'attempt')} in all)",
     ]
     for pair in drawn["pairs"]:
         lines += _collision(pair, found["objects"], kinds)
@@ -45,13 +45,13 @@ def _text(found: dict[str, Any]) -> str:
         return "\n".join([*lines, f"nothing delivered: {found['exhausted']}"])
     valid = found["objects"] - delivered["invalid"]
     lines.append(
-        f"delivered valid       {100 * valid / found['objects']:.1f}%   (at rest and over {delivered['joints']} joints)"
+        f"delivered valid       {100 * valid / found['objects']:.1f}%   (at rest and over {plural(delivered['joints'], 'joint')})"
     )
     for pair in delivered["pairs"]:
         lines += _collision(pair, found["objects"], kinds)
     lines.extend(_others(delivered["faults"], found["objects"]))
     lines.append(
-        f"blocking              {len(delivered['blocking'])} pairs of links in {delivered['states']} random configurations each"
+        f"blocking              {plural(len(delivered['blocking']), 'pair')} of links in {delivered['states']} random configurations each"
     )
     for pair in delivered["blocking"]:
         lines.append(

@@ -6,9 +6,9 @@ import argparse
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..errors import UsageError, UserError
+from ..errors import UsageError, UserError, plural
 from ..run.settings import split_settings
-from .messages import plural, say
+from .messages import say
 
 if TYPE_CHECKING:
     from ..details.dressing import Dressing

@@ -12,11 +12,11 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ..diagnostics import CompileError
-from ..errors import UsageError, UserError
+from ..errors import UsageError, UserError, plural
 from ..export.write import require_place
 from ..resources import library_dir
 from .compile import of_text
-from .messages import error, findings, plural, say
+from .messages import error, findings, say
 
 _PERIOD = 0.2  # seconds between two looks at the files
 _SETTLED = 0.05  # seconds for which they stay as they are before they are read: a file that is being saved may be empty

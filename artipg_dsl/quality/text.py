@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from ..errors import plural
 from .card import Card
 from .coverage import LevelPair
 from .sizes import Extent
@@ -30,7 +31,7 @@ def card_text(card: Card) -> str:
 def list_figures(card: Card) -> Iterator[tuple[str, str, list[str]]]:
     """(name of a figure, its value in words, remarks) for every figure of a card."""
     variety, pairs = card.variety, card.pairs
-    failed = [f"{count} times: {what}" for what, count in card.valid.failed.items()]
+    failed = [f"{plural(count, 'time')}: {what}" for what, count in card.valid.failed.items()]
     again = card.valid.attempts - card.objects
     yield "valid", f"{100 * card.valid.first / card.objects:.1f}% of first attempts, {again} drawn again", _few(failed)
     why = [f"goal: {card.real.why}"] if card.real is not None and card.real.why else []

@@ -9,7 +9,7 @@ from typing import NotRequired, TypedDict
 import numpy as np
 
 from ..diagnostics.suggest import any_of
-from ..errors import NoObject
+from ..errors import NoObject, plural
 from ..graph.depend import draws_behind
 from ..graph.program import Program
 from ..runtime.repairs import Cause, describe_cause
@@ -96,14 +96,15 @@ def explain_exhausted(
     fixed = bool(settings)
     numbers = np.unique(error.numbers).tolist()  # mutants are told by their originals, which may have several
     shown = ", ".join(map(str, numbers[:3])) + (", ..." if len(numbers) > 3 else "")
-    counted = "object" if len(numbers) == 1 else f"{len(numbers)} objects"
+    counted = "object" if len(numbers) == 1 else plural(len(numbers), "object")
     shapes = {describe_cause(program, ("collision", key)): words for key, words in error.statistics.examples.items()}
     lines = [
-        f"  {count:>8} times: {reason}" + (f"\n{'':17}{shapes[reason]}" if shapes.get(reason) else "")
+        f"  {count:>8} time{'' if count == 1 else 's'}: {reason}"
+        + (f"\n{'':17}{shapes[reason]}" if shapes.get(reason) else "")
         for reason, count in list(count_in_words(program, error.statistics.failures()).items())[:3]
     ]
     with_these = " with these settings" if fixed else ""
-    tries = "1 attempt" if error.attempts == 1 else f"{error.attempts} attempts"
+    tries = plural(error.attempts, "attempt")
     return NoObject(
         (
             f"no valid {program.name} exists with these settings; "
