@@ -9,6 +9,8 @@ of an empty chest of drawers with everything open, ASTM F2057). Nobody sits on a
 
 from __future__ import annotations
 
+from itertools import islice
+
 import numpy as np
 
 from ..geometry.runs import distinct
@@ -27,6 +29,7 @@ _STEEP = 1.001  # a margin changes by no more than this, times what the centre o
 _ROUNDING = 1e-9  # metres
 _SHARES = np.linspace(0.0, 1.0, 33)  # of the range of a joint that moves by itself
 _APART = 4  # of these, one in so many of what moves others, which takes a pose each
+_BLOCK = 10_000  # links at a time, each in a state
 _WAYS = tuple((np.cos(angle), np.sin(angle)) for angle in np.arange(8) * (np.pi / 4))
 
 
@@ -271,22 +274,29 @@ class Stance:
         above = tree.joint[above[above >= 0]]
         moves_feet[above[above >= 0]] = True
         leading = (~tree.alone | moves_feet) & (asked & ~bad)[joints.owner]
-        for lead, states, number in lead_states(tree, leading, _SHARES[::_APART]):
-            turn, shift = tree.batch.pose(states)
-            led = lead >= 0
-            bad |= self.margin(turn, shift, led & ~bad) < 0.0
-            moved[lead[led], _APART * number] = self.centers(turn, shift)[led]
+        asking = lead_states(tree, leading, _SHARES[::_APART])
+        size = max(1, _BLOCK // max(len(tree.above), 1))
+        while block := list(islice(asking, size)):
+            poses = tree.batch.pose(np.stack([states for _, states, _ in block]))
+            for (lead, _, number), turn, shift in zip(block, *poses, strict=True):
+                led = lead >= 0
+                bad |= self.margin(turn, shift, led & ~bad) < 0.0
+                moved[lead[led], _APART * number] = self.centers(turn, shift)[led]
         off = moved - rest[joints.owner][:, None]
-        for x, y in _WAYS:
-            left = asked & ~bad
-            if not left.any():
-                break
-            gain = off[..., 0] * x + off[..., 1] * y  # (J, S)
-            best = np.argmax(gain, axis=1) if len(gain) else np.zeros(0, dtype=np.int64)
-            rows = np.arange(len(best))
-            states = np.where(gain[rows, best] > 0.0, values[rows, best], joints.rest)
-            bad |= self.margin(*tree.batch.pose(states), left) < 0.0
+        left = asked & ~bad
+        if not left.any():
+            return bad
+        ways = (self._farthest(off[..., 0] * x + off[..., 1] * y, values) for x, y in _WAYS)
+        while together := list(islice(ways, size)):
+            for turn, shift in zip(*tree.batch.pose(np.stack(together)), strict=True):
+                bad |= self.margin(turn, shift, left & ~bad) < 0.0
         return bad
+
+    def _farthest(self, gain: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Joint values (J,): each joint where it gains most (J, S) of its ``values`` (J, S), at rest where it gains nothing."""
+        best = np.argmax(gain, axis=1) if len(gain) else np.zeros(0, dtype=np.int64)
+        rows = np.arange(len(best))
+        return np.where(gain[rows, best] > 0.0, values[rows, best], self.tree.joints.rest)
 
     def _alone(self) -> tuple[np.ndarray, np.ndarray]:
         """Values (J, S) of every joint, and how each moves the centre of mass (J, S, 3) by itself with what it carries."""
