@@ -91,6 +91,7 @@ def _narrow(
     for _ in range(_ROUNDS):
         intervals = _Narrowed(program, box)
         moved = False
+        found |= {k: c for k, d in enumerate(program.draws) if (c := _without_option(k, d, intervals)) is not None}
         for k, draw in enumerate(program.draws):
             if k in found or draw.kind == "choice" or draw.low is None or draw.high is None:
                 continue
@@ -98,14 +99,14 @@ def _narrow(
             if k in box:
                 low, high = max(low, box[k][0]), min(high, box[k][1])
             others = tuple(dict.fromkeys(numbers[c] for c in read if c in numbers and c is not draw.column))
+            alike = low - high < _ALIKE  # whole numbers beside one that is left out: no range to tell of
+            if draw.kind == "count" and why and math.isfinite(low) and math.isfinite(high):
+                low, high = math.ceil(low - _SMALL), math.floor(high + _SMALL)
             if low > high + _SMALL * max(1.0, abs(low)):
                 reasons, chain = _led(causes, why, others)
                 chain = tuple(d for d in chain if d != k)
                 scope = draw.column.scope
-                alike = low - high < _ALIKE and bool(
-                    reasons
-                )  # whole numbers beside one that is left out: no range to tell of
-                one, other = (None, reasons[0]) if alike else (k, None)
+                one, other = (None, reasons[0]) if alike and reasons else (k, None)
                 found[k] = Conflict(one, other, reasons, chain, low, high, scope, is_certain(scope, intervals))
             elif why and (low, high) != intervals.column(draw.column) and (given is None or k not in given):
                 box[k] = (low, max(low, high))
@@ -114,6 +115,19 @@ def _narrow(
         if found or not moved:
             break
     return found, box, causes
+
+
+def _without_option(number: int, draw: Draw, intervals: _Narrowed) -> Conflict | None:
+    """That requirements leave none of the options of a choice."""
+    shut: dict[int, int] = {}
+    for limit in draw.limits:
+        if intervals.of(limit.allowed)[1] <= 0.0:
+            shut.setdefault(limit.option, limit.requirement)
+    taken = [k for k, weight in enumerate(draw.weights) if intervals.of(weight)[1] > 0.0]
+    if not taken or not all(k in shut for k in taken):
+        return None
+    reasons, scope = tuple(dict.fromkeys(shut[k] for k in taken)), draw.column.scope
+    return Conflict(None, reasons[0], reasons, (), math.nan, math.nan, scope, is_certain(scope, intervals))
 
 
 def _led(causes: _Causes, why: Sequence[int], draws: Iterable[int]) -> tuple[tuple[int, ...], tuple[int, ...]]:

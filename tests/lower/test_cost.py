@@ -84,9 +84,9 @@ def test_requirements_are_read_once_for_each_column(monkeypatch):
     counted(Ends, "_of")
     bounds = lowering.attach_bounds
 
-    def attach(program):
+    def attach(program, strict):
         read.clear()
-        found = bounds(program)
+        found = bounds(program, strict)
         assert max(read.values()) == 1 and sum(read.values()) < 3000, "a tenth above what it was: it may be lowered"
         return found
 

@@ -109,7 +109,7 @@ def test_an_equation_that_is_demanded_is_told_apart_from_a_range_that_is_too_nar
     session = Session.of_text(CHEST.format(away="1mm", more=f"require {demand}"), "programs/some.apg")
     session.advise()
     (found,) = [d for d in session.report.diagnostics if d.code == "none-drawn"]
-    assert hint in str(found.hint) and demand in found.message
+    assert found.severity == "error" and hint in str(found.hint) and demand in found.message
 
 
 FOLLOWER = """apg 1

@@ -35,13 +35,15 @@ def require(links: Links, env: Env, statement: ast.RequireStmt) -> None:
         return
     for node in _conjuncts(_positive(statement.condition)):
         others, bounding = _disjuncts(node)
-        condition, slack = comparison(ev, bounding)
+        condition, slack, strict = comparison(ev, bounding)
         guard = E.all_of((_presence(env, node), *(E.negate(ev.condition(other)) for other in others)))
         message = statement.message or statement.span.words
         repair = () if statement.repair is None else giving(env, ev.value(statement.repair))
         number = env.context.require(
             env.scope, condition, statement.span, message, guard, slack, node.span.words, repair
         )
+        if strict:
+            env.context.strict.add(number)
         env.context.stated[number] = statement.span, env.scope.parent is None and not env.path
 
 
@@ -67,7 +69,7 @@ def prefer(links: Links, env: Env, statement: ast.PreferStmt) -> None:
             "the weight of a preference must be above 0",
             hint="to prefer the opposite, write the opposite condition",
         )
-    condition, _ = comparison(ev, _positive(statement.condition))
+    condition, *_ = comparison(ev, _positive(statement.condition))
     guard = _presence(env, statement.condition)
     if env.scope.parent is None and not env.path:
         env.context.preferred[len(env.context.program.preferences)] = statement.span

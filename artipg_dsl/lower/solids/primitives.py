@@ -206,19 +206,20 @@ def _declare_parameters(env: Env, statement: ast.ParamDecl) -> list[Condition]:
 
 def _condition_of(ev: Evaluator, statement: ast.RequireStmt) -> Condition:
     assert statement.condition is not None
-    condition, slack = comparison(ev, statement.condition)
+    condition, slack, _ = comparison(ev, statement.condition)
     return Condition(condition, slack, statement.message or "a requirement of the primitive fails", "requirement")
 
 
-def comparison(ev: Evaluator, node: ast.Expr) -> tuple[Expr, tuple[Expr, Expr] | None]:
-    """A condition and, for an inequality, its two sides (low, high)."""
+def comparison(ev: Evaluator, node: ast.Expr) -> tuple[Expr, tuple[Expr, Expr] | None, bool]:
+    """A condition and, for an inequality, its two sides (low, high), and whether these must differ without a least difference."""
     if isinstance(node, ast.BinaryExpr) and node.op in ("<", "<=", ">", ">="):
         left, right = ev.number(ev.value(node.left), node.left.span), ev.number(ev.value(node.right), node.right.span)
         pair = (left, right) if node.op in ("<", "<=") else (right, left)
-        if node.op in ("<", ">"):
-            pair = (pair[0], E.sub(pair[1], E.const(_apart(ev.env, left, right))))
-        return E.call("le", *pair), pair
-    return ev.condition(node), None
+        apart = _apart(ev.env, left, right) if node.op in ("<", ">") else None
+        if apart:
+            pair = pair[0], E.sub(pair[1], E.const(apart))
+        return E.call("le", *pair), pair, apart == 0.0
+    return ev.condition(node), None, False
 
 
 def _apart(env: Env, left: Expr, right: Expr) -> float:

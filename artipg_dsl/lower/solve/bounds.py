@@ -7,7 +7,7 @@ bounds of one variable could exclude one another, that they do not is a new requ
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from ...graph import expr as E
 from ...graph.depend import SIDEWAYS
@@ -24,11 +24,13 @@ _MOST_DERIVED = 400
 DEPTH = 24
 
 
-def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
+def attach_bounds(program: Program, strict: Collection[int] = ()) -> list[tuple[Scope, tuple[int, ...]]]:
     """Fill ``bounds`` of the draws and ``limits`` of the choices from the requirements.
 
-    Returns the requirements that contradict one another whatever is drawn, with the rows in which they do.
+    The sides of the requirements ``strict`` must differ, if only a little. Returns the requirements that contradict one another
+    whatever is drawn, with the rows in which they do.
     """
+    apart = frozenset(strict)
     hollow: list[tuple[Scope, tuple[int, ...]]] = []
     draws = {d.column: d for d in program.draws}
     readers = Readers(program)
@@ -52,6 +54,12 @@ def attach_bounds(program: Program) -> list[tuple[Scope, tuple[int, ...]]]:
     told: dict[object, float] = {}
     while pending:
         scope, low, high, guard, number, depth, also = pending.pop(0)
+        if depth and guard is E.TRUE and not apart.isdisjoint((number, *also)):
+            form = readers.drawn.form(E.sub(low, high))
+            left = None if form is None or form[0] else form[1].constant
+            if left is not None and abs(left) < 1e-12:  # they meet, and must not
+                hollow.append((scope, (number, *also)))
+                continue
         if readers.intervals.of(E.call("le", low, high))[0] >= 1.0:
             continue
         difference = E.sub(low, high)
