@@ -67,6 +67,7 @@ def _columns(
         "seed": PerObject([int(batch.seed)] * n),
         "links": _links(batch),
         "joints": _joints(batch),
+        **({"closures": _closures(batch)} if batch.program.closures else {}),
         "parts": _parts(batch),
         "grasps": _grasps(batch, grasps, reached),
         "dropped": PerObject(dropped),
@@ -152,7 +153,30 @@ def _joints(batch: Batch) -> Rows:
         columns["stiffness"] = joints.stiffness  # N/m, N m/rad
     if batch.gates is not None:
         columns["enabled_when"] = _enabled_when(batch, batch.gates)
+    if batch.program.closures:
+        columns["driven_by"] = _driven_by(batch)
     return Rows(joints.owner, columns)
+
+
+def _driven_by(batch: Batch) -> list[str | None]:
+    """For each joint whose value a closed loop determines, the joint that drives the loop."""
+    found: list[str | None] = [None] * len(batch.joints().name)
+    if batch.loops is not None:
+        names, drives = batch.joints().name, batch.loops.driven(np.arange(len(found)))
+        for row in batch.loops.variable[batch.loops.follows].tolist():
+            found[row] = None if drives[row] == row else names[drives[row]]
+    return found
+
+
+def _closures(batch: Batch) -> Rows:
+    """Where closed loops close: the two links, and the place at rest."""
+    loops, links = batch.loops, batch.links()
+    if loops is None:
+        return Rows(np.zeros(0, dtype=np.int64), {})
+    turn, shift = batch.pose()
+    place = rotate(turn[loops.link[0]], loops.point[0]) + shift[loops.link[0]]
+    first = zip(*(loops.link.tolist()), strict=True)
+    return Rows(loops.owner, {"links": [[links.name[a], links.name[b]] for a, b in first], "point": place})
 
 
 def _enabled_when(batch: Batch, gates: Gates) -> list[list[dict[str, Any]] | None]:

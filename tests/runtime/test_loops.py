@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.runtime.loops import APART
 from artipg_dsl.session import Session
 from artipg_dsl.source import Source
@@ -45,6 +46,15 @@ def test_a_slider_crank_moves_as_its_formula_says() -> None:
         assert values[turn].tolist() == [angle] * 4  # the first declared drives
         x = 0.03 * np.cos(angle) + np.sqrt(0.10**2 - (0.03 * np.sin(angle)) ** 2)
         np.testing.assert_allclose(values[slide], x - 0.13, atol=1e-9)
+
+
+def test_an_annotation_tells_what_drives_a_loop_and_where_it_closes() -> None:
+    (told,) = annotate(Session(Source("crank.apg", CRANK), None).sampler.batch(np.arange(1), seed=0))
+    drives = {joint["name"]: joint["driven_by"] for joint in told["joints"]}
+    assert drives == {"turn": None, "knee": "turn", "slide": "turn"}
+    (closure,) = told["closures"]
+    assert closure["links"] == ["rod", "block"]
+    assert closure["point"] == pytest.approx([0.13, closure["point"][1], 0.01])  # the block's middle, lifted to the floor
 
 
 def test_a_rack_stays_together_as_it_folds() -> None:
