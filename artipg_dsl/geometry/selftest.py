@@ -20,6 +20,7 @@ from .box import bounds
 from .errors import PrimitiveError
 from .patches import inside_split, surfaces
 from .split import Params, rows_of
+from .topology import place_in_words, value_in_words
 from .trial import draw_trial
 
 _ON_SURFACE = 1e-9  # how far the inside function may be from 0 on a surface, relative to the diagonal
@@ -132,7 +133,7 @@ class _Inspection:
 
     def at(self, row: int) -> str:
         """The test value of a row, for messages."""
-        return ", ".join(f"{n} = {float(self.params[n][row]):.4g}" for n in self.primitive.parameters)
+        return value_in_words(self.primitive, self.params, row)
 
 
 def _surfaces(seen: _Inspection) -> _Report:
@@ -389,8 +390,7 @@ def measure_missed(primitive: Primitive) -> tuple[float, str] | None:
         far[there] = np.minimum(far[there], beyond)
     far = far / seen.diagonal[row]
     worst = int(np.argmax(far))
-    place = ", ".join(f"{1000 * float(c):.4g}" for c in points[worst])
-    return float(far[worst]), f"about [{place}] mm, test value {seen.at(row[worst])}"
+    return float(far[worst]), place_in_words(seen.primitive, seen.params, int(row[worst]), points[worst])
 
 
 def _on_piece(group: pieces.PieceGroup) -> np.ndarray:

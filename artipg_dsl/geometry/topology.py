@@ -209,7 +209,7 @@ def _match(
         names = [f"{_EDGES[e % 4]} of {surfaces(primitive)[patches[e // 4]].name}" for e in (edge, *partners)]
         name = surfaces(primitive)[patches[edge // 4]].name
         row = _first_alone(curves, edge, ~points)
-        place = _where(params, row, curves[row, edge, len(_ALONG) // 2] * scale[row])
+        place = place_in_words(primitive, params, row, curves[row, edge, len(_ALONG) // 2] * scale[row])
         if len(partners):
             message = f"its edge {names[0]} is shared by {len(partners) + 1} surfaces: {', '.join(names)} ({place})"
             raise PrimitiveError(primitive, name, message)
@@ -240,10 +240,20 @@ def _first_alone(curves: np.ndarray, edge: int, asked: np.ndarray) -> int:
     return int(np.argmax((np.minimum(*apart) >= _TOLERANCE).all(axis=1)))
 
 
-def _where(params: Params, row: int, point: np.ndarray) -> str:
-    """A place (3,) in metres and a test value, for messages."""
-    at = ", ".join(f"{1000 * float(c):.4g}" for c in point)
-    return f"about [{at}] mm, test value " + ", ".join(f"{n} = {float(v[row]):.4g}" for n, v in params.items() if n)
+def place_in_words(primitive: Primitive, params: Params, row: int, point: np.ndarray) -> str:
+    """A place (3,) in metres and the test value of a row, for messages."""
+    at = ", ".join(f"{round(1000 * float(c), 6) + 0.0:.4g}" for c in point)
+    return f"about [{at}] mm, test value {value_in_words(primitive, params, row)}"
+
+
+def value_in_words(primitive: Primitive, params: Params, row: int) -> str:
+    """The test value of a row; switches, which are tested from 0 to 1, as such."""
+    switches = {n for n, ends in zip(primitive.parameters, primitive.test, strict=True) if ends == (0.0, 1.0)}
+    values = {n: float(params[n][row]) for n in primitive.parameters}
+    return ", ".join(
+        f"{n} = {('false', 'true')[int(v)] if n in switches.intersection(primitive.whole) else f'{v:.4g}'}"
+        for n, v in values.items()
+    )
 
 
 def _classes(count: int, pairs: Sequence[tuple[int, int, bool]]) -> np.ndarray:
@@ -369,7 +379,7 @@ def _outwards(primitive: Primitive) -> np.ndarray:
             fault = "both sides are" if (votes[0] & votes[1]).mean() > 0.5 else "neither side is"
             if min(outward, inward) > 0.125:
                 fault = "sometimes one side, sometimes the other is"
-            place = _where(chosen, 0, point[0, point.shape[1] // 2])
+            place = place_in_words(primitive, chosen, 0, point[0, point.shape[1] // 2])
             raise PrimitiveError(
                 primitive, surface.name, f"the inside function disagrees with it: {fault} inside ({place})"
             )

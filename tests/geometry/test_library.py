@@ -240,7 +240,7 @@ category C { root part a : Peg(radius = 1cm, height = 4cm, short = SHORT) }
 
 
 @pytest.mark.parametrize("given", ["true", "false"])
-@pytest.mark.parametrize(("top", "leaks"), [("tall", ""), ("height", "short = 1"), ("height / 2", "short = 0")])
+@pytest.mark.parametrize(("top", "leaks"), [("tall", ""), ("height", "short = true"), ("height / 2", "short = false")])
 def test_a_switch_is_tested_both_ways(top, leaks, given):
     found = findings(SWITCHED.replace("TOP", top).replace("SHORT", given))
     assert [d.code for d in found] == ["leaky-primitive"] * bool(leaks)
