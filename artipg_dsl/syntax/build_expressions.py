@@ -63,7 +63,9 @@ class ExpressionBuilder(BuilderBase):
         return ast.UnaryExpr(span=self.span(c), op=c[0].value, operand=c[1])
 
     def binary(self, c: Children) -> ast.Expr:
-        if c[1].value in "+-*/^" and c[2].span.text.startswith("+"):  # it would change nothing: what stood before it is lost
+        if c[1].value in "+-*/^" and c[2].span.text.startswith(
+            "+"
+        ):  # it would change nothing: what stood before it is lost
             what = f"nothing stands between `{c[1].value}` and `+`"
             self.problem(c[1], what, "write what is missing there, or leave one of the two out")
         return ast.BinaryExpr(span=self.span(c), op=c[1].value, left=c[0], right=c[2])

@@ -78,6 +78,13 @@ def test_nonlinear_equation_isolates_its_unknown() -> None:
     np.testing.assert_allclose(value(batch, "a.radius"), np.sqrt(value(batch, "w") * 0.01))
 
 
+def test_faces_determine_the_radius_of_what_is_by_default_as_wide_above() -> None:
+    text = "  part a : Cylinder(height = 1cm)\n  connect a.bottom on body.top fit left, right"
+    batch = sampled(category(text))
+    np.testing.assert_allclose(value(batch, "a.radius"), value(batch, "w") / 2)
+    np.testing.assert_allclose(value(batch, "a.top_radius"), value(batch, "a.radius"))
+
+
 @pytest.mark.parametrize(
     ("extra", "code"),
     [

@@ -54,7 +54,9 @@ def test_an_annotation_tells_what_drives_a_loop_and_where_it_closes() -> None:
     assert drives == {"turn": None, "knee": "turn", "slide": "turn"}
     (closure,) = told["closures"]
     assert closure["links"] == ["rod", "block"]
-    assert closure["point"] == pytest.approx([0.13, closure["point"][1], 0.01])  # the block's middle, lifted to the floor
+    assert closure["point"] == pytest.approx(
+        [0.13, closure["point"][1], 0.01]
+    )  # the block's middle, lifted to the floor
 
 
 def test_a_rack_stays_together_as_it_folds() -> None:

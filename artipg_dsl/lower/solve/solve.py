@@ -127,15 +127,46 @@ def blocks(env: Env, homes: list[tuple[Env, Expr]]) -> Iterator[Block]:
     unknowns, equations, guards = gathered(env, homes)
     number = {u.column: k for k, u in enumerate(unknowns)}
     linear = Linear(lambda c: c in number, env.context.program.definitions)
-    stated: list[Stated] = []
-    for equation in equations:
-        form = linear.form(E.sub(equation.left, equation.right))
-        names = set(form[0]) if form is not None else linear.columns(equation.left) | linear.columns(equation.right)
-        if form is not None:
-            form = {c: lifted(v, env.scope) for c, v in form[0].items()}, lifted(form[1], env.scope)
-        stated.append(Stated(equation, form, names))
+    stated = [_stated(env, linear, equation) for equation in equations]
     for chosen, members in _connected(list(number), [s.names for s in stated], number):
-        yield Block(env, [unknowns[u] for u in members], [stated[e] for e in chosen], number, guards)
+        own = [stated[e] for e in chosen]
+        yield Block(env, [unknowns[u] for u in members], _kept(env, linear, unknowns, members, own), number, guards)
+
+
+def _stated(env: Env, linear: Linear, equation: Equation) -> Stated:
+    form = linear.form(E.sub(equation.left, equation.right))
+    names = set(form[0]) if form is not None else linear.columns(equation.left) | linear.columns(equation.right)
+    if form is not None:
+        form = {c: lifted(v, env.scope) for c, v in form[0].items()}, lifted(form[1], env.scope)
+    return Stated(equation, form, names)
+
+
+def _kept(env: Env, linear: Linear, unknowns: list[Unknown], members: list[int], stated: list[Stated]) -> list[Stated]:
+    """The equations of a block with the defaults of what they should not determine.
+
+    The box of a cylinder has ``max(radius, top_radius)``, the latter by default the former. Where nothing else names it, to
+    determine ``top_radius`` would make a cone of what is meant to be round, and ``radius`` could not be determined without it.
+    """
+    own = [unknowns[u] for u in members if unknowns[u].kind == "default"]
+    defaults = {E.col(u.column): u.default for u in own if u.default is not None}
+    if not defaults:
+        return stated
+    kept: dict[Expr, Expr] = {}
+    found = []
+    for one in stated:
+        left, right = one.equation.left, one.equation.right
+        pairs = [n.args for n in E.nodes(E.sub(left, right)) if n.op in ("max", "min")]
+        default = {a: b for pair in pairs for a, b in (pair, pair[::-1]) if defaults.get(a) is b}
+        if default:
+            one = _stated(
+                env, linear, replace(one.equation, left=substitute(left, default), right=substitute(right, default))
+            )
+        kept |= default
+        found.append(one)
+    named = any(one.names & {a.value for a in kept} for one in found)  # then it may well be determined
+    always = all(one.equation.guard is E.TRUE for one in stated)  # else there are cases, each with fewer equations
+    needed = any(linear.columns(b) for b in kept.values()) or (always and len(stated) > len(members) - len(kept))
+    return found if needed and not named else stated
 
 
 def gathered(env: Env, homes: list[tuple[Env, Expr]]) -> tuple[list[Unknown], list[Equation], dict[Column, Expr]]:
