@@ -26,7 +26,9 @@ def find_open(tree: Tree) -> list[Fault]:
     worst: dict[Key, tuple[float, str]] = {}
     leads, states = tree.following
     rest = np.full(len(tree.first), -1), loops.apart(tree.turn, tree.shift), joints.rest
-    moved = zip(leads, *tree.poses(states)[2:], strict=True) if len(leads) else ()
+    lost = [loops.owner[rest[1]], joints.owner[loops.beyond(joints.rest)]]
+    hopeless = np.isin(loops.owner, np.concatenate(lost)).all()  # nothing is told of how these move
+    moved = zip(leads, *tree.poses(states)[2:], strict=True) if len(leads) and not hopeless else ()
     wrong = np.zeros(len(tree.first), dtype=bool)
     for state, (lead, apart, values) in enumerate((rest, *moved)):
         beyond = loops.beyond(values)
