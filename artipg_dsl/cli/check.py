@@ -26,7 +26,7 @@ def run(options: argparse.Namespace) -> int:
 
         findings(found, sys.stdout)
         say(f"{plural(len(options.files), 'file')}: {summary(found)}")
-    return 1 if report.failed else 0
+    return 1 if report.failed or (options.strict and found) else 0
 
 
 def _examine(name: str) -> Report:

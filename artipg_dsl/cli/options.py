@@ -38,6 +38,7 @@ def _add_check(to: argparse.ArgumentParser) -> None:
     shape = to.add_mutually_exclusive_group()
     shape.add_argument("--json", action="store_true", help="print the findings as JSON")
     shape.add_argument("--sarif", action="store_true", help="print the findings as SARIF, for editors and code hosts")
+    to.add_argument("--strict", action="store_true", help="exit with code 1 for warnings, too, as a gate of CI")
 
 
 def _add_watch(to: argparse.ArgumentParser) -> None:

@@ -55,6 +55,14 @@ def test_check_as_json_and_sarif(apgc: Apgc, broken: Path) -> None:
     assert (code, json.loads(out)) == (0, [])
 
 
+def test_check_fails_for_warnings_only_where_it_is_asked_to(apgc: Apgc, tmp_path: Path) -> None:
+    text = "apg 1\nuse primitives { Cuboid }\ncategory Box { root part body : Cuboid(size = [1cm, 1cm, 1cm]) }\n"
+    (tmp_path / "box.apg").write_text(text)
+    assert apgc("check", tmp_path / "box.apg")[0] == 0
+    assert apgc("check", tmp_path / "box.apg", "--strict")[0] == 1
+    assert apgc("check", CHEST, "--strict")[0] == 0
+
+
 def test_check_tells_of_a_module_once(apgc: Apgc, tmp_path: Path) -> None:
     (tmp_path / "sizes.apg").write_text("apg 1\nlet size = 3cmm\n")
     for name in ("one", "two"):
