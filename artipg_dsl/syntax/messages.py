@@ -468,11 +468,12 @@ def _by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, sp
         )
     if "LBRACE" in accepted and token.type == "_NL":
         return found(f"`{{` is missing before {shown}", "what belongs to the statement stands in braces: `{ ... }`")
+    if accepted == {"ELSE"}:
+        within = _open_bracket(history) is not None
+        hint = _MEANT_BY_IF.get(statement.type) if statement is not None and not within else None
+        return found(f"`else` is missing before {shown}", hint or "a value with a condition is written `a if c else b`")
     if token.type in ("RPAR", "RSQB") and token.type not in accepted:
         return found(f"{shown} has no matching opening bracket", "remove it, or add the missing bracket before it")
-    if accepted == {"ELSE"}:
-        hint = _MEANT_BY_IF.get(statement.type) if statement is not None else None
-        return found(f"`else` is missing before {shown}", hint or "a value with a condition is written `a if c else b`")
     if statement is not None and statement.type == "USE" and token.value == "as":
         return found("an import keeps its name", "leave `as` and the other name out")
     if 0 < len(accepted) <= 4:
