@@ -87,7 +87,7 @@ CONSTANT = {
     "effort below a spring": (
         SLIDE + "stiffness 100N/m effort 4N",
         1,
-        "what the spring leaves of the effort of the joint `j` is -1, but a joint must take its spring to the end",
+        "the effort of the joint `j` less what its spring takes at the end of its range is -1, but a joint must take its spring to the end",
     ),
     "velocity": (SLIDE + "velocity 0m/s", 1, "the velocity of the joint `j` is 0"),
     "pitch": (

@@ -360,7 +360,9 @@ def _of_joint(joint: Joint) -> Iterator[Quantity]:
     if joint.effort is not None and joint.stiffness is not None and joint.low is not None and joint.high is not None:
         way = E.maximum(E.sub(joint.rest, joint.low), E.sub(joint.high, joint.rest))
         left = E.sub(joint.effort, E.mul(joint.stiffness, way))
-        yield Quantity(f"what the spring leaves of the effort of {name}", scope, left, RESERVE, place)
+        yield Quantity(
+            f"the effort of {name} less what its spring takes at the end of its range", scope, left, RESERVE, place
+        )
     if joint.positions is not None:
         yield Quantity(f"the number of positions of {name}", scope, joint.positions, POSITIONS, place)
     if joint.pitch is not None:
