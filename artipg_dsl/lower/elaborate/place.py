@@ -337,6 +337,10 @@ def _bridge_pose(part: Component, mount: Mount, ev: Evaluator) -> Pose:
     a, b = _sunk(ev, clause.value, sink)
     x, y, z = map(tidy, minus(b, a))
     outer, inner = (x, y, z), minus(line.to, line.point)
+    if all(c is ZERO for c in outer):
+        raise ev.env.context.error(
+            "illegal-value", clause.span, "the two places are the same", hint="name two places that lie apart"
+        )
     distance = norm(outer)
     reach = next((c for c in inner if c is not ZERO), ZERO) if sum(c is not ZERO for c in inner) == 1 else norm(inner)
     mount.env.equations.append(Equation(reach, distance, clause.span, "the distance of the two ends", part.exists))
