@@ -36,7 +36,10 @@ def entries(lowering: Lowering, wanted: str | None) -> Iterator[str]:
     """A line per part and, indented, one per unknown and case: its name, what determines it, where the text says so."""
     from ..lower.solve.ledger import lines as ledger_lines
 
-    shown, told = None, set()
+    found: dict[
+        tuple[str, str], list[str]
+    ] = {}  # the lines of each part and case, which stages of the lowering tell apart
+    told = set()
     options = {draw.column: draw.options for draw in lowering.context.draws if draw.kind == "choice"}
     parts = {instance.part.path: instance.part for instance in lowering.links.nodes}
     for part, unknown in lowering.context.ledger:
@@ -44,13 +47,14 @@ def entries(lowering: Lowering, wanted: str | None) -> Iterator[str]:
         if wanted is not None and path != wanted and not path.startswith(wanted + "."):
             continue
         guards = _conditions(lowering.context, unknown.column.scope, options)
-        if (path, guards) != shown:
-            shown = (path, guards)
-            yield (path or lowering.program.name) + (f"   with {guards}" if guards else "")
+        if (path, guards) not in found:
+            found[path, guards] = [(path or lowering.program.name) + (f"   with {guards}" if guards else "")]
             if part is not None and path not in told and (path == wanted or lowering.links.attachments(part)):
-                yield from _held(lowering, part)
+                found[path, guards] += _held(lowering, part)
             told.add(path)
-        yield from _shown_lines(_quantity(unknown), ledger_lines(unknown, lowering.context.draws))
+        found[path, guards] += _shown_lines(_quantity(unknown), ledger_lines(unknown, lowering.context.draws))
+    for group in found.values():
+        yield from group
     if wanted in parts and wanted not in told:
         yield wanted
         yield from _held(lowering, parts[wanted])
@@ -126,7 +130,7 @@ def _nothing(lowering: Lowering, wanted: str | None) -> UserError:
     if wanted is None:
         return UserError(f"{lowering.program.name} has no unknowns: every value follows from the text")
     paths = {part.path for part in lowering.program.parts}
-    parts = ", ".join(dict.fromkeys(p.path for p in lowering.program.parts if "." not in p.path))
+    parts = ", ".join(dict.fromkeys(p.path for p in lowering.program.parts if p.parent < 0))
     return UserError(
         f"{lowering.program.name} has no part `{wanted}`", did_you_mean(wanted, paths) or f"its parts are {parts}"
     )
