@@ -43,6 +43,7 @@ class Examined:
         if not self.follow():
             return
         self.warn_rigid()
+        self.warn_caught()
         self.warn_beyond()
         self.warn_far()
         self.warn_asymmetric()
@@ -284,6 +285,25 @@ class Examined:
                     "names; a loop of four hinges with parallel axes moves, a triangle does not: add a joint, or `connect` the parts",
                 )
                 return
+
+    def warn_caught(self) -> None:
+        """Name joints with `positions` whose values closed loops determine, in every object that has them."""
+        loops, joints, program = self.batch.loops, self.batch.joints(), self.batch.program
+        if loops is None:
+            return
+        led = np.zeros(len(joints.name), dtype=bool)
+        led[loops.variable[loops.follows]] = True
+        drives = loops.driven(np.arange(len(led)))
+        for number, joint in enumerate(program.joints):
+            mine = np.flatnonzero(joints.definition == number)
+            if joint.positions is not None and len(mine) and led[mine].all():
+                lead = program.joints[joints.definition[drives[mine[0]]]].path
+                self.report.warning(
+                    "unknown-clause",
+                    self._line(joint.where) or self.span,
+                    f"the positions of `{joint.path}` have no effect: its closed loop determines where it is",
+                    hint=f"drop them, or give them to `{lead}`, which drives the loop",
+                )
 
     def warn_beyond(self) -> None:
         """Name joints that what they follow takes out of their own range, in every object that has them."""

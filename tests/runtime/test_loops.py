@@ -59,6 +59,13 @@ def test_an_annotation_tells_what_drives_a_loop_and_where_it_closes() -> None:
     )  # the block's middle, lifted to the floor
 
 
+def test_positions_of_what_a_loop_determines_are_told_to_have_no_effect() -> None:
+    text = CRANK.replace("range -20cm .. 20cm", "range -20cm .. 20cm positions 3")
+    report = Session(Source("crank.apg", text), None).examine()
+    (found,) = [d for d in report.diagnostics if d.code == "unknown-clause"]
+    assert "`slide` have no effect" in found.message and "`turn`" in str(found.hint)
+
+
 def test_a_rack_stays_together_as_it_folds() -> None:
     batch = Session.of("Foldingrack").sampler.batch(np.arange(12), seed=1)
     joints, loops = batch.joints(), batch.loops
