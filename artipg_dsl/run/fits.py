@@ -7,7 +7,7 @@ and tell of the same files, program and options is left alone.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -127,6 +127,8 @@ def write_fits(
             progress(ready, len(items))
     records = [found for item in items if (found := folder.record(item.name)) is not None]
     summary = summarize(sampler.program.name, options, records)
+    if force:
+        _drop_others(folder.out, {item.name for item in items})
     values = str(folder.out / VALUES)
     job = prepare_fitted(sampler, asked.source, records, values) if good_ones(records) else None
     _finish(folder.out, summary, records, job)
@@ -200,6 +202,20 @@ def _refuse_changes(folder: Folder, items: Sequence[Item], asked: Asked, options
             )
 
 
+def _drop_others(out: Path, names: Collection[str]) -> None:
+    """Remove the files of objects that the summary of a folder lists, and that are none of ``names``."""
+    listed = read_record(out / SUMMARY) or {}
+    for key in ("objects", "failed"):
+        for one in list_objects({"objects": listed.get(key)}, "name"):
+            if one["name"] not in names and Path(one["name"]).name == one["name"]:  # should it have been edited
+                for place in (
+                    f"{FITS}/{one['name']}.json",
+                    f"{PICTURES}/{one['name']}.png",
+                    f"{KEPT}/{one['name']}.npz",
+                ):
+                    (out / place).unlink(missing_ok=True)
+
+
 def _each(sampler: Sampler, asked: Asked, folder: Folder, groups: list[Group], workers: int) -> Iterator[int]:
     own = cache(lambda: _Writer.of(sampler, asked, folder))
 
@@ -228,9 +244,12 @@ class _Writer:
     def write(self, group: Group) -> int:
         """Write the records of a group, and the pictures; how many they are."""
         for item, (record, one) in zip(group, self.work.fit(group), strict=True):
+            picture = self.folder.out / PICTURES / f"{record['name']}.png"
             if self.painter is not None and one is not None:
                 image = overlay(one.batch, one.row, one.cloud, self.painter, states=one.states)
-                write_bytes(self.folder.out / PICTURES / f"{record['name']}.png", png_bytes(image), force=True)
+                write_bytes(picture, png_bytes(image), force=True)
+            else:
+                picture.unlink(missing_ok=True)  # it shows what was fitted before
             self.folder.write(record | self.folder.keep(item, record["file"]))
         return len(group)
 

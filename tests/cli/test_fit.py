@@ -211,6 +211,17 @@ def test_fits_of_other_files_are_not_lost(apgc: Apgc, real: Path, tmp_path: Path
     assert apgc("fit", CHEST, files[0], *asked)[0] == 0
 
 
+def test_fits_that_force_leaves_out_leave_no_files(apgc: Apgc, tmp_path: Path) -> None:
+    out, files = tmp_path / "out", [tmp_path / f"{name}.obj" for name in ("one", "other")]
+    for file in files:
+        file.write_text("f 1 2 3\n")
+    apgc("fit", CHEST, files[0], "-o", out)
+    (out / "fits" / "notes.json").write_text("{}")  # somebody's own
+    (out / "pictures" / "one.png").write_bytes(b"")
+    apgc("fit", CHEST, files[1], "-o", out, "--force")
+    assert set(tree(out)) == {"fit.json", "fits/notes.json", "fits/other.json", "values.jsonl"}
+
+
 def test_a_name_that_no_record_can_have_stops_no_other(apgc: Apgc, real: Path, tmp_path: Path) -> None:
     folder, out = tmp_path / "odd", tmp_path / "out"
     folder.mkdir()
@@ -274,5 +285,7 @@ def test_a_record_that_lacks_something_is_made_again(
     else:
         record[key] = value
     path.write_text(json.dumps(record))
+    picture = out / "pictures" / "chest0.png"
+    picture.write_bytes(b"of what was fitted before")
     (out / "fit.json").write_text('{"objects": [{"source": 3}, 5]}')
     assert apgc(*asked)[0] == 0 and tree(out) == before
