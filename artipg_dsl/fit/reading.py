@@ -147,7 +147,7 @@ def _table_of(path: Path) -> Cloud:
     for three in (more[:, :3], more[:, -3:]) if more.shape[1] >= 3 else ():
         if normals is None and (np.abs(np.sqrt((three**2).sum(axis=1)) - 1.0) < _NEARLY).mean() > _MOSTLY:
             normals = three
-    lost = "" if normals is not None or more.shape[1] < 3 else "what follows x y z is no normal"  # but a colour
+    lost = "" if normals is not None or more.shape[1] < 3 else "the numbers behind x y z are no normals"  # but a colour
     return Cloud(table[:, :3], normals, np.full(len(table), -1), (), lost)
 
 

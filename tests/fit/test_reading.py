@@ -262,7 +262,7 @@ def test_normals_of_text_are_told_from_colours(tmp_path: Path) -> None:
         np.savetxt(tmp_path / "a.xyz", np.hstack([points, *behind]), delimiter=", ", header="x y z and more")
         cloud = read_cloud(tmp_path / "a.xyz")
         assert (cloud.normals is not None) == given and cloud.lost == (
-            "" if given else "what follows x y z is no normal"
+            "" if given else "the numbers behind x y z are no normals"
         )
         assert cloud.normals is None or ((cloud.points * cloud.normals).sum(axis=1) > 0).all()
 
