@@ -85,9 +85,11 @@ class Parser(argparse.ArgumentParser):
 
             command = self.commands[options.command]
             known = {option.lstrip("-"): option for option in re.findall(r"--?[a-z][a-z-]*", command.format_usage())}
-            close = get_close_matches(unknown[0].lstrip("-"), known, n=1, cutoff=0.7)  # dashes say nothing
+            given = unknown[0].partition("=")[0]
+            name = given.lstrip("-")  # dashes say nothing
+            close = get_close_matches(name, known, n=1, cutoff=0.7) or [one for one in known if name in one.split("-")]
             if close:
-                error(f"apgc {options.command} has no option {unknown[0]}", f"did you mean {known[close[0]]}?")
+                error(f"apgc {options.command} has no option {given}", f"did you mean {known[close[0]]}?")
                 self.exit(USAGE)
             command.error(f"unexpected argument {unknown[0]}")
         return options

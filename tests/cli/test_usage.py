@@ -24,6 +24,7 @@ from .helpers import CHEST, Apgc, command, environment
         ("sample Microwave --formt glb", "apgc sample has no option --formt", "did you mean --format?"),
         ("sample Microwave --detail-strenght 1", "no option --detail-strenght", "did you mean --detail-strength?"),
         ("sample Microwave --no-mesh", "apgc sample has no option --no-mesh", "did you mean --no-meshes?"),
+        ("sample Microwave --strength=0.5", "apgc sample has no option --strength", "did you mean --detail-strength?"),
         ("sample Microwave more", "unexpected argument more", "apgc sample --help"),
         ("sample Microwave -n 0", "0 is not a number from 1", "apgc sample --help"),
         ("sample Microwave -n 4 --number=5", "--number is given twice, with different values", "keep one"),
