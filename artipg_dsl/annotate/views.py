@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -86,7 +87,7 @@ def _enter(array: np.ndarray, at: np.ndarray, values: np.ndarray) -> None:
         array[:, k][at] = values[:, k]
 
 
-class _Shots:
+class _Shots(ABC):
     """A *shot* is one object in one state seen by one camera; ``lead`` is their shape. Arrays are filled some objects at a time."""
 
     def __init__(self, batch: Batch, cameras: Cameras, states: np.ndarray | None, engine: str):
@@ -132,9 +133,9 @@ class _Shots:
                     shots.append(_Shot(self, target, at + v, v))
         self._write(made, shots)
 
+    @abstractmethod
     def _write(self, made: Soup, shots: list[_Shot]) -> None:
         """What is wanted of some shots, everything that does not depend on the shot for all of them at once."""
-        raise NotImplementedError
 
     def _moved(self, shots: list[_Shot], shot: np.ndarray, link: np.ndarray) -> np.ndarray:
         """The rows (n,) in all poses, one after the other, of points on the link rows ``link`` (n,) in the shots ``shot`` (n,)."""
