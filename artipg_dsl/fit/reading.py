@@ -8,11 +8,9 @@ from __future__ import annotations
 import json
 import logging
 import math
-import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from io import StringIO
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -24,13 +22,12 @@ import numpy as np
 from ..errors import UserError
 from ..records import dataclass
 from .finding import CLOUDS, KINDS
+from .xyz import read_table
 
 _POINTS = 30_000  # taken of a surface
 _LEAST = 200  # points that a cloud has at least
 _MOST_BYTES = 2 << 30
 _SEED = 1
-_COMMENTS = ("#", "//")
-_NEARLY, _MOSTLY = 0.05, 0.95  # what is normals: so many of this length, but for so much
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,52 +119,14 @@ def check_cloud(cloud: Cloud, name: str) -> Cloud:
 
 def _read_points(path: Path) -> Cloud:
     if path.suffix.lower() == ".xyz":
-        return _table_of(path)
+        points, normals, lost = read_table(path)
+        return Cloud(points, normals, np.full(len(points), -1), (), lost)
     if not is_zipfile(path):  # NumPy would take it for pickled data, and advise to load it unsafely
         raise UserError(f"{path.name} cannot be read as npz: it is no archive of arrays", "np.savez writes one")
     with open(path, "rb") as file, np.load(file, allow_pickle=False) as held:
         if "vertices" in held and "points" not in held:
             return solid_of(held, path.name, path.stem).surface(path.name)
         return points_of(held, path.name)
-
-
-def _table_of(path: Path) -> Cloud:
-    """The cloud of a text file: a point a line, its normal and whatever else behind it."""
-    text = path.read_text(encoding="utf-8-sig", errors="replace")
-    mark = "," if "," in text else None
-    try:
-        table = np.loadtxt(StringIO(text), ndmin=2, comments=_COMMENTS, delimiter=mark)
-    except ValueError:
-        table = np.zeros((0, 0))
-    if table.shape[1] < 3:
-        raise UserError(
-            f"{path.name}{_first_wrong(text, mark)}", "each line needs x y z of a point, as numbers, or x y z nx ny nz"
-        )
-    normals, more = None, table[:, 3:]
-    for three in (more[:, :3], more[:, -3:]) if more.shape[1] >= 3 else ():
-        if normals is None and (np.abs(np.sqrt((three**2).sum(axis=1)) - 1.0) < _NEARLY).mean() > _MOSTLY:
-            normals = three
-    lost = "" if normals is not None or more.shape[1] < 3 else "the numbers behind x y z are no normals"  # but a colour
-    return Cloud(table[:, :3], normals, np.full(len(table), -1), (), lost)
-
-
-def _first_wrong(text: str, mark: str | None) -> str:
-    """Where a table of points goes wrong, and how; ``mark``: what stands between its numbers."""
-    known = 0
-    for number, line in enumerate(text.splitlines(), 1):
-        line = re.split("|".join(_COMMENTS), line)[0].strip()
-        words = line.split(mark)
-        if not line:
-            continue
-        try:
-            count = len([float(word) for word in words])
-        except ValueError:
-            return f", line {number}: `{line[:40]}` is not numbers"
-        if count < 3 or count != (known or count):
-            many = f"{count} number" + ("s" if count > 1 else "")
-            return f", line {number}: `{line[:40]}` has {many}" + (f", those above {known}" if known else "")
-        known = count
-    return " has no points"
 
 
 def points_of(held: Mapping[str, Any], name: str) -> Cloud:
