@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict
+from functools import cache
 from typing import Any
 
 from ..export.strict import Strict
@@ -13,6 +14,7 @@ from ..sampling.sample import Sampler
 from .coverage import Coverage, measure_coverage
 from .dead import (
     Dead,
+    draw_further,
     find_dead_alternatives,
     find_dead_grasps,
     find_dead_labels,
@@ -236,8 +238,9 @@ def make_card(
     size = measure_extents(batch)
     step(5)
     models = find_variants(sampler, batch, variants or {}, {} if real is None else real.variants, checked)
-    parameters = tuple(find_dead_parameters(sampler, batch, step(6)))
-    alternatives = tuple(find_dead_alternatives(sampler, batch, step(7)))
+    further = cache(lambda: draw_further(sampler, batch))
+    parameters = tuple(find_dead_parameters(batch, further, step(6)))
+    alternatives = tuple(find_dead_alternatives(sampler, batch, further, step(7)))
     step(8)
     labels = (*find_dead_labels(batch), *find_idle_labels(batch), *find_dead_grasps(batch))
     return Card(

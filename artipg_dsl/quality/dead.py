@@ -56,11 +56,11 @@ class Dead:
 
 
 def find_dead_parameters(
-    sampler: Sampler, batch: Batch, progress: Callable[[int, int], None] | None = None
+    batch: Batch, further: Callable[[], Batch], progress: Callable[[int, int], None] | None = None
 ) -> list[Dead]:
     """Numbers that are drawn and change nothing that can be observed; ``progress(done, total)`` counts draws.
 
-    What few of the objects have is looked for among ``_MORE`` others as well.
+    What few of the objects have is looked for among ``further`` ones as well.
     """
     draws = batch.program.draws
     tried = [k for k, draw in enumerate(draws) if draw.kind != "choice" and k not in batch.state.given]
@@ -69,7 +69,7 @@ def find_dead_parameters(
     _try(batch, having, told, progress)
     rare = [number for number in tried if not told[number].alive and len(having[number]) < _FEW]
     if rare:
-        others = _others(sampler, batch)
+        others = further()
         _try(others, _having(others, rare), told, progress)
     found = []
     for number in tried:
@@ -79,8 +79,8 @@ def find_dead_parameters(
     return found
 
 
-def _others(sampler: Sampler, batch: Batch) -> Batch:
-    """First attempts at further objects."""
+def draw_further(sampler: Sampler, batch: Batch) -> Batch:
+    """First attempts at ``_MORE`` objects beside those of the batch."""
     numbers = np.uint64(batch.numbers.max()) + np.arange(1, _MORE + 1, dtype=np.uint64)
     (answers,) = ask(sampler.program, sampler.plan, batch.seed, batch.state.given, [Question({}, numbers)], _MORE)
     return answers.batch
@@ -191,14 +191,14 @@ def _moved(draw: Draw, drawn: np.ndarray, values: Kept, step: np.ndarray) -> Kep
 
 
 def find_dead_alternatives(
-    sampler: Sampler, batch: Batch, progress: Callable[[int, int], None] | None = None
+    sampler: Sampler, batch: Batch, further: Callable[[], Batch], progress: Callable[[int, int], None] | None = None
 ) -> list[Dead]:
-    """Alternatives that no object takes, nor one of ``_MORE`` others, or that look exactly like another; ``progress(done, total)`` counts
-    options."""
+    """Alternatives that no object takes, nor one of the ``further`` ones, or that look exactly like another; ``progress(done, total)``
+    counts options."""
     chosen = [k for k, d in enumerate(batch.program.draws) if d.kind == "choice" and k not in batch.state.given]
     count = {k: _taken(batch, k) for k in chosen}
     if rare := [k for k in chosen if not count[k].all()]:
-        others = _others(sampler, batch)
+        others = further()
         for k in rare:
             count[k] += _taken(others, k)
     taken = [(number, option) for number in chosen for option in np.flatnonzero(count[number]).tolist()]

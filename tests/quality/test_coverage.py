@@ -11,6 +11,7 @@ import pytest
 from artipg_dsl.quality import asking
 from artipg_dsl.quality.coverage import find_together, list_factors, measure_coverage
 from artipg_dsl.quality.dead import (
+    draw_further,
     find_dead_alternatives,
     find_dead_grasps,
     find_dead_labels,
@@ -43,7 +44,7 @@ def test_what_is_given_is_no_choice() -> None:
     batch = sampler.batch(np.arange(40), 0, given=given)
     found = measure_coverage(sampler, batch)
     assert (found.possible, found.excluded) == (0, ()) and found.share == 1.0
-    assert not find_dead_alternatives(sampler, batch)
+    assert not find_dead_alternatives(sampler, batch, lambda: draw_further(sampler, batch))
 
 
 GUARDED = """
@@ -110,9 +111,9 @@ def test_questions_are_put_together(monkeypatch: pytest.MonkeyPatch) -> None:
     sampler, batch = sampled(GUARDED, 3)
     found = measure_coverage(sampler, batch)
     assert len(found.missed) > 2 and len(found.excluded) > 2 and made == {asking.__name__: 2}
-    find_dead_alternatives(sampler, batch)
+    find_dead_alternatives(sampler, batch, lambda: draw_further(sampler, batch))
     assert made == {asking.__name__: 2 + 2}  # all options, and objects that may have the rare ones
-    find_dead_parameters(sampler, batch)
+    find_dead_parameters(batch, lambda: draw_further(sampler, batch))
     assert made[known.__name__] <= 2 * (1 + 3)  # before, and after each of three steps, of these objects and of others
 
 
@@ -154,13 +155,15 @@ category Dead {
 
 def test_parameters_without_effect_are_found() -> None:
     sampler, batch = sampled(DEAD)
-    assert {dead.name: dead.why for dead in find_dead_parameters(sampler, batch)} == {
+    assert {dead.name: dead.why for dead in find_dead_parameters(batch, lambda: draw_further(sampler, batch))} == {
         "unused": "changes nothing",
         "idle": "changes nothing",
         "stuck": "has no room to vary",
         "bound": "changes nothing",
     }
-    assert all(dead.where.startswith("<text>:") for dead in find_dead_parameters(sampler, batch))
+    assert all(
+        dead.where.startswith("<text>:") for dead in find_dead_parameters(batch, lambda: draw_further(sampler, batch))
+    )
 
 
 def test_a_parameter_of_what_is_never_there_is_never_drawn() -> None:
@@ -175,10 +178,12 @@ category Never {
   }
 }"""
     sampler, batch = sampled(text)
-    assert [(d.name, d.why) for d in find_dead_parameters(sampler, batch)] == [("w", "is never drawn")]
-    assert [(d.name, d.option, d.why) for d in find_dead_alternatives(sampler, batch)] == [
-        ("top", "Cuboid", "is never taken")
+    assert [(d.name, d.why) for d in find_dead_parameters(batch, lambda: draw_further(sampler, batch))] == [
+        ("w", "is never drawn")
     ]
+    assert [
+        (d.name, d.option, d.why) for d in find_dead_alternatives(sampler, batch, lambda: draw_further(sampler, batch))
+    ] == [("top", "Cuboid", "is never taken")]
 
 
 def test_what_few_objects_have_is_looked_for_in_others() -> None:
@@ -192,8 +197,8 @@ category Rare {
 }"""
     sampler, batch = sampled(text, 8)
     assert not batch.state.values[next(k for k, d in enumerate(batch.program.draws) if d.column.name == "top.w")].size
-    assert not find_dead_parameters(sampler, batch)
-    assert not find_dead_alternatives(sampler, batch)
+    assert not find_dead_parameters(batch, lambda: draw_further(sampler, batch))
+    assert not find_dead_alternatives(sampler, batch, lambda: draw_further(sampler, batch))
 
 
 def test_alternatives_that_cannot_be_told_apart() -> None:
@@ -208,7 +213,7 @@ category Box {
   connect top.cap.bottom on body.top
 }"""
     sampler, batch = sampled(text)
-    found = find_dead_alternatives(sampler, batch)
+    found = find_dead_alternatives(sampler, batch, lambda: draw_further(sampler, batch))
     assert [(d.name, d.option, d.why) for d in found] == [("top", "Other", "cannot be told from Plain")]
 
 
