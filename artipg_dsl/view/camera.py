@@ -42,11 +42,25 @@ class Camera:
 
 @dataclass(frozen=True, slots=True)
 class Lights:
-    """Directions towards the lights (K, 3); the ``strength`` (K,) of each, of ``SUN`` or ``SKY``, and which, ``sun`` (K,) bool."""
+    """Directions towards the lights (K, 3); the ``strength`` (K,) of each, of ``SUN`` or ``SKY``, and which, ``sun`` (K,) bool.
+
+    Each stands for all light from as far around it as ``spread`` (K,), a tangent.
+    """
 
     direction: np.ndarray
     strength: np.ndarray
     sun: np.ndarray
+    spread: np.ndarray
+
+    def around(self) -> np.ndarray:
+        """Unit directions (K, 4, 3) towards the middles of the quarters of each light."""
+        aside = unit(np.cross(self.direction, [0.0, 0.0, 1.0]))
+        turn = np.arange(len(aside))[:, None] + np.arange(4) * (np.pi / 2)  # no two lights alike
+        way = (
+            np.cos(turn)[..., None] * aside[:, None]
+            + np.sin(turn)[..., None] * np.cross(self.direction, aside)[:, None]
+        )
+        return unit(self.direction[:, None] + self.spread[:, None, None] / 2 * way)
 
     def power(self) -> np.ndarray:
         """The irradiance (K, 3) that each gives what faces it."""
@@ -99,4 +113,6 @@ def place_lights(camera: Camera, sun_count: int = 12, sky_count: int = 32) -> Li
     # a little more light from the viewer's side than from behind the object
     share = 1.0 + 0.55 * (sky * unit(back * [1.0, 1.0, 0.0])).sum(axis=-1)
     strength = np.concatenate([np.full(sun_count, 0.58 / sun_count), share * (0.94 / sky_count)])
-    return Lights(np.concatenate([sun, sky]), strength, np.arange(sun_count + sky_count) < sun_count)
+    of_sun = np.arange(sun_count + sky_count) < sun_count
+    spread = np.where(of_sun, 0.16 / np.sqrt(sun_count), np.sqrt(2 / sky_count))  # each a disc of its share
+    return Lights(np.concatenate([sun, sky]), strength, of_sun, spread)

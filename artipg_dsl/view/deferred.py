@@ -14,11 +14,10 @@ import numpy as np
 from ..records import dataclass
 from .camera import SKY, SUN, Camera, Lights
 from .scene import Scene
+from .softness import smooth, soften_ground, spread_over_surface
 
 _SAMPLES = 2  # supersampling per axis
 _QUARTERS = _SAMPLES * _SAMPLES  # the samples of a pixel, and the parts into which they share out all lights
-_NEAR, _FAR = 0.006, 0.025  # how far shadows on the ground run into what is around them, in widths of the picture
-_OPEN = (0.1, 0.7)  # shares of the light from which on, and where wholly, they do so over the larger of these
 _GROUND_REACH = 1.3  # how far from the object its shadow is looked for, in its own sizes
 
 
@@ -46,23 +45,30 @@ class Rays:
 
 
 class Engine(Protocol):
-    """What differs between the renderers: which face a ray meets first, and which points (n, 3) see a light, 0 .. 1."""
+    """What differs between the renderers: which face a ray meets first, and which points (n, 3) see a light, 0 .. 1.
+
+    Of four ``kinds`` (n,) of points, each may look for the light at a place of its own around it.
+    """
 
     def begin(self, scene: Scene, opaque: np.ndarray, camera: Camera, lights: Lights, floor: float) -> None:
         """Take a scene, and the faces that cast shadows."""
 
     def first(self, faces: np.ndarray, rays: Rays) -> RayHits: ...
 
-    def visible(self, points: np.ndarray, light: int) -> np.ndarray: ...
+    def visible(self, points: np.ndarray, light: int, kinds: np.ndarray) -> np.ndarray: ...
 
 
 @dataclass(frozen=True, slots=True)
 class _Seen:
-    """What some samples show: ``position``, unit ``normal``, direction ``towards`` the viewer (3, n); ``colour`` (4, n); finish (n,) each."""
+    """What some samples show, one in each pixel ``at`` (n,): ``position``, unit ``normal``, direction ``towards`` the viewer (3, n);
+    ``distance`` (n,) from there; ``colour`` (4, n); finish (n,) each.
+    """
 
+    at: np.ndarray
     position: np.ndarray
     normal: np.ndarray
     towards: np.ndarray
+    distance: np.ndarray
     colour: np.ndarray
     metalness: np.ndarray
     gloss: np.ndarray
@@ -101,12 +107,12 @@ def shade_picture(
     for quarter, part in enumerate(parts):
         shown, way, hits = ground.copy(), part(rays.direction), solid.part(part)
         at = np.flatnonzero(hits.face >= 0)
-        shown[:, at] = _light_up(engine, lights, quarter, look.seen(rays.eye, way, at, hits), behind, extent)[0]
+        shown[:, at] = _light_up(engine, lights, quarter, look.seen(rays.eye, way, at, hits), behind, extent, size)[0]
         if pane is not None:
             nearer, hits = np.where(hits.face >= 0, hits.distance, np.inf), pane.part(part)
             at = np.flatnonzero((hits.face >= 0) & (hits.distance < nearer))
             seen = look.seen(rays.eye, way, at, hits)
-            colour, cover = _light_up(engine, lights, quarter, seen, behind, extent)
+            colour, cover = _light_up(engine, lights, quarter, seen, behind, extent, size)
             shown[:, at] = colour * cover + shown[:, at] * (1 - cover)
         image += shown
     return np.clip(image.T.reshape(size, size, 3) / _QUARTERS, 0.0, 1.0)
@@ -120,6 +126,11 @@ def _quarter(edge: int, quarter: int, samples: np.ndarray) -> np.ndarray:
     down, right = divmod(quarter, _SAMPLES)
     shape = samples.shape[1:]
     return samples.reshape(edge, edge, *shape)[down::_SAMPLES, right::_SAMPLES].reshape(-1, *shape)
+
+
+def _kinds(row: np.ndarray, column: np.ndarray) -> np.ndarray:
+    """Which of the four places in a square of two by two each is, 0 .. 3."""
+    return row % 2 * 2 + column % 2
 
 
 def _lights_of(lights: Lights, quarter: int) -> range:
@@ -157,30 +168,31 @@ class _Look:
         normal /= np.where(_dot(normal, way) > 0, -long, long)  # towards the viewer
         first = corners[0]
         colour, finish = self.colour.take(first, axis=1), (self.metalness.take(first), self.gloss.take(first))
-        return _Seen(eye[:, None] + way * hits.distance.take(at), normal, -way, colour, *finish)
+        distance = hits.distance.take(at)
+        return _Seen(at, eye[:, None] + way * distance, normal, -way, distance, colour, *finish)
 
 
 def _light_up(
-    engine: Engine, lights: Lights, quarter: int, seen: _Seen, backdrop: np.ndarray, extent: float
+    engine: Engine, lights: Lights, quarter: int, seen: _Seen, backdrop: np.ndarray, extent: float, size: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Linear light (3, n) that leaves the surface towards the eye, and how much it covers (n,); by a quarter of the lights."""
     normal, metal, gloss = seen.normal, seen.metalness, seen.gloss
     tilt = _dot(normal, seen.towards)
     start = np.ascontiguousarray((seen.position + normal * (0.004 * extent)).T)
-    narrow = np.exp2(2 + 7 * gloss)
-    sun, sky, glint = np.zeros((3, len(tilt)), dtype=np.float32)
+    narrow, kinds = np.exp2(2 + 7 * gloss), _kinds(*np.divmod(seen.at, size))
+    light, glint = np.zeros((2, len(tilt)), dtype=np.float32), np.zeros(len(tilt), dtype=np.float32)
     direction, strength = lights.direction.astype(np.float32), (lights.strength * _QUARTERS).astype(np.float32)
     for k in _lights_of(lights, quarter):
         to_light = direction[k]
         cast = _dot(normal, to_light)
         lit = np.flatnonzero(cast > 0)
         shown = np.zeros_like(cast)
-        shown[lit] = engine.visible(start.take(lit, axis=0), k) * strength[k]
+        shown[lit] = engine.visible(start.take(lit, axis=0), k, kinds.take(lit)) * strength[k]
         if lights.sun[k]:
             middle = (cast + tilt) / np.sqrt(2 + 2 * _dot(seen.towards, to_light))
             glint += shown * np.exp2(narrow * np.log2(np.maximum(middle, 1e-6)))  # faster than a power
-        into = sun if lights.sun[k] else sky
-        into += shown * cast
+        light[int(lights.sun[k])] += shown * cast
+    sky, sun = spread_over_surface(light, seen.at, size, normal, seen.distance / extent)
     light = SUN[:, None] * sun + SKY[:, None] * sky + 0.13 + 0.10 * backdrop * (0.5 - 0.5 * normal[2])
     shine = SUN[:, None] * glint
     edge = (1 - np.maximum(tilt, 0)) ** 5
@@ -205,16 +217,11 @@ def _surroundings(direction: np.ndarray, sun: np.ndarray, rough: np.ndarray) -> 
     up, aside = direction[2], np.abs(direction[1] * sun[0] - direction[0] * sun[1]) / np.hypot(sun[0], sun[1])
 
     def beyond(border: float, values: np.ndarray) -> np.ndarray:
-        return _smooth(border - blur, border + blur, values)
+        return smooth(border - blur, border + blur, values)
 
     lamp = 0.86 * beyond(0.42, up) + 0.60 * beyond(0.80, aside) * (1 - beyond(0.55, np.abs(up)))
     table = 0.30 * beyond(0.22, -up)
-    return 0.22 + lamp + table + 0.25 * _smooth(0.55, 0.95, _dot(direction, sun))
-
-
-def _smooth(low: float | np.ndarray, high: float | np.ndarray, values: np.ndarray) -> np.ndarray:
-    t = np.clip((values - low) / (high - low), 0, 1)
-    return t * t * (3 - 2 * t)
+    return 0.22 + lamp + table + 0.25 * smooth(0.55, 0.95, _dot(direction, sun))
 
 
 def _ground_points(
@@ -237,7 +244,7 @@ def _shadow(engine: Engine, lights: Lights, at: np.ndarray, point: np.ndarray, e
     A shadow is soft, so one ray per pixel tells enough, a quarter of the lights each.
     """
     y, x = np.divmod(at, edge)
-    own = y % _SAMPLES * _SAMPLES + x % _SAMPLES
+    own, kinds = _kinds(y, x), _kinds(y // 2, x // 2)
     source = lights.sun.astype(int)  # the sky, the sun
     up = (np.maximum(lights.direction[:, 2], 0) * lights.strength).astype(np.float32)
     got = np.zeros((2, len(at)), dtype=np.float32)
@@ -245,42 +252,9 @@ def _shadow(engine: Engine, lights: Lights, at: np.ndarray, point: np.ndarray, e
         mine, chosen = np.flatnonzero(own == quarter), _lights_of(lights, quarter)
         start, seen = point.take(mine, axis=0), np.zeros((2, len(mine)), dtype=np.float32)
         for k in chosen:
-            seen[source[k]] += engine.visible(start, k) * up[k]
+            seen[source[k]] += engine.visible(start, k, kinds.take(mine)) * up[k]
         got[:, mine] = seen / np.bincount(source[chosen], up[chosen])[:, None]
-    share = _soften(got, at, edge, np.stack([SKY, SUN], axis=1) * np.bincount(source, up))
+    share = soften_ground(got, at, edge, np.stack([SKY, SUN], axis=1) * np.bincount(source, up))
     border = np.minimum(np.minimum(x, edge - 1 - x), np.minimum(y, edge - 1 - y)).astype(np.float32) / edge
-    kept = _smooth(0.0, 0.12, border)
+    kept = smooth(0.0, 0.12, border)
     return 1 - kept + kept * share ** np.float32(0.85)
-
-
-def _soften(got: np.ndarray, at: np.ndarray, edge: int, power: np.ndarray) -> np.ndarray:
-    """Light (3, n) of the pixels ``at`` that see some of the sky's light and of the sun's, ``got`` (2, n), whose ``power`` is (3, 2).
-
-    What few lights miss runs into what is around it: the shadows of single lights are streaks where an open sky gives none. What most
-    lights miss keeps its edge, since there the object is near.
-    """
-    known = np.zeros((3, edge * edge), dtype=np.float32)
-    known[:2, at], known[2, at] = got, 1
-    power = (power / power.sum(axis=1, keepdims=True)).astype(np.float32)
-
-    def around(width: float) -> np.ndarray:
-        spread = blur(known.reshape(3, edge, edge), max(width * edge, _SAMPLES / 2)).reshape(3, -1).take(at, axis=1)
-        spread[:2] /= spread[2]
-        return power[:, :1] * spread[0] + power[:, 1:] * spread[1]
-
-    near, far = around(_NEAR), around(_FAR)
-    return near + (far - near) * _smooth(*_OPEN, near.mean(axis=0))
-
-
-def blur(picture: np.ndarray, sigma: float) -> np.ndarray:
-    """Pictures (k, n, n) through a Gaussian filter, black beyond their borders. SciPy's takes longer to import than a picture to draw."""
-    weight = np.exp(-0.5 * (np.arange(int(2.5 * sigma + 0.5) + 1) / sigma) ** 2)
-    weight = (weight / (2 * weight.sum() - weight[0])).astype(np.float32)
-    for _ in range(2):  # along rows, then along columns
-        spread, some = picture * weight[0], np.empty_like(picture)
-        for k, share in enumerate(weight[1:].tolist(), 1):
-            np.multiply(picture, share, out=some)
-            spread[:, :, k:] += some[:, :, :-k]
-            spread[:, :, :-k] += some[:, :, k:]
-        picture = np.ascontiguousarray(spread.transpose(0, 2, 1))
-    return picture

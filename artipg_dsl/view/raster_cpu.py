@@ -45,7 +45,7 @@ class Renderer:
         x, y, z = points.T
         return np.stack([m[i, 0] * x + m[i, 1] * y + m[i, 2] * z + (m[i, 3] + 0.5) for i in range(3)])
 
-    def visible(self, points: np.ndarray, light: int) -> np.ndarray:
+    def visible(self, points: np.ndarray, light: int, kinds: np.ndarray) -> np.ndarray:
         """How much of a light each of the points (n, 3) sees: the weighted mean of the four texels around it."""
         x, y, near = self._to_light(points.astype(np.float32), light)
         x, y, near = np.clip(x, 0, 1) * _MAP + 0.5, np.clip(y, 0, 1) * _MAP + 0.5, np.maximum(near, 0) + 0.008

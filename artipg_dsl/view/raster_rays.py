@@ -15,7 +15,7 @@ class Renderer:
     """Draws scenes in tiles of ``size`` pixels. Raises ImportError where embreex is missing."""
 
     name = "embreex"
-    light_counts = (12, 32)  # sun, sky
+    light_counts = (8, 24)  # sun, sky
 
     def __init__(self, size: int, backdrop: np.ndarray):
         from embreex.mesh_construction import TriangleMesh
@@ -32,6 +32,7 @@ class Renderer:
         self.scene, self.lights = scene, lights
         self.opaque, self.casters = opaque, self._build(opaque)
         self.place = camera.picture(scene.vertices)[0]
+        self.towards = lights.around().astype(np.float32)
 
     def _build(self, faces: np.ndarray) -> Any:
         built = self._scene()
@@ -66,10 +67,9 @@ class Renderer:
         high = np.clip(np.ceil(place.max(axis=1)), 0, edge).astype(np.int64)
         return slice(low[1], high[1]), slice(low[0], high[0])
 
-    def visible(self, points: np.ndarray, light: int) -> np.ndarray:
-        """Which of the points (n, 3) see a light."""
+    def visible(self, points: np.ndarray, light: int, kinds: np.ndarray) -> np.ndarray:
+        """Which of the points (n, 3) see a light, each kind a quarter of it."""
         if not points.size or not len(self.opaque):
             return np.ones(len(points), dtype=bool)
-        towards = self.lights.direction[light].astype(np.float32)[None]
-        seen: np.ndarray = self.casters.run(points, towards, query="OCCLUDED") != 0
+        seen: np.ndarray = self.casters.run(points, self.towards[light].take(kinds, axis=0), query="OCCLUDED") != 0
         return seen

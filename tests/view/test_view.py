@@ -21,10 +21,11 @@ from artipg_dsl.session import Session
 from artipg_dsl.view import regions
 from artipg_dsl.view import sheet as sheets
 from artipg_dsl.view.camera import look_at, place_lights
-from artipg_dsl.view.deferred import blur, camera_rays
+from artipg_dsl.view.deferred import camera_rays
 from artipg_dsl.view.png import png_bytes, srgb, write_number
 from artipg_dsl.view.raster_cpu import barycentric, rasterise
 from artipg_dsl.view.scene import Scene, hex_colour, make_scene, open_values, part_colours
+from artipg_dsl.view.softness import blur, spread_over_surface
 
 BACKDROP = hex_colour(sheets.BACKDROP)
 
@@ -226,6 +227,30 @@ def test_blurring_is_a_gaussian_filter() -> None:
     picture = np.random.default_rng(3).uniform(size=(2, 24, 24)).astype(np.float32)
     expected = gaussian_filter(picture, 1.8, truncate=2.5, axes=(1, 2), mode="constant")
     assert blur(picture, 1.8) == pytest.approx(expected, abs=1e-6)
+
+
+def test_light_is_spread_over_one_surface_alone() -> None:
+    """What differs within squares of two by two is evened out; edges of surfaces, in direction or depth, are kept."""
+    row, column = np.divmod(np.arange(16 * 16), 16)
+    light = (0.5 + 0.2 * (row % 2) - 0.1 * (column % 2) + 0.3 * (column > 7)).astype(np.float32)[None]
+    normal, level = np.zeros((3, len(row)), dtype=np.float32), np.zeros(len(row), dtype=np.float32)
+    normal[0], normal[1] = column <= 7, column > 7
+    turned = spread_over_surface(light, np.arange(len(row)), 16, normal, level)
+    normal[0], normal[1], level[:] = 1, 0, column > 7
+    behind = spread_over_surface(light, np.arange(len(row)), 16, normal, level)
+    inner = (row > 0) & (row < 15) & (column % 8 > 0) & (column % 8 < 7)
+    assert turned[0, inner] == pytest.approx(np.where(column > 7, 0.85, 0.55)[inner], abs=1e-6)
+    assert (turned == behind).all() and turned[0, column <= 7].max() < turned[0, column > 7].min()
+
+
+def test_quarters_of_a_light_surround_it() -> None:
+    lights = place_lights(look_at(np.array([[0.0, 0, 0], [1, 1, 1]])), 8, 24)
+    around = lights.around()
+    assert np.linalg.norm(around, axis=2) == pytest.approx(1.0)
+    tilt = np.arccos((around * lights.direction[:, None]).sum(axis=2))
+    assert np.tan(tilt) == pytest.approx(np.tile(lights.spread[:, None] / 2, 4))
+    middle = around.mean(axis=1)
+    assert np.cross(middle, lights.direction) == pytest.approx(np.zeros((32, 3)), abs=1e-9)
 
 
 def test_the_rasteriser_covers_a_square_once_and_keeps_the_nearest() -> None:
