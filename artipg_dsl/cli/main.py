@@ -6,6 +6,7 @@ import argparse
 import atexit
 import gc
 import importlib
+import io
 import os
 import re
 import sys
@@ -188,10 +189,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _open_streams() -> None:
-    """What who started us has closed is empty, and takes what is said nowhere."""
+    """What who started us has closed is empty, and takes what is said nowhere.
+
+    Output is UTF-8 as programs are, except on a terminal, and what it cannot show is told by its number.
+    """
     for name in ("stdin", "stdout", "stderr"):  # each gets the lowest number that is free, its own
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "r" if name == "stdin" else "w"))  # until the end
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        encoding = sys.stdout.encoding if sys.stdout.isatty() else "utf-8"
+        sys.stdout.reconfigure(encoding=encoding, errors="backslashreplace")
 
 
 def _is_adrift() -> bool:

@@ -116,6 +116,20 @@ def test_started_without_streams_and_without_a_folder(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("name", ["program.apg", "program\udcff.apg"])  # also one that is no text
+def test_output_is_utf_8_whatever_the_locale_says(tmp_path: Path, name: str) -> None:
+    try:
+        (tmp_path / name).write_text("apg 1\ncategory Größe { part }\n", "utf-8")
+    except OSError as error:
+        pytest.skip(f"the file system takes no such name: {error.strerror}")
+    found = subprocess.run(
+        command("check", tmp_path / name), env=environment(PYTHONIOENCODING="ascii"), capture_output=True, timeout=60
+    )
+    assert found.returncode == 1
+    assert "category Größe { part }" in found.stdout.decode("utf-8")
+    assert name.encode("ascii", "backslashreplace") in found.stdout
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no device that is full")
 def test_output_that_cannot_be_written(tmp_path: Path) -> None:
     with open("/dev/full", "w") as full:
