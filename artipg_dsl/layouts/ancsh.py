@@ -213,7 +213,7 @@ def index(entries: Sequence[Entry], folder: Path) -> dict[str, bytes]:
         for number, token in object_names(entry).items():
             place = folder / "render" / name / token / "object.json"
             if place.exists():
-                known[token] = json.loads(place.read_text())
+                known[token] = json.loads(place.read_text("utf-8"))
                 listed[entry.split(number)] += [f"hdf5/{name}/{token}/{frame}.h5" for frame in known[token]["frames"]]
         classes[name] = entry.term, known, listed
         if not known:

@@ -27,13 +27,15 @@ def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings)
     name, data = entry.term.name, entry.term.data
     factors, corners = (read_plain_pickle(folder / f"pickle/{name}{end}.pkl") for end in ("", "_corners"))
     lists = [folder / f"splits/{name}/{n}/{split}.txt" for n in data["experiments"] for split in SPLITS]
-    lines = {line for path in lists for line in path.read_text().splitlines()}
+    lines = {line for path in lists for line in path.read_text("utf-8").splitlines()}
     names = object_names(entry)
     for subject, frames in subjects(batch, entry.term):
         number = int(batch.numbers[subject.i])
         token = names[number]
         place = f"{name}/{token}"
-        own = set((folder / f"splits/{name}/{data['experiments'][0]}/{entry.split(number)}.txt").read_text().split())
+        own = set(
+            (folder / f"splits/{name}/{data['experiments'][0]}/{entry.split(number)}.txt").read_text("utf-8").split()
+        )
         found.of(place, (folder / "render" / name / token).is_dir(), "no folder in render/, where loaders look for it")
         if found.of(place, token in factors and token in corners, "not in the pickles of all objects"):
             _check_sizes(place, factors[token], corners[token], subject, found)

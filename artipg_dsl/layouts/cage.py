@@ -217,7 +217,7 @@ def check_term(term: Term) -> str | None:
 def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings) -> None:
     """Read as loaders do, and compare with the model."""
     assert entry.term is not None
-    listed, forms = (json.loads((folder / f"{name}.json").read_text()) for name in ("data_split", "hash_table"))
+    listed, forms = (json.loads((folder / f"{name}.json").read_text("utf-8")) for name in ("data_split", "hash_table"))
     for number, made in zip(batch.numbers.tolist(), nodes(batch, entry.term), strict=True):
         name = f"{entry.term.name}/{entry.token(number)}"
         if not _fits(made):
@@ -228,7 +228,7 @@ def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings)
         found.of(name, name in listed[entry.split(number)], "not in the list of its split")
         form = tree_hash([node.parent for node in made])
         found.of(name, name in forms[entry.term.name].get(form, ()), "not in the table by the form of its tree")
-        read = json.loads((folder / name / "train.json").read_text())
+        read = json.loads((folder / name / "train.json").read_text("utf-8"))
         found.of(
             name, read["meta"] == _described(made, entry.term.name)["meta"], "another category or form of the tree"
         )

@@ -115,7 +115,7 @@ def check_pcn(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findi
     """Read as loaders do, and compare with the model."""
     assert entry.term is not None
     tax = entry.term.data["synset"]
-    listed = {own["taxonomy_id"]: own for own in json.loads((folder / "PCN.json").read_text())}
+    listed = {own["taxonomy_id"]: own for own in json.loads((folder / "PCN.json").read_text("utf-8"))}
     for number, whole, seen in zip(batch.numbers.tolist(), *clouds(batch), strict=True):
         split, token = entry.split(number), entry.token(number)
         found.of(token, token in listed.get(tax, {}).get(split, ()), "not in the list of its split")
@@ -133,7 +133,7 @@ def check_pcn(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findi
 
 
 def check_55(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings) -> None:
-    listed = {split: (folder / f"ShapeNet-55/{split}.txt").read_text().split() for split in SPLITS}
+    listed = {split: (folder / f"ShapeNet-55/{split}.txt").read_text("utf-8").split() for split in SPLITS}
     for number, whole in zip(batch.numbers.tolist(), _whole_55(batch), strict=True):
         name = _name_55(entry, entry.token(number))
         found.of(name, name in listed[entry.split(number)], "not in the list of its split")

@@ -62,5 +62,5 @@ def read_xml(path: Path) -> ET.Element:
 
 def read_vertices(path: Path) -> np.ndarray:
     """The vertices (n, 3) of an OBJ. Raises ValueError."""
-    rows = [line.split()[1:4] for line in path.read_text().splitlines() if line.startswith("v ")]
+    rows = [line.split()[1:4] for line in path.read_text("utf-8").splitlines() if line.startswith("v ")]
     return np.array(rows, dtype=np.float64).reshape(-1, 3)

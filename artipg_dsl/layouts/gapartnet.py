@@ -121,7 +121,7 @@ def index(entries: Sequence[Entry]) -> dict[str, bytes]:
 
 def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings) -> None:
     """Read as loaders do, and compare with the model."""
-    found.of("nopart.txt", bool((folder / "nopart.txt").read_text().strip()), "empty, which loaders cannot read")
+    found.of("nopart.txt", bool((folder / "nopart.txt").read_text("utf-8").strip()), "empty, which loaders cannot read")
     for split, shot in _shots(batch, entry):
         root, name = folder / ROOT / _folder(entry, split), shot.name
         arrays = read_pth(root / "pth" / f"{name}.pth")

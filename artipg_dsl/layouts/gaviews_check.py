@@ -25,7 +25,7 @@ _TO_WORLD = np.array([[0.0, 0, -1], [-1, 0, 0], [0, 1, 0]])  # from the raw fram
 def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings) -> None:
     """Read as the tools do, and compare with the model."""
     assert entry.term is not None
-    listed = (folder / LISTED).read_text().splitlines()
+    listed = (folder / LISTED).read_text("utf-8").splitlines()
     for subject, seen in views(batch, entry):
         own = folder / DATASET / str(subject.id)
         found.of(str(subject.id), f"{entry.term.name} {subject.id}" in listed, "not in the list of ids")
@@ -64,7 +64,9 @@ def _check_boxes(
     place: str, own: Path, subject: Subject, links: dict[str, tuple[np.ndarray, np.ndarray | None]], found: Findings
 ) -> None:
     """The boxes of the parts: in the world at rest, their corners in order, around what is seen of their links."""
-    read = {entry["link_name"]: entry for entry in json.loads((own / "link_annotation_gapartnet.json").read_text())}
+    read = {
+        entry["link_name"]: entry for entry in json.loads((own / "link_annotation_gapartnet.json").read_text("utf-8"))
+    }
     found.of(place, read.keys() == links.keys(), "boxes of other links than those of the URDF")
     for placed in subject.parts:
         entry = read.get(placed.link)
@@ -105,7 +107,7 @@ def _check_view(folder: Path, view: View, links: Any, found: Findings) -> None:
             for key, model in arrays.items():
                 read[key] = held[key]
                 found.near(name, key, held[key], model, 1e-6)
-    meta = json.loads((folder / "metafile" / f"{name}.json").read_text())
+    meta = json.loads((folder / "metafile" / f"{name}.json").read_text("utf-8"))
     boxes = read_plain_pickle(folder / "bbox" / f"{name}.pkl")["bbox_pose_dict"]
     found.of(name, boxes.keys() == view.boxes["bbox_pose_dict"].keys(), "boxes of other parts")
     found.of(name, meta["target_gaparts"] == list(TARGETS), "other classes than the tools know")

@@ -168,7 +168,7 @@ def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings)
     model = shapes.arrays(*_looks(batch, shapes.points))
     for level, classes in shapes.levels.classes.items():
         listed = f"stats/after_merging_label_ids/{name}-level-{level}.txt"
-        known = [row.split()[1] for row in (folder / listed).read_text().splitlines()]
+        known = [row.split()[1] for row in (folder / listed).read_text("utf-8").splitlines()]
         found.of(listed, known == list(classes), "the classes of its level are others")
     for split, at in entry.splits(batch.numbers).items():
         places = _places(folder, name, shapes.levels.classes, split, found)
@@ -191,7 +191,7 @@ def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings)
                 found.near(place, key, held[key], model[key][i], 1e-6)
             whole = set(told["ins_seg"][0]["leaf_id_list"])
             found.of(place, set(np.unique(held["label"]).tolist()) <= whole, "points on leaves that its tree has not")
-            stored = json.loads((folder / f"data_v0/{token}/result_after_merging.json").read_text())
+            stored = json.loads((folder / f"data_v0/{token}/result_after_merging.json").read_text("utf-8"))
             found.of(place, part_list(stored[0]) == told["ins_seg"], "parts that are not those of the tree")
 
 
@@ -201,16 +201,18 @@ def _places(
     """Where the objects of a split are, file and row, and what is told of their parts. Instance segmentation reads all files that there
     are, whatever the list says."""
     own = folder / f"ins_seg_h5/{name}"
-    listed = (own / f"{split}_files.txt").read_text().split()
+    listed = (own / f"{split}_files.txt").read_text("utf-8").split()
     for path in sorted(own.glob(f"{split}-*.h5")):
         place = f"ins_seg_h5/{name}/{path.name}"
         found.of(place, path.name in listed, "in no list, and some loaders read it all the same")
     for level in levels:
         again = f"sem_seg_h5/{name}-{level}/{split}_files.txt"
-        found.of(again, (folder / again).read_text().split() == listed, "lists other files than that of ins_seg_h5")
+        found.of(
+            again, (folder / again).read_text("utf-8").split() == listed, "lists other files than that of ins_seg_h5"
+        )
     places: dict[str, tuple[str, int, dict[str, Any]]] = {}
     for file in (file.removesuffix(".h5") for file in listed):
-        told = json.loads((own / f"{file}.json").read_text())
+        told = json.loads((own / f"{file}.json").read_text("utf-8"))
         found.of(f"ins_seg_h5/{name}/{file}.h5", len(told) <= MOST, f"more than {MOST} shapes")
         places |= {shape["anno_id"]: (file, row, shape) for row, shape in enumerate(told)}
     return places

@@ -140,7 +140,7 @@ def check_text(folder: Path, entry: Entry, batch: Batch, shard: int, found: Find
     """Read as loaders do, and compare with the model."""
     assert entry.term is not None
     place, normal, part = arrays(batch, entry, POINTS)
-    listed = {s: set(json.loads((folder / _LISTS.format(split=s)).read_text())) for s in SPLITS}
+    listed = {s: set(json.loads((folder / _LISTS.format(split=s)).read_text("utf-8"))) for s in SPLITS}
     for i, number in enumerate(batch.numbers.tolist()):
         name = f"{entry.term.data['synset']}/{entry.token(number)}"
         rows = read_table(folder / f"{name}.txt", np.float32)
@@ -174,7 +174,7 @@ def check_h5(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findin
 
 def _places(folder: Path, split: str, found: Findings) -> dict[str, tuple[Path, int]]:
     """Where the objects of a split are: file and row. Files that are in no list are found as well: some loaders read what there is."""
-    listed = (folder / f"{split}_hdf5_file_list.txt").read_text().split()
+    listed = (folder / f"{split}_hdf5_file_list.txt").read_text("utf-8").split()
     for path in sorted(folder.glob(f"*{split}*.h5")):
         found.of(f"{_H5}/{path.name}", path.name in listed, "in no list, and some loaders read it all the same")
     places: dict[str, tuple[Path, int]] = {}
