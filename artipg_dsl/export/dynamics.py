@@ -68,12 +68,14 @@ def complete_dynamics(
     inertia: np.ndarray,
     pose: tuple[np.ndarray, np.ndarray],
     together: tuple[np.ndarray, np.ndarray],
+    thrust: np.ndarray,
 ) -> Dynamics:
     """The given values of all joints, and where there are none, those that their kind and what they move ask for.
 
     ``rest`` (J,): the joints' values at rest. ``first`` (J,): row of link 0 of each joint's object. Of all links: mass
     (L,), centre (L, 3) and inertia about it (L, 3, 3) in the object's frame with the joints at 0, and the pose, rotation
-    (L, 3, 3) and translation (L, 3), at rest. ``together``: who leads each joint (J,) and how fast it follows (J,).
+    (L, 3, 3) and translation (L, 3), at rest. ``together``: who leads each joint (J,) and how fast it follows (J,). ``thrust`` (J,): torque
+    or force of the floor along each value at rest.
     """
     turn, shift = pose
     parent, child = first + joints.parent, first + joints.child
@@ -99,12 +101,16 @@ def complete_dynamics(
     )
     span = np.nan_to_num(joints.high - joints.low)
     near = 1e-6 + 1e-3 * span
-    held = np.where(pull > 0, rest >= joints.high - near, rest <= joints.low + near)
-    hangs = np.where(ball, True, pulled & ~held)
-    friction = _given(
-        joints.friction,
-        np.maximum(weight * np.where(slides, SLIDING, PIN), np.where(hangs, HOLD * np.minimum(load, left), 0.0)),
+
+    def off(force: np.ndarray) -> np.ndarray:
+        """Where a force along the value draws the joint off its rest, against no limit."""
+        return ~np.where(force > 0, rest >= joints.high - near, rest <= joints.low + near)
+
+    hangs, stands = np.where(ball, True, pulled & off(pull)), (thrust != 0.0) & off(pull + thrust)
+    held = np.maximum(
+        np.where(hangs, HOLD * np.minimum(load, left), 0.0), np.where(stands, HOLD * np.abs(pull + thrust), 0.0)
     )
+    friction = _given(joints.friction, np.maximum(weight * np.where(slides, SLIDING, PIN), held))
     velocity = _given(joints.velocity, _by_kind(joints, VELOCITY))
     way = np.where(span > 0.0, span, 2 * np.pi)  # what has no range turns round
     rubs, taken, moves = (

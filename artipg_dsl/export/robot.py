@@ -28,6 +28,7 @@ from . import materials, solids
 from .colliders import make_colliders
 from .dressed import NOTE, build_dressed
 from .dynamics import Dynamics, complete_dynamics
+from .ground import find_thrust
 from .hulls import Hull
 from .mechanisms import find_mechanisms
 from .mesh_obj import Shape
@@ -249,8 +250,13 @@ class Robots:
         center = self.mass.center + self.origins
         together = find_mechanisms(self.batch)
         return complete_dynamics(
-            joints, rest, first, self.mass.mass, center, self.mass.inertia, self.batch.pose(), together
+            joints, rest, first, self.mass.mass, center, self.mass.inertia, self.batch.pose(), together, self.thrust
         )
+
+    @cached_property
+    def thrust(self) -> np.ndarray:
+        """What the floor does to joints that move feet (J,)."""
+        return find_thrust(self.batch, Mass(self.mass.mass, self.mass.center + self.origins, self.mass.inertia))
 
     @cached_property
     def overlaps(self) -> np.ndarray:

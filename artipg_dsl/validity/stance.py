@@ -23,7 +23,7 @@ from .hull import NEAR, depth, hulls
 from .mass import SAMPLED, Mass, Rough, masses, weighing
 from .tree import Tree, lead_states
 
-_FLOOR = 1e-3  # metres: what is higher does not stand on it
+FLOOR = 1e-3  # metres: what is higher does not stand on it
 TILT = float(np.tan(np.radians(2.0)))
 _STEEP = 1.001  # a margin changes by no more than this, times what the centre of mass moves
 _ROUNDING = 1e-9  # metres
@@ -61,6 +61,13 @@ def find_falling(tree: Tree, body: Pieces) -> list[np.ndarray]:
         np.flatnonzero(own & (tipped if statement.open else still))
         for own, statement in zip(asked, program.stable, strict=True)
     ]
+
+
+def find_floor(body: Pieces, count: int) -> np.ndarray:
+    """The lowest height (B,) of each of so many objects."""
+    floor = np.full(count, np.inf)
+    np.minimum.at(floor, body.owner, body.low[:, 2])
+    return floor
 
 
 class Stance:
@@ -213,12 +220,11 @@ class Stance:
 
     def _feet(self, body: Pieces) -> tuple[np.ndarray, np.ndarray]:
         """Links (n,) and corners (n, 3), at rest, of all that is near the floor."""
-        self.floor = np.full(self.count, np.inf)
-        np.minimum.at(self.floor, body.owner, body.low[:, 2])
-        near = np.flatnonzero(body.low[:, 2] <= self.floor[body.owner] + _FLOOR)
+        self.floor = find_floor(body, self.count)
+        near = np.flatnonzero(body.low[:, 2] <= self.floor[body.owner] + FLOOR)
         links, points = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 3))]
         for at, corners in body.classes(near):
-            low = corners[..., 2] <= (self.floor[body.owner[near[at]]] + _FLOOR)[:, None]
+            low = corners[..., 2] <= (self.floor[body.owner[near[at]]] + FLOOR)[:, None]
             links.append(np.broadcast_to(body.link[near[at]][:, None], low.shape)[low])
             points.append(corners[low])
         return np.concatenate(links), np.concatenate(points)
@@ -231,7 +237,7 @@ class Stance:
         shape = int(chosen.sum()), int(rank.max(initial=0)) + 1
         flat, valid = np.zeros((*shape, 2)), np.zeros(shape, dtype=bool)
         flat[place] = points[at, :2]
-        valid[place] = points[at, 2] <= self.floor[whose] + _FLOOR
+        valid[place] = points[at, 2] <= self.floor[whose] + FLOOR
         return flat, valid
 
     def centers(self, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:

@@ -23,7 +23,9 @@ from artipg_dsl.export.dynamics import (
 from artipg_dsl.runtime.tables import JointTable
 
 
-def one(kind: str, axis: list[float], mass: float = 2.0, lifted: float = 0.0, **given: float) -> Dynamics:
+def one(
+    kind: str, axis: list[float], mass: float = 2.0, lifted: float = 0.0, thrust: float = 0.0, **given: float
+) -> Dynamics:
     """A rod of 2 kg, 0.6 m long along x, held at its end by one joint; at rest it stands ``lifted`` (radians) out of the level."""
     nan = np.full(1, np.nan)
     plain = {
@@ -54,7 +56,7 @@ def one(kind: str, axis: list[float], mass: float = 2.0, lifted: float = 0.0, **
     center = np.array([[0.0, 0, 0], [0.3, 0, 0]])
     together = np.zeros(1, int), np.ones(1)
     return complete_dynamics(
-        table, table.rest, np.zeros(1, int), np.array([5.0, mass]), center, inertia, pose, together
+        table, table.rest, np.zeros(1, int), np.array([5.0, mass]), center, inertia, pose, together, np.array([thrust])
     )
 
 
@@ -81,6 +83,17 @@ def test_a_limit_that_gravity_presses_against_holds_without_friction() -> None:
     assert held.friction[0] == pytest.approx(PIN * 2.0 * GRAVITY)
     fallen = one("revolute", [0.0, 1.0, 0.0], rest=0.0)  # opens downwards
     assert fallen.friction[0] == pytest.approx(HOLD * 2.0 * GRAVITY * 0.3)
+
+
+def test_a_floor_that_spreads_a_hinge_is_held_against_unless_a_limit_does() -> None:
+    weight = 2.0 * GRAVITY * 0.3
+    spread = one(
+        "revolute", [0.0, -1.0, 0.0], rest=0.0, thrust=3.0 * weight
+    )  # its weight alone presses it on its limit
+    assert spread.friction[0] == pytest.approx(HOLD * 2.0 * weight)
+    assert spread.effort[0] > spread.friction[0]
+    limited = one("revolute", [0.0, -1.0, 0.0], low=-1.0, high=0.0, rest=0.0, thrust=3.0 * weight)
+    assert limited.friction[0] == pytest.approx(HOLD * weight)  # lifted off the floor it hangs
 
 
 def test_what_gravity_does_not_move_only_rubs() -> None:
