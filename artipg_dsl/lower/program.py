@@ -16,7 +16,7 @@ from ..semantics.check import TypedProgram
 from ..semantics.symbols import Symbol
 from ..syntax import ast
 from .elaborate import conditions as stated
-from .elaborate import draws, drives, gates, handed, labels, mimic, motions, nowhere, overridden, rings
+from .elaborate import branches, draws, drives, gates, handed, labels, mimic, motions, nowhere, overridden, rings
 from .elaborate.body import enter_when, lower_statements
 from .elaborate.drives import driven
 from .elaborate.legal import legalize
@@ -178,9 +178,10 @@ def bounds(lowering: Lowering) -> None:
 
 
 def arguments(lowering: Lowering) -> None:
-    """Warn of arguments outside the ranges of what they are for, and of alternatives that they, or other ranges, leave out."""
+    """Warn of arguments outside the ranges of what they are for, and of what they, or other ranges, leave out."""
     handed.warn(lowering.context)
     draws.warn_never_drawn(lowering.context, lowering.root.module.source)
+    branches.warn(lowering.context, lowering.root.module.source)
 
 
 def legality(lowering: Lowering) -> None:

@@ -247,6 +247,27 @@ VALUES = (
         """,
     ),
     Code(
+        "dead-branch",
+        "a branch of `a if c else b` is never used",
+        """
+        The ranges of the values that the condition compares decide it for every object, so one of the two values is
+        never used. Often a bound has a wrong unit, or a range was narrowed later. Correct the condition, or write the
+        other value alone. A condition that is decided by constants, as by the arguments of a template, is not told.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Stool {
+          param width : length in 30cm .. 50cm
+          root part seat : Cuboid(size = [30cm, width, 4cm if width > 4m else 3cm])
+          material oak on seat
+          label semantic.seat on seat
+        }
+        """,
+    ),
+    Code(
         "idle-near",
         "`near` has no effect",
         """

@@ -11,7 +11,7 @@ from ...semantics.symbols import Symbol
 from ...semantics.types import DIMENSIONS
 from ...syntax import ast
 from ...syntax.walk import walk
-from ..expressions.arithmetic import number
+from ..expressions.arithmetic import condition_of, number
 from ..expressions.context import Present
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
@@ -159,7 +159,7 @@ def _handed_in(
 def _either(part: Component, env: Env, declaration: ast.ParamDecl, name: str, node: ast.IfExpr) -> Value:
     """An option that a condition decides: ``open = front if wide else top``."""
     ev = Evaluator(env)
-    condition = ev.condition(node.condition)
+    condition = condition_of(ev, node)
     codes = []
     for branch in (node.then, node.otherwise):
         chosen = _handed_in(part, env, declaration, name, ast.Argument(span=branch.span, name=name, value=branch))

@@ -254,8 +254,15 @@ def _same_option(left: Choice, right: Choice) -> Expr:
     return E.any_of(E.both(left.chosen(name), right.chosen(name)) for name in shared)
 
 
-def conditional(ev: Evaluator, node: ast.IfExpr) -> Value:
+def condition_of(ev: Evaluator, node: ast.IfExpr) -> Expr:
+    """The condition of ``a if c else b``; it is remembered."""
     condition = ev.condition(node.condition)
+    ev.env.context.branched.setdefault(id(node), (node, []))[1].append(condition)
+    return condition
+
+
+def conditional(ev: Evaluator, node: ast.IfExpr) -> Value:
+    condition = condition_of(ev, node)
     if condition.op == "const":  # what is never reached need not have a value
         return ev.value(node.then if condition.constant else node.otherwise)
     with ev.env.context.knowing(condition):
