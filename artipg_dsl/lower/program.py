@@ -15,8 +15,8 @@ from ..records import dataclass
 from ..semantics.check import TypedProgram
 from ..semantics.symbols import Symbol
 from ..syntax import ast
-from .elaborate import conditions as stated
 from .elaborate import branches, draws, drives, gates, handed, labels, mimic, motions, nowhere, overridden, rings
+from .elaborate import conditions as stated
 from .elaborate.body import enter_when, lower_statements
 from .elaborate.drives import driven
 from .elaborate.legal import legalize

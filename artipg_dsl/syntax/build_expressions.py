@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+import re
 import sys
 from dataclasses import replace
 from typing import Any
 
-from . import ast
+from . import ast, dangling
 from .build import BuilderBase, Piece, exprs, split_number, unquote
 from .token import Token
 
 Children = list[Any]
+
+_PART = re.compile(r"[ \t]+part\b")  # without it a `root` behind a bar is an option, which may be called so
 
 
 class ExpressionBuilder(BuilderBase):
@@ -173,6 +176,9 @@ class ExpressionBuilder(BuilderBase):
         if words[0].type == "STYLE":
             return ast.TypeRef(span=span, name=words[1].value, style=True)
         if words[0].type == "CHOICE":
+            bar = dangling.find_bar(words, self.source.text, {"ROOT"})
+            if bar is not None and _PART.match(self.source.text, span.end):
+                self.problem(bar, dangling.MESSAGE, dangling.HINT)
             return ast.TypeRef(span=span, name="choice", values=self.words([t for t in words[1:] if t.type == "NAME"]))
         if len(words) == 1:
             name = words[0].value

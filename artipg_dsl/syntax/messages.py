@@ -15,6 +15,7 @@ from lark import Token, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 from ..diagnostics.suggest import suggest
 from ..source import Source, Span
 from ..units import UNITS
+from . import dangling
 from .examples import key, table
 from .foreign import CHARACTERS, CLAUSES_ELSEWHERE, MICROMETRES, STATEMENTS_ELSEWHERE
 from .grammar import Machine, terminal_words
@@ -87,6 +88,9 @@ def describe(error: UnexpectedInput, tools: Machine, source: Source, text: str) 
         history.pop()
     if token.type == "$END":
         found = _end(error, history, source, text)
+    elif (bar := dangling.find_bar([*history, token], text, statement_words() | file_words())) is not None:
+        at = bar.start_pos or 0
+        return Found("syntax", Span(source, at, at + 1), dangling.MESSAGE, at, dangling.HINT)
     else:
         found = _unclosed(token, history, source) or _by_history(error, history, tools, source, text)
     if found is not None:

@@ -168,7 +168,9 @@ class Draft:
     guarded: list[tuple[Expr, ast.Alternative]] = field(
         default_factory=list
     )  # alternatives behind which a `when` stands
-    branched: dict[int, tuple[ast.IfExpr, list[Expr]]] = field(default_factory=dict)  # `a if c else b`, and what c has been
+    branched: dict[int, tuple[ast.IfExpr, list[Expr]]] = field(
+        default_factory=dict
+    )  # `a if c else b`, and what c has been
     handed: list[Handed] = field(default_factory=list)  # arguments for parameters that have a range
     counted: dict[Scope, Span] = field(default_factory=dict)  # the tables of repeats and where they are stated
     asked: list[Quantity] = field(default_factory=list)  # numbers with a legal range that no record keeps
