@@ -73,7 +73,7 @@ def build_joint(links: Links, part: Component, attachment: Attachment) -> None:
         **physics,
     )
     links.joints[child] = links.made[Hinge(env, statement)] = len(program.joints)
-    links.stated[len(program.joints)] = statement.span
+    links.stated[len(program.joints)] = statement
     program.joints.append(joint)
 
 

@@ -23,6 +23,7 @@ from ...graph.substitution import substitute
 from ...language import DISTRIBUTIONS, JOINTS
 from ...records import dataclass
 from ...source import Source, Span
+from ...syntax import ast
 from ..expressions.context import Draft, Fetched, where
 from ..expressions.env import Env
 from ..solve.feasible import plain as in_unit
@@ -187,8 +188,8 @@ def refuse(context: Draft, quantity: Quantity, intervals: Intervals, sources: di
         if low > quantity.legal.high
         else f"at most {_shown(high, unit)}"
     )
-    span = None
-    if place is not None and place.file in sources:
+    span = quantity.span
+    if span is None and place is not None and place.file in sources:
         span = _line_of(sources[place.file], place)
     if quantity.legal is ELEMENT:
         context.report.error(
@@ -250,8 +251,8 @@ def _quantities(links: Links) -> Iterator[Quantity]:
     for site in program.sites:
         for name, value in zip(program.primitives[site.primitive].parameters, site.parameters, strict=True):
             yield Quantity(f"`{name}` of `{site.path}`", site.scope, value, NUMBER, places.get(site.part))
-    for joint in program.joints:
-        yield from _of_joint(joint)
+    for number, joint in enumerate(program.joints):
+        yield from _of_joint(joint, links.stated.get(number))
         yield from gates.quantities(program, joint)
     for label in program.labels:
         yield from _of_label(label, program)
@@ -330,45 +331,63 @@ def _of_box(part: Part, place: Where | None) -> Iterator[Quantity]:
         yield from each(f"the box of {name}", part.scope, (low, high), PLACE, place)
 
 
-def _of_joint(joint: Joint) -> Iterator[Quantity]:
+def _of_joint(joint: Joint, statement: ast.JointDecl | None) -> Iterator[Quantity]:
+    """The numbers of a joint; ``statement``: as it is written, if it is."""
     name, scope, place = f"the joint `{joint.path}`", joint.scope, joint.where
+    spans = _values_of(statement)
+
+    def behind(*words: str) -> Span | None:
+        """The value behind the first of some words that is written."""
+        return next((spans[word] for word in words if word in spans), None)
+
     unit = gates.unit_of(joint)
     yield from each(f"the place of {name}", scope, joint.origin, PLACE, place)
     if JOINTS[joint.kind].axis:
         yield Quantity(f"the length of the axis of {name}", scope, dot(joint.axis, joint.axis), AXIS, place)
     for end, value in (("low end", joint.low), ("high end", joint.high), ("rest value", joint.rest)):
         if value is not None:
-            yield Quantity(f"the {end} of {name}", scope, value, replace(MOTION, unit=unit), place)
+            at = behind("rest", "range") if end == "rest value" else behind("range")
+            yield Quantity(f"the {end} of {name}", scope, value, replace(MOTION, unit=unit), place, span=at)
     if joint.low is not None and joint.high is not None:
         ordered = Legal(
             -1e-9, 2e4, "the low end must not lie above the high end", unit, remedy="swap the ends, or correct one"
         )
         extent = f"the high end less the low end of the range of {name}"
-        yield Quantity(extent, scope, E.sub(joint.high, joint.low), ordered, place)
+        yield Quantity(extent, scope, E.sub(joint.high, joint.low), ordered, place, span=behind("range"))
         if joint.rest is not E.minimum(E.maximum(E.ZERO, joint.low), joint.high):
             inside = E.minimum(E.sub(joint.rest, joint.low), E.sub(joint.high, joint.rest))
             within = Legal(
                 -1e-9, 2e4, "it must lie in the range", unit, remedy="move `rest` into the range, or widen the range"
             )
             between = f"the distance of the rest value of {name} from the nearer end of its range"
-            yield Quantity(between, scope, inside, within, place)
+            yield Quantity(between, scope, inside, within, place, span=behind("rest", "range"))
     held = (("damping", joint.damping, HELD), ("friction", joint.friction, HELD), ("stiffness", joint.stiffness, HELD))
     driven = (("effort", joint.effort, DRIVEN), ("velocity", joint.velocity, DRIVEN))
     for word, value, legal in (*held, *driven):
         if value is not None:
-            yield Quantity(f"the {word} of {name}", scope, value, legal, place)
+            yield Quantity(f"the {word} of {name}", scope, value, legal, place, span=behind(word))
     if joint.effort is not None and joint.stiffness is not None and joint.low is not None and joint.high is not None:
         way = E.maximum(E.sub(joint.rest, joint.low), E.sub(joint.high, joint.rest))
         left = E.sub(joint.effort, E.mul(joint.stiffness, way))
-        yield Quantity(
-            f"the effort of {name} less what its spring takes at the end of its range", scope, left, RESERVE, place
-        )
+        reserve = f"the effort of {name} less what its spring takes at the end of its range"
+        yield Quantity(reserve, scope, left, RESERVE, place, span=behind("effort"))
     if joint.positions is not None:
-        yield Quantity(f"the number of positions of {name}", scope, joint.positions, POSITIONS, place)
+        catches = f"the number of positions of {name}"
+        yield Quantity(catches, scope, joint.positions, POSITIONS, place, span=behind("positions"))
     if joint.pitch is not None:
-        yield Quantity(f"the pitch of {name}", scope, E.call("abs", joint.pitch), PITCH, place)
+        yield Quantity(f"the pitch of {name}", scope, E.call("abs", joint.pitch), PITCH, place, span=behind("pitch"))
     if joint.mimic is not None:
         yield from each(f"the factor of {name}", scope, joint.mimic[1:], NUMBER, place)
+
+
+def _values_of(statement: ast.JointDecl | None) -> dict[str, Span]:
+    """Where the values stand that a joint states, by their words."""
+    if statement is None:
+        return {}
+    s = statement
+    clauses = ast.present(s.damping, s.friction, s.stiffness, s.effort, s.velocity, s.pitch, s.positions, s.rest)
+    spans = {clause.word: clause.value.span for clause in clauses}
+    return spans if s.range is None else {**spans, s.range.word: s.range.value.span}
 
 
 def _of_label(label: Label, program: Program) -> Iterator[Quantity]:

@@ -42,7 +42,7 @@ class Links:
     sites: dict[Component, list[int]] = field(default_factory=dict)
     joints: dict[int, int] = field(default_factory=dict)  # link -> its joint
     made: dict[Hinge, int] = field(default_factory=dict)  # joint as it is declared -> its number
-    stated: dict[int, Span] = field(default_factory=dict)  # joint -> its statement
+    stated: dict[int, ast.JointDecl] = field(default_factory=dict)  # joint -> its statement
     mimics: dict[int, tuple[Env, ast.Expr]] = field(default_factory=dict)  # joint -> what it follows, as it is written
     gates: dict[int, tuple[Env, ast.Expr]] = field(default_factory=dict)  # joint -> what it waits for, as it is written
     resolving: set[Component] = field(default_factory=set)

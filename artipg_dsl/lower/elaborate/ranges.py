@@ -63,7 +63,7 @@ class OnSurface:
 @dataclass(frozen=True, slots=True, eq=False)
 class Quantity:
     """A number of ``scope``, named for messages, with the range that is legal for it where ``guard`` holds; ``place``: that a place
-    lies on a surface."""
+    lies on a surface; ``span``: the number itself in the statement at ``where``."""
 
     name: str
     scope: Scope
@@ -72,6 +72,7 @@ class Quantity:
     where: Where | None
     guard: Expr = E.TRUE
     place: OnSurface | None = None
+    span: Span | None = None
 
     def is_of(self, other: Quantity) -> bool:
         """Whether the same is asked of the same value."""

@@ -233,10 +233,10 @@ def _tell(links: Links, ring: list[int], verb: str) -> None:
         hint = f"one of these joints must move independently: drop its `{'mimic' if verb == 'follows' else 'when'}`"
     notes: dict[Span, str] = {}
     for number, name, onto in zip(ring, names, [*names[1:], names[0]], strict=True):
-        notes.setdefault(links.stated[number], f"{name} {verb} {onto}")
+        notes.setdefault(links.stated[number].span, f"{name} {verb} {onto}")
         for span, text in between(links, number) if hangs else ():
             notes.setdefault(span, text)
-    span = links.stated[ring[0]]
+    span = links.stated[ring[0]].span
     notes.pop(span)
     links.context.error("circular-definition", span, message, hint=hint, notes=tuple(notes.items())[:_MOST_NOTES])
 
