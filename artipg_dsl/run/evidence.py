@@ -79,15 +79,13 @@ def examine(
     stage: Callable[[str], None] = lambda _: None,
 ) -> dict[str, Any]:
     """All evidence as plain data. ``drawn`` are objects that meet the requirements, ``delivered`` what is handed out;
-    ``meshes``: what is delivered, by what is seen of it. ``progress`` is told (step, steps) before each step and at the end,
-    ``stage`` what it is. Raises UserError where meshes are asked for and manifold3d is not installed."""
+    ``meshes``: what is delivered, by what is seen of it. ``progress`` is told (objects done, of), ``stage`` what is done. Raises UserError where meshes are asked for and manifold3d is not installed."""
     if meshes:
         require_manifold()
     task, numbers = _Task(job, states, meshes), job.request.objects
     parts = [numbers[start : start + _TOGETHER] for start in range(0, len(numbers), _TOGETHER)]
     steps = 4 + meshes
     found = list(_looked_at(task, parts, workers, steps, progress, stage))
-    progress(len(parts) * steps, len(parts) * steps)
     objects, first_valid, attempts = (sum(column) for column in zip(*(f.counted for f in found), strict=True))
     delivered = [f.delivered for f in found if f.delivered is not None]
     seen = [f.meshes for f in found if f.meshes is not None]
@@ -116,26 +114,29 @@ def _looked_at(
     stage: Callable[[str], None],
 ) -> Iterator[_Seen]:
     """The evidence about each part, in their order."""
-    done, total = 0, len(parts) * steps
+    done, total = 0, sum(len(part) for part in parts)
 
     def told(step: int, words: str) -> None:
-        progress(done * steps + step, total)
-        stage(words)
+        stage(f"{words} (step {step + 1} of {steps})")
+
+    def count(part: Sequence[int] | np.ndarray) -> None:
+        nonlocal done
+        done += len(part)
+        progress(done, total)
 
     def alone(part: np.ndarray) -> _Seen:
-        nonlocal done
         seen = task.look(part, told)
-        done += 1
+        count(part)
         return seen
 
     def others(rest: Sequence[np.ndarray], many: int) -> Iterator[_Seen]:
-        nonlocal done
         stage(f"checking objects with {many} workers")
-        progress(done * steps, total)
-        for seen in map_each(_look, rest, many, _take, task, here=task.look):
-            done += 1
-            progress(done * steps, total)
+        looked = map_each(_look, rest, many, _take, task, here=task.look)
+        for part, seen in zip(rest, looked, strict=True):
+            count(part)
             yield seen
+
+    progress(0, total)
 
     return share(parts, workers, alone, others)
 

@@ -29,14 +29,16 @@ class Progress:
     def __init__(self, title: str, stream: TextIO | None = None):
         self.title, self.stream = title, stream if stream is not None else sys.stderr
         self.live = self.stream.isatty()
-        self.begun = self.since = time.monotonic()
+        self.begun = time.monotonic()
         self.drawn = 0.0
         self.at = 0, 0
+        self.first: tuple[int, float] | None = None  # what was done when counting began, and when that was
+        self.moved = self.begun  # when the count last went on
         self.doing = ""
         self._over, self._lock = Event(), Lock()
 
     def __call__(self, done: int, total: int) -> None:
-        self.at = done, total
+        self._count(done, total)
         if self.live and total and (time.monotonic() - self.drawn >= 0.1 or done >= total):
             self._draw()
 
@@ -44,13 +46,31 @@ class Progress:
         """What is being done from now on; with ``done`` of ``total``, a stage that is counted for itself."""
         new, self.doing = doing != self.doing, doing
         if done is not None:
-            self.at = done, total
-            self.since = time.monotonic() if new else self.since
+            if new:
+                self.first = None
+            self._count(done, total)
         if self.live and (new or time.monotonic() - self.drawn >= 0.1):
             self._draw()
 
+    def _count(self, done: int, total: int) -> None:
+        now = time.monotonic()
+        if self.first is None:
+            self.first = done, now
+        if done != self.at[0]:
+            self.moved = now
+        self.at = done, total
+
+    def _left(self, now: float) -> float | None:
+        """The seconds that are left, by how long it took what has been counted; None while that tells nothing: before
+        anything is, and once what is under way has taken longer than all that is left should."""
+        (done, total), (before, since) = self.at, self.first or (0, now)
+        if not before < done < total:
+            return None
+        left = (self.moved - since) / (done - before) * (total - done) - (now - self.moved)
+        return left if left > 0.0 else None
+
     def line(self) -> str:
-        """Title and stage, how much is done, how long it has taken and may take."""
+        """Title and stage, how much is done, and how long it may take, or has taken where that is not known."""
         (done, total), now = self.at, time.monotonic()
         spent = now - self.begun
         words = f"{self.title}: {self.doing}" if self.doing else self.title
@@ -59,14 +79,9 @@ class Progress:
         if total:
             filled = int(_WIDTH * share)
             bar = f" [{'#' * filled}{'.' * (_WIDTH - filled)}] {done}/{total}"
-        soon = (
-            f"  {(now - self.since) * (1 - share) / share:.0f} s left"
-            if 0 < share < 1
-            else f"  {spent:.0f} s"
-            if spent >= 1
-            else ""
-        )
-        return words + bar + soon
+        left = self._left(now)
+        time_of = f"  {left:.0f} s left" if left is not None else f"  {spent:.0f} s" if spent >= 1 else ""
+        return words + bar + time_of
 
     def close(self) -> None:
         self._over.set()

@@ -6,12 +6,13 @@ from artipg_dsl.run.job import open_job
 from artipg_dsl.run.request import Request
 
 
-def test_progress_is_told_before_every_step():
+def test_every_step_and_the_objects_that_are_done_are_told():
     told = []
     found = examine(
-        open_job(Request("Globe", numbers=((0, 1),))), 2, progress=lambda done, steps: told.append((done, steps))
+        open_job(Request("Globe", numbers=((0, 1),))), 2, progress=lambda *count: told.append(count), stage=told.append
     )
-    assert told == [(k, 4) for k in range(5)]
+    assert told[0] == (0, 2) and told[-1] == (2, 2)
+    assert [words[-len("(step 1 of 4)") :] for words in told[1:-1]] == [f"(step {k} of 4)" for k in range(1, 5)]
     assert found["objects"] == 2 and found["delivered"]["invalid"] == 0
 
 

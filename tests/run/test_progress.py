@@ -46,6 +46,20 @@ def test_a_stage_that_is_counted_for_itself():
         assert progress.line() == "Chest: sizes (step 5 of 7)"
 
 
+def test_what_is_left_is_told_by_what_has_been_done_alone(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(module.time, "monotonic", lambda: now[0])
+    progress = Progress("validating", io.StringIO())
+    told = []
+    for at, done in ((0, 20), (50, None), (60, 30), (65, None), (99, None), (190, None), (200, 40)):
+        now[0] = float(at)
+        if done is not None:
+            progress(done, 50)  # 20 were there already
+        told.append(progress.line().rsplit("  ")[-1])
+    # nothing is done: no estimate; it runs down, and ends where the next has taken longer than all the rest should
+    assert told[1:] == ["50 s", "120 s left", "115 s left", "81 s left", "190 s", "100 s left"]
+
+
 def test_a_terminal_shows_the_stage_at_once_and_is_wiped():
     stream = Terminal()
     with Progress("Chest", stream) as progress:
