@@ -89,6 +89,10 @@ def run(options: argparse.Namespace) -> int:
         )
     if options.force and options.out in (None, STREAM):
         raise UsageError("--force replaces a file, and none is written", "add -o FILE, or leave out --force")
+    if options.out not in (None, STREAM):
+        from ..export.write import require_place  # start-up: `apgc check` needs `of_text` alone
+
+        require_place(Path(options.out), options.force)
     try:
         text = EMITTERS[options.emit](session)
     except CompileError:
@@ -99,7 +103,7 @@ def run(options: argparse.Namespace) -> int:
     if options.out in (None, STREAM):
         print(text, end="")
     else:
-        from ..export.write import write_bytes  # start-up: `apgc check` needs `of_text` alone
+        from ..export.write import write_bytes  # start-up
 
         write_bytes(options.out, text.encode("utf-8"), force=options.force)
         say(f"wrote {options.out}")

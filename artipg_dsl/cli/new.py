@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..diagnostics import CompileError
 from ..errors import UsageError
-from ..export.write import write_bytes
+from ..export.write import require_place, write_bytes
 from ..language import reserved_name
 from ..session import Session
 from ..syntax import ast
@@ -34,6 +34,7 @@ def run(options: argparse.Namespace) -> int:
     if options.out == STREAM:
         print(text, end="")
         return 0
+    require_place(path, options.force)
     write_bytes(path, text.encode(), force=options.force)
     typed = shlex.quote(str(path))
     say(f"wrote {path}, a complete category to start from\n  apgc check {typed}\n  apgc render {typed}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import glob
 import os
 import shutil
 from collections.abc import Iterator
@@ -75,7 +76,8 @@ def refuse_existing(path: Place, force: bool) -> None:
 
 
 def require_place(path: Path, force: bool) -> None:
-    """Raises ExportError, before the work, where its result could not be written: a file that is there, or a folder that takes none."""
+    """Raises ExportError, before the work, where its result could not be written: a file that is there, or a folder that takes none.
+    What killed processes left of it unfinished is removed."""
     if _stream_like(path):
         return
     refuse_existing(path, force)
@@ -86,6 +88,8 @@ def require_place(path: Path, force: bool) -> None:
         raise explain(OSError(errno.ENOTDIR, ""), folder)
     if not os.access(folder, os.W_OK):
         raise explain(OSError(errno.EACCES, ""), path)
+    place = Path(os.path.realpath(path))
+    sweep_unfinished(place.parent, place.name)
 
 
 def _stream_like(path: Path) -> bool:
@@ -166,12 +170,12 @@ def write_remote(path: Remote, data: bytes, *, force: bool = False) -> None:
         raise explain(OSError(str(error)), path) from error
 
 
-def sweep_unfinished(folder: Place) -> None:
-    """Remove what a killed process left unfinished in ``folder`` (what a running one still writes stays). A folder that it had put aside, and
-    not replaced yet, gets its name back."""
+def sweep_unfinished(folder: Place, only: str | None = None) -> None:
+    """Remove what a killed process left unfinished in ``folder``, of the file or folder ``only`` alone if a name is given (what a running
+    process still writes stays). A folder that it had put aside, and not replaced yet, gets its name back."""
     if isinstance(folder, Remote):  # who writes there is not known here
         return
-    for left in folder.glob(f".*{MARK}*"):
+    for left in folder.glob(f".{'*' if only is None else glob.escape(only)}{MARK}*"):
         name, said = left.name.split(MARK)
         owner, whole = said.removesuffix(_OLD), left.with_name(name.removeprefix("."))
         if not owner.isdigit() or _alive(int(owner)):

@@ -79,7 +79,8 @@ def examine(
     stage: Callable[[str], None] = lambda _: None,
 ) -> dict[str, Any]:
     """All evidence as plain data. ``drawn`` are objects that meet the requirements, ``delivered`` what is handed out;
-    ``meshes``: what is delivered, by what is seen of it. ``progress`` is told (objects done, of), ``stage`` what is done. Raises UserError where meshes are asked for and manifold3d is not installed."""
+    ``meshes``: what is delivered, by what is seen of it. ``progress`` is told (objects done, of), ``stage`` what is being done.
+    Raises UserError where meshes are asked for and manifold3d is not installed."""
     if meshes:
         require_manifold()
     task, numbers = _Task(job, states, meshes), job.request.objects

@@ -111,6 +111,15 @@ def test_what_a_killed_process_left_is_swept(tmp_path: Path) -> None:
     assert names(tmp_path) == [f".b.bin.partial-{os.getpid()}", ".hidden"]
 
 
+def test_a_command_that_writes_one_file_sweeps_what_was_left_of_it(tmp_path: Path) -> None:
+    dead = next(n for n in range(4_000_000, 4_100_000) if not Path(f"/proc/{n}").exists())
+    mine, other = tmp_path / f".a[1].png.partial-{dead}", tmp_path / f".a1.png.partial-{dead}"
+    for left in (mine, other):
+        left.write_bytes(b"half")
+    require_place(tmp_path / "a[1].png", force=False)
+    assert not mine.exists() and other.exists()
+
+
 def test_a_folder_that_a_killed_process_had_put_aside_comes_back(tmp_path: Path) -> None:
     """It was killed after the old folder had gone out of the way, and before the new one had its name."""
     code = """if True:
