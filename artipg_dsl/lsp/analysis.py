@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 
-from ..diagnostics import Report
+from ..diagnostics import Diagnostic, Report
 from ..garbage import uncollected
 from ..resources import library_dir
 from ..semantics.check import TypedProgram, check
@@ -40,6 +40,15 @@ class Analysis:
         """Whether its names and types, or what they stand in, are wrong: then the rest is not looked at."""
         _ = self._session.typed
         return self._session.report.failed
+
+    @property
+    def errors(self) -> list[Diagnostic]:
+        """What is wrong with its names and types."""
+        return [found for found in self._session.report.diagnostics if found.severity == "error"] if self.failed else []
+
+    def but(self, texts: Mapping[Path, Source]) -> Analysis:
+        """The same with some texts in place of those that there are."""
+        return Analysis(texts.get(Path(self.source.name), self.source), {**self._texts, **texts})
 
     @cached_property
     def typed(self) -> TypedProgram | None:

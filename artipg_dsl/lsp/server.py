@@ -12,6 +12,7 @@ from typing import TypeVar
 
 from lsprotocol import types as lsp
 from pygls import uris
+from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
 
 from ..diagnostics import Diagnostic, Report
@@ -25,6 +26,7 @@ from .completion import Suggestion, complete
 from .fixes import fixes
 from .lookup import Found, find
 from .outline import Item, outline
+from .rename import Refused, rename, renamed
 from .uses import uses
 
 _PAUSE, _REST = (
@@ -197,15 +199,29 @@ class _Server(LanguageServer):
         known = (uri for uri in list(self.analyses) if self.path(uri) == path)  # as they are now: another thread asks
         return next(known, None) or uris.from_fs_path(str(path)) or ""
 
-    def uses(self, uri: str, offset: int) -> list[lsp.Location]:
-        """Where what stands at a place of a document is used: in it, in the other documents, and in the files beside it."""
+    def others(self, uri: str) -> list[Analysis]:
+        """The other documents, and the files beside one."""
         analysis, texts = self.analyses[uri], dict(self.texts)
         others = [known for other, known in list(self.analyses.items()) if other != uri]
         for path in sorted(Path(analysis.source.name).parent.glob("*.apg")):
             source = None if path.resolve() in texts else load(path.resolve(), Report())
             if source is not None:
                 others.append(Analysis(source, texts))
-        return [self.location(analysis, span) for span in uses(analysis, offset, others)]
+        return others
+
+    def uses(self, uri: str, offset: int) -> list[lsp.Location]:
+        """Where what stands at a place of a document is used: in it, and in the others."""
+        analysis = self.analyses[uri]
+        return [self.location(analysis, span) for span in uses(analysis, offset, self.others(uri))]
+
+    def rename(self, uri: str, offset: int, name: str) -> lsp.WorkspaceEdit:
+        """What is to be written in which documents for another name. Raises Refused."""
+        analysis = self.analyses[uri]
+        changes: dict[str, list[lsp.TextEdit]] = {}
+        for edit in rename(analysis, offset, name, self.others(uri)):
+            here = self.location(analysis, edit.span)
+            changes.setdefault(here.uri, []).append(lsp.TextEdit(here.range, edit.text))
+        return lsp.WorkspaceEdit(changes)
 
     def location(self, analysis: Analysis, span: Span) -> lsp.Location:
         return lsp.Location(self.uri(analysis, span.source), self.range(span))
@@ -247,6 +263,26 @@ def make_server() -> LanguageServer:
         uri = params.text_document.uri
         offset = server.offset(server.analyses[uri].source, params.position)
         return await server.do(lambda: server.uses(uri, offset))
+
+    async def willing(work: Callable[[], _Given]) -> _Given:
+        """What is computed; what is refused is an error that the editor shows."""
+        try:
+            return await server.do(work)
+        except Refused as refused:
+            raise JsonRpcException(str(refused), lsp.LSPErrorCodes.RequestFailed) from None
+
+    @server.feature(lsp.TEXT_DOCUMENT_PREPARE_RENAME)
+    async def prepare(params: lsp.PrepareRenameParams) -> lsp.PrepareRenamePlaceholder:
+        analysis = server.analyses[params.text_document.uri]
+        offset = server.offset(analysis.source, params.position)
+        found = await willing(lambda: renamed(analysis, offset))
+        return lsp.PrepareRenamePlaceholder(server.range(found.span), found.span.text)
+
+    @server.feature(lsp.TEXT_DOCUMENT_RENAME, lsp.RenameOptions(prepare_provider=True))
+    async def change_name(params: lsp.RenameParams) -> lsp.WorkspaceEdit:
+        uri = params.text_document.uri
+        offset = server.offset(server.analyses[uri].source, params.position)
+        return await willing(lambda: server.rename(uri, offset, params.new_name))
 
     @server.feature(lsp.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT)
     async def highlight(params: lsp.DocumentHighlightParams) -> list[lsp.DocumentHighlight]:

@@ -12,6 +12,7 @@ from .texts import SHELVES, STAND
 pytest.importorskip("pygls", reason="the language server needs pygls, of the extra `editor`")
 from lsprotocol import types as lsp  # noqa: E402
 from pygls import uris  # noqa: E402
+from pygls.exceptions import JsonRpcException  # noqa: E402
 from pygls.lsp.client import LanguageClient  # noqa: E402
 
 SOON = 120  # seconds
@@ -133,7 +134,7 @@ def test_places_are_told_in_the_units_of_the_editor(texts):
     session(steps)
 
 
-def test_an_editor_is_given_names_an_outline_colours_and_a_layout(texts):
+def test_an_editor_is_given_names_old_and_new_an_outline_colours_and_a_layout(texts):
     ragged = STAND.replace("  material oak", "      material   oak").replace("\n", "\r\n")
 
     async def steps(editor, _):
@@ -145,6 +146,20 @@ def test_an_editor_is_given_names_an_outline_colours_and_a_layout(texts):
         asked = lsp.ReferenceParams(lsp.ReferenceContext(True), document, place(STAND, "Board(depth"))
         found = await editor.text_document_references_async(asked)
         assert {each.uri for each in found} == {document.uri, uris.from_fs_path(str(texts.shelves))} and len(found) == 3
+        at = place(STAND, "depth =")
+        offered = await editor.text_document_prepare_rename_async(lsp.PrepareRenameParams(document, at))
+        assert offered.placeholder == "depth" and offered.range.start == at
+        made = await editor.text_document_rename_async(lsp.RenameParams(document, at, "deep"))
+        assert {uri: len(edits) for uri, edits in made.changes.items()} == {
+            document.uri: 1,
+            uris.from_fs_path(str(texts.shelves)): 4,
+        }
+        for refused in (
+            editor.text_document_prepare_rename_async(lsp.PrepareRenameParams(document, place(STAND, "Cuboid"))),
+            editor.text_document_rename_async(lsp.RenameParams(document, place(STAND, "Cuboid"), "Box")),
+        ):
+            with pytest.raises(JsonRpcException, match="`Cuboid` is declared in the library"):
+                await refused
         (stand,) = await editor.text_document_document_symbol_async(lsp.DocumentSymbolParams(document))
         assert (stand.name, stand.kind) == ("Stand", lsp.SymbolKind.Module)
         assert {"height", "shelf", "leg", "tilt"} <= {inner.name for inner in stand.children}
