@@ -59,13 +59,13 @@ def rename(analysis: Analysis, offset: int, name: str, others: Iterable[Analysis
     found, others = renamed(analysis, offset), list(others)
     if name == found.span.text:
         return []
-    places = list(uses(analysis, offset, others))
+    places = uses(analysis, offset, others)
     touched = {span.source.name for span in places}
     for each in (analysis, *others):
         if each.source.name in touched and each.failed:
             raise Refused(f"{Path(each.source.name).name} has errors: put them right first")
     edits = [Edit(span, name) for span in places]
-    edits += [Edit(end, f" was {found.span.text}") for end in _ends_of_drawn(analysis, others, found)]
+    edits += [Edit(end, f" was {found.span.text}") for end in _ends_of_drawn((analysis, *others), places)]
     _verify(analysis, offset, edits, name, others)
     return edits
 
@@ -97,15 +97,15 @@ def _spans(stmt: ast.Stmt) -> Sequence[Span]:
     return (getattr(stmt, "name_span"),) if names_of(stmt) else ()  # noqa: B009 - statements that declare a name have it
 
 
-def _ends_of_drawn(analysis: Analysis, others: Sequence[Analysis], found: Found) -> list[Span]:
-    """Behind the parameter or the count that is declared, if it is drawn and was nothing else before."""
-    declared = {(analysis.path_of(span.source), span.start) for span in found.declared}
+def _ends_of_drawn(texts: Iterable[Analysis], places: Iterable[Span]) -> list[Span]:
+    """Behind the parameters and counts that are declared at some places, of those that are drawn and were nothing else before."""
+    names = {(span.source.name, span.start) for span in places}
     ends: dict[tuple[str, int], Span] = {}  # a file may be known twice
-    for each in (analysis, *others):
+    for each in texts:
         for node in [] if each.module is None else walk(each.module.tree):
             if not isinstance(node, ast.CountDecl | ast.ParamDecl) or node.was is not None or not _drawn(node):
                 continue
-            if any((each.path_of(span.source), span.start) in declared for span in _spans(node)):
+            if any((span.source.name, span.start) in names for span in _spans(node)):
                 ends[node.span.source.name, node.span.end] = Span(node.span.source, node.span.end, node.span.end)
     return list(ends.values())
 
@@ -123,15 +123,14 @@ def _verify(analysis: Analysis, offset: int, edits: Sequence[Edit], name: str, o
     texts = {Path(name): _edited(source, edits) for name, source in sources.items()}
     after = [each.but(texts) for each in (analysis, *others)]
     for was, now in zip((analysis, *others), after, strict=True):
-        if now.failed and not was.failed:
+        if {Path(was.source.name), *was.reads} & texts.keys() and now.failed and not was.failed:
             raise Refused(f"`{name}` cannot be its name: {now.errors[0].message}")
     at = offset + sum(
         len(e.text) - (e.span.end - e.span.start)
         for e in edits
         if e.span.source.name == analysis.source.name and e.span.end <= offset
     )
-    found = find(after[0], at)
-    kept = [] if found is None else list(uses(after[0], at, after[1:]))
+    kept = uses(after[0], at, after[1:])
     if len(kept) != sum(edit.text == name for edit in edits):
         raise Refused(f"`{name}` cannot be its name: something else is called so where it is used")
 

@@ -288,7 +288,7 @@ def make_server() -> LanguageServer:
     async def highlight(params: lsp.DocumentHighlightParams) -> list[lsp.DocumentHighlight]:
         analysis = server.analyses[params.text_document.uri]
         offset = server.offset(analysis.source, params.position)
-        found = await server.do(lambda: list(uses(analysis, offset)))
+        found = await server.do(lambda: uses(analysis, offset))
         return [lsp.DocumentHighlight(server.range(span)) for span in found]
 
     @server.feature(lsp.TEXT_DOCUMENT_COMPLETION, lsp.CompletionOptions(trigger_characters=["."]))
