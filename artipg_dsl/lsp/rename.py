@@ -101,7 +101,8 @@ def _ends_of_drawn(texts: Iterable[Analysis], places: Iterable[Span]) -> list[Sp
     """Behind the parameters and counts that are declared at some places, of those that are drawn and were nothing else before."""
     names = {(span.source.name, span.start) for span in places}
     ends: dict[tuple[str, int], Span] = {}  # a file may be known twice
-    for each in texts:
+    files = {name for name, _ in names}
+    for each in (text for text in texts if text.source.name in files):
         for node in [] if each.module is None else walk(each.module.tree):
             if not isinstance(node, ast.CountDecl | ast.ParamDecl) or node.was is not None or not _drawn(node):
                 continue

@@ -6,10 +6,12 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from ..resources import library_dir
 from ..source import Span
 from .analysis import Analysis
 from .lookup import Found, find
 
+_USE = re.compile(r"(?m)^\s*use\s+(\w+)")
 _Place = tuple[Path | None, int]
 
 
@@ -21,12 +23,27 @@ def uses(analysis: Analysis, offset: int, others: Iterable[Analysis] = ()) -> li
     asked = find(analysis, offset)
     if asked is None or not asked.declared:
         return []
-    wanted, found = _places(analysis, asked), list(_named(asked.span.text, (analysis, *others)))
+    wanted = _places(analysis, asked)
+    found = list(_named(asked.span.text, (analysis, *_reaching(wanted, analysis, others))))
     size = 0
     while len(wanted) > size:
         size = len(wanted)
         wanted = wanted.union(*(places for _, places in found if wanted & places))
     return [span for span, places in found if wanted & places]
+
+
+def _reaching(places: set[_Place], analysis: Analysis, others: Iterable[Analysis]) -> list[Analysis]:
+    """Those of the other texts that can name what is declared at some places: they use its module, or one that does."""
+    others = list(others)
+    reached = {path.stem for path, _ in places if path is not None}
+    if any(path is None or path.is_relative_to(library_dir()) for path, _ in places):
+        return others
+    used = {each: set(_USE.findall(each.source.text)) for each in (analysis, *others)}
+    size = 0
+    while len(reached) > size:
+        size = len(reached)
+        reached |= {Path(each.source.name).stem for each, modules in used.items() if modules & reached}
+    return [each for each in others if Path(each.source.name).stem in reached]
 
 
 def _named(name: str, texts: Iterable[Analysis]) -> Iterator[tuple[Span, set[_Place]]]:
