@@ -55,9 +55,9 @@ def meeting_parts(tree: Tree, body: Pieces, found: Collisions, row: int) -> tupl
     paths = [tree.batch.program.links[tree.links.definition[body.link[k]]].path for k in (one, other)]
     if paths[0] > paths[1]:
         one, other = other, one
-    names = _part_name(tree, body, one), _part_name(tree, body, other)
+    names = part_name(tree, body, one), part_name(tree, body, other)
     if names[0] == names[1]:  # two links of one part
-        return _part_name(tree, body, one, within=True), _part_name(tree, body, other, within=True)
+        return part_name(tree, body, one, within=True), part_name(tree, body, other, within=True)
     return names
 
 
@@ -79,7 +79,7 @@ def _nearest(tree: Tree, body: Pieces, i: np.ndarray, j: np.ndarray, joint: int)
     return float(values[hit[0]]) if len(hit) else None
 
 
-def _part_name(tree: Tree, body: Pieces, piece: int, within: bool = False) -> str:
+def part_name(tree: Tree, body: Pieces, piece: int, within: bool = False) -> str:
     """The name of the part that a piece is of, ``column[0].cell[1].unit.handle``; ``within`` it, the path of its primitive."""
     row = int(body.solid[piece])
     for table in tree.batch.sites():

@@ -15,7 +15,7 @@ from .formulas import find_unsaid
 from .gated import find_shut
 from .loops import find_open
 from .mass import find_crossed, find_weightless
-from .stance import find_falling
+from .stance import find_falling, name_feet
 from .tree import Tree
 from .validate import Collisions, find_collisions
 
@@ -53,7 +53,8 @@ def find_faults(batch: Batch, soon: bool = False) -> Faults:
         *find_open(tree),
     ]
     for statement, objects in zip(batch.program.stable, find_falling(tree, body), strict=False):
-        others.append(Fault(statement.message, objects, statement.where))
+        example = name_feet(tree, body, int(objects[0])) if len(objects) and not soon else ""
+        others.append(Fault(statement.message, objects, statement.where, example=example))
     found = tuple(fault for fault in others if len(fault.objects))
     lost = distinct(np.concatenate([np.zeros(0, dtype=np.int64), *(fault.objects for fault in found)]))
     return Faults(tree, body, find_collisions(batch, tree, body, lost if soon else None), found)

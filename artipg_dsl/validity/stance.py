@@ -13,12 +13,14 @@ from itertools import islice
 
 import numpy as np
 
+from ..diagnostics.suggest import any_of
 from ..geometry.runs import distinct
 from ..geometry.vectors import dot
 from ..native.backend import machine as compiled
 from ..native.feet import Overlaps, Standing, over_edges
 from ..runtime.motion import apply, multiply, rotation_about
 from .bodies import Pieces
+from .contact import part_name
 from .hull import NEAR, depth, hulls
 from .mass import SAMPLED, Mass, Rough, masses, weighing
 from .tree import Tree, lead_states
@@ -28,6 +30,7 @@ TILT = float(np.tan(np.radians(2.0)))
 _STEEP = 1.001  # a margin changes by no more than this, times what the centre of mass moves
 _ROUNDING = 1e-9  # metres
 _SHARES = np.linspace(0.0, 1.0, 33)  # of the range of a joint that moves by itself
+_NAMED = 4  # of the parts that an object stands on
 _APART = 4  # of these, one in so many of what moves others, which takes a pose each
 _BLOCK = 10_000  # links at a time, each in a state
 _WAYS = tuple((np.cos(angle), np.sin(angle)) for angle in np.arange(8) * (np.pi / 4))
@@ -68,6 +71,16 @@ def find_floor(body: Pieces, count: int) -> np.ndarray:
     floor = np.full(count, np.inf)
     np.minimum.at(floor, body.owner, body.low[:, 2])
     return floor
+
+
+def name_feet(tree: Tree, body: Pieces, owner: int) -> str:
+    """The parts that an object stands on at rest, in words."""
+    own = np.flatnonzero(body.owner == owner)
+    low = body.low[own, 2]
+    names = list(dict.fromkeys(part_name(tree, body, piece) for piece in own[low <= low.min() + FLOOR].tolist()))
+    more = len(names) - _NAMED
+    told = any_of(names, "and") if more <= 1 else f"{', '.join(f'`{name}`' for name in names[:_NAMED])} and {more} more"
+    return f"it stands on {told}, in object {tree.batch.numbers[owner]}"
 
 
 class Stance:

@@ -154,6 +154,15 @@ def test_feet_that_move_leave_the_floor() -> None:
     assert not tips(text.format(open="")) and tips(text.format(open="open"))
 
 
+def test_the_parts_are_named_that_it_stands_on() -> None:
+    text = "root part seat : Cuboid(size = [30cm, 30cm, 3cm])\nrepeat leg[i] in 0 ..< {} spread seat along y margin 3cm {{\n"
+    text += "  part post : Cuboid(size = [2cm, 2cm, 40cm])\n  connect post.top on seat.bottom\n"
+    text += "  align post.center.y = leg.center.y\n  align post.front = seat.back + 3cm\n}}\nrequire stable"
+    told = [find_faults(program(text.format(n)).batch(np.arange(1), 0)).others[0].example for n in (2, 7)]
+    assert told[0] == "it stands on `leg[0].post` and `leg[1].post`, in object 0"
+    assert "`leg[3].post` and 3 more" in told[1]
+
+
 def test_what_tips_over_is_drawn_again_and_told_with_its_line() -> None:
     sampler = program("param off : length in 18cm .. 20cm\n" + LEANING.format(off="off"))
     statistics = Statistics()
