@@ -133,7 +133,8 @@ def _tell(context: Draft, conflict: Conflict) -> None:
             chain += [(user.span, "this part of it")] * (outer is not user)
             span, hint = (
                 outer.span,
-                f"change the arguments of `{outer.name}`, its sizes, or the ranges that they come from",
+                (_hint_of_size(context, user, said) if outer is user else None)
+                or f"change the arguments of `{outer.name}`, its sizes, or the ranges that they come from",
             )
     if span is None:
         return  # what a primitive requires of its parameters is told where it is used
@@ -144,6 +145,16 @@ def _tell(context: Draft, conflict: Conflict) -> None:
     else:
         message += _never_drawn(context, conflict.scope)
         context.report.warning("impossible", span, message, hint=hint, notes=tuple(chain))
+
+
+def _hint_of_size(context: Draft, part: Component, said: str) -> str | None:
+    """What to try where the size of a part along an axis follows from the place of one face, as nothing says where the part lies."""
+    axis = said.removeprefix(f"{part.path}: size.")[:1]
+    if axis not in "xyz" or "xyz".index(axis) not in context.centred.get(part, ()):
+        return None
+    one, other = {"x": ("front", "back"), "y": ("left", "right"), "z": ("top", "bottom")}[axis]
+    so = f"`{part.name}` is centred along {axis}, and its size follows from the one face that is placed"
+    return f"{so}: place its {one} and its {other}"
 
 
 def _in_category(context: Draft, part: Component) -> Component:
