@@ -195,6 +195,9 @@ def _drawn(ck: Checker, ctx: Context, node: ast.ParamDecl | ast.CountDecl, kind:
                 f"the default of {what} is not above 0",
                 hint="write a default above 0, or leave `> 0` out",
             )
+    if isinstance(kind, ChoiceType) and isinstance(node, ast.ParamDecl) and len(node.type.values) == 1:
+        said = f"{what} has one option: it always is `{node.type.values[0]}`"
+        ck.warning("empty-range", node.type.span, said, hint="add another option behind `|`, or leave it out")
     if node.distribution is not None:
         _distribution(ck, ctx, node.distribution, kind, node.domain)
         if node.distribution.name == "values" and isinstance(kind, ChoiceType):

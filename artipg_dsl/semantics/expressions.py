@@ -10,7 +10,7 @@ from ..syntax import ast
 from ..units import UNITS
 from . import calls, conditions, foreign, members, paths
 from .fold import constant, is_unitless
-from .guards import Not
+from .guards import Condition, Not, consistent
 from .meanings import Global
 from .remedies import instead, usual_unit
 from .types import (
@@ -165,8 +165,8 @@ def _vector(ck: Checker, ctx: Context, expr: ast.VectorExpr) -> Type:
 def _if(ck: Checker, ctx: Context, expr: ast.IfExpr) -> Type:
     conditions.truth(ck, ctx, expr.condition)
     known = conditions.of(ck, ctx, expr.condition)
-    then = ck.infer(ctx.given(known), expr.then)
-    otherwise = ck.infer(ctx.given(Not(known)), expr.otherwise)
+    then = ck.infer(_branch(ctx, known), expr.then)
+    otherwise = ck.infer(_branch(ctx, Not(known)), expr.otherwise)
     for a, b in ((then, otherwise), (otherwise, then)):
         if UNKNOWN in (a, b) or not fits(a, b):
             continue
@@ -185,6 +185,12 @@ def _if(ck: Checker, ctx: Context, expr: ast.IfExpr) -> Type:
         )
     ck.mismatch(expr.otherwise, otherwise, then, "the other branch")
     return UNKNOWN
+
+
+def _branch(ctx: Context, known: Condition) -> Context:
+    """Where a branch is read: in one that is never taken, which the ranges tell, no name is missed."""
+    given = ctx.given(known)
+    return given if consistent(given.condition) or not consistent(ctx.condition) else ctx.but(lenient=[], asked=True)
 
 
 def _instead_of_if(ck: Checker, expr: ast.IfExpr, kind: Type) -> str:

@@ -86,7 +86,8 @@ VALUES = (
         """
         In a range `low .. high` the low end must not lie above the high one. The ends may be formulas; where both are
         known in advance, they are compared before anything is drawn. Swap the ends. Of a parameter or a count, a range with
-        a single value is a warning: for a fixed value, use `let` or a default without a range.
+        a single value is a warning: for a fixed value, use `let` or a default without a range. So is a choice of one
+        option.
         """,
         """
         apg 1
