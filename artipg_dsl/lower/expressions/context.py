@@ -148,8 +148,8 @@ class Draft:
     stated: dict[int, tuple[Span, bool]] = field(
         default_factory=dict
     )  # requirement -> its place, if the category's own
-    # requirement -> the value that it keeps in its range, which equations determine: its declaration, and in words
-    settled: dict[int, tuple[Span, str]] = field(default_factory=dict)
+    # requirement -> the value that it keeps in its range, which equations determine: its declaration, its name, and what it must
+    settled: dict[int, tuple[Span, str, str]] = field(default_factory=dict)
     operations: dict[Expr, Span] = field(default_factory=dict)  # where the text first has them
     # requirement -> the operation that it asks to have a value: where, and why it may have none
     undefined: dict[int, tuple[Span, str]] = field(default_factory=dict)

@@ -11,6 +11,8 @@ from ...graph.interval import Intervals
 from ...graph.linear import Linear
 from ...graph.program import Program
 from ...source import Span
+from ...syntax import ast
+from ...syntax.walk import walk
 from ..expressions.context import Bend, Draft
 
 if TYPE_CHECKING:
@@ -97,7 +99,8 @@ def _tell(context: Draft, conflict: Conflict) -> None:
     bend = next((context.bends[r] for r in conflict.reasons if r in context.bends), None)
     spans = list(dict.fromkeys(context.stated[r][0] for r in conflict.reasons if r in context.stated))
     chain: list[tuple[Span, str]] = [(span, "and this is required") for span in spans[1:]]
-    chain += dict.fromkeys(context.settled[r] for r in conflict.reasons if r in context.settled)
+    settled = [context.settled[r] for r in conflict.reasons if r in context.settled]
+    chain += dict.fromkeys((place, f"and {name}, which follows from it, must {must}") for place, name, must in settled)
     for k in conflict.draws:
         column = program.draws[k].column
         if column in context.spans:
@@ -118,6 +121,8 @@ def _tell(context: Draft, conflict: Conflict) -> None:
         )
         if own is not None and spans:
             chain.insert(0, (own, "its range"))
+        elif settled:
+            hint = f"equations determine {settled[0][1]}: give it a value, correct them, or widen the range"
         span = spans[0] if spans else own
     else:
         message = "this requirement can never hold: " + (
@@ -148,9 +153,13 @@ def _tell(context: Draft, conflict: Conflict) -> None:
 
 
 def _hint_of_size(context: Draft, part: Component, said: str) -> str | None:
-    """What to try where the size of a part along an axis follows from the place of one face, as nothing says where the part lies."""
-    axis = said.removeprefix(f"{part.path}: size.")[:1]
-    if axis not in "xyz" or "xyz".index(axis) not in context.centred.get(part, ()):
+    """What to try where the size of a part follows from an equation, as that of one face where nothing says where the part lies."""
+    name = said.removeprefix(f"{part.path}: ").removesuffix(" must be positive")
+    axis = name.removeprefix("size.")
+    given = {node.name for node in walk(part.declaration) if isinstance(node, ast.Argument)}
+    if name.isidentifier() and name not in given:
+        return f"equations determine `{part.name}.{name}`: give it a value, or correct them"
+    if axis not in ("x", "y", "z") or "xyz".index(axis) not in context.centred.get(part, ()):
         return None
     one, other = {"x": ("front", "back"), "y": ("left", "right"), "z": ("top", "bottom")}[axis]
     so = f"`{part.name}` is centred along {axis}, and its size follows from the one face that is placed"

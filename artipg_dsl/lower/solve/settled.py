@@ -122,4 +122,4 @@ def determined(env: Env, unknown: Unknown, guard: Expr) -> None:
     for low, high, message in bounds:
         holds = E.call("le", low, high)
         number = context.require(unknown.column.scope, holds, unknown.span, message, guard, (low, high), text)
-        context.settled[number] = unknown.span, f"and {degree(unknown)}, which follows from it, must {must}"
+        context.settled[number] = unknown.span, degree(unknown), must
