@@ -46,6 +46,7 @@ class Examined:
         self.warn_caught()
         self.warn_beyond()
         self.warn_far()
+        self.warn_wide()
         self.warn_asymmetric()
         for look in (self.warn_of_cost, self.warn_untested, self.warn_invalid):
             try:
@@ -365,6 +366,24 @@ class Examined:
                 f"`{joint.path}` slides {plain(float(way[k]), 'm')}, and the whole object is about "
                 f"{plain(float(f'{size[joints.owner[k]]:.2g}'), 'm')} across",
                 hint="is the unit right? Shorten its range, or bound what the range is made of",
+            )
+
+    def warn_wide(self) -> None:
+        """Name the grasps that open wider than a hand does, in every object that has them."""
+        from .annotate.grasps import sample_grasps  # start-up
+        from .annotate.gripper import find_wide  # start-up
+        from .lower.solve.feasible import plain  # start-up
+
+        if not self.batch.program.grasps:
+            return
+        for family, opening, stroke in find_wide(sample_grasps(self.batch)):
+            grasp = self.batch.program.grasps[family]
+            self.report.warning(
+                "wide-grasp",
+                self._line(grasp.where) or self.span,
+                f"no hand makes the grasp `{grasp.name}`: it opens by {plain(float(f'{opening:.3g}'), 'm')} or more, "
+                f"and the hand by {plain(stroke, 'm')}",
+                hint="grasp where it is narrower, or state a larger hand, as in `opening size.y  stroke 20cm`",
             )
 
     def warn_of_cost(self) -> None:

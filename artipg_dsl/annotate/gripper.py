@@ -130,6 +130,18 @@ def judge(batch: Batch, grasps: GraspTable, gripper: Gripper, states: np.ndarray
     return verdict
 
 
+def find_wide(grasps: GraspTable) -> list[tuple[int, float, float]]:
+    """The families of which every grasp opens wider than the hand that it is meant for, or the standard one: (its number, the least
+    opening, the largest stroke), metres."""
+    stroke = STANDARD.measures(grasps.hand)[:, MEASURES.index("stroke")]
+    found = []
+    for family in np.unique(grasps.family).tolist():
+        mine = grasps.family == family
+        if (grasps.opening[mine] > stroke[mine] * (1 + 1e-9)).all():
+            found.append((int(family), float(grasps.opening[mine].min()), float(stroke[mine].max())))
+    return found
+
+
 def meet_pieces(
     body: Pieces, owner: np.ndarray, point: np.ndarray, rotation: np.ndarray, low: np.ndarray, high: np.ndarray
 ) -> np.ndarray:

@@ -11,7 +11,7 @@ import pytest
 import artipg_dsl as apg
 from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.grasps import sample_grasps
-from artipg_dsl.annotate.gripper import REASONS, STANDARD, Gripper, judge, read_gripper
+from artipg_dsl.annotate.gripper import REASONS, STANDARD, Gripper, find_wide, judge, read_gripper
 from artipg_dsl.annotate.states import joint_values, read_states
 from artipg_dsl.errors import UsageError
 from artipg_dsl.session import Session
@@ -98,6 +98,14 @@ def test_the_annotation_counts_what_was_dropped() -> None:
     assert [g["reachable"] for g in told["grasps"]] == [False] * 4
     assert [[g["reachable"] for g in s["grasps"]] for s in told["states"]] == [[False] * 4, [True] * 4]
     assert told["dropped"][0]["blocked"] == 1
+
+
+@pytest.mark.parametrize(
+    ("opening", "told"),
+    [("(3cm + near)", [(0, 0.11, 0.08)]), ("(7cm + (t + 0.45) * 9cm)", []), ("11cm stroke 12cm", [])],
+)
+def test_a_family_of_which_every_grasp_is_too_wide_is_found(opening: str, told: list[tuple[int, float, float]]) -> None:
+    assert [pytest.approx(found) for found in told] == find_wide(sample_grasps(batch(opening=opening)))
 
 
 def test_an_object_is_judged_the_same_in_any_batch() -> None:

@@ -210,6 +210,28 @@ STRUCTURE = (
         """,
     ),
     Code(
+        "wide-grasp",
+        "no hand opens as wide as a grasp asks for",
+        """
+        In each of the few objects that `apgc check` draws, all grasps of this family open wider than the hand that they
+        are meant for, the one of 8 cm unless the grasp states another. Only grasps that a hand can make are written, so
+        the family is missing from every annotation. Grasp where the part is narrower, or state the hand.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Chest {
+          param width : length in 30cm .. 50cm
+          root part body : Cuboid(size = [30cm, width, 20cm])
+          material oak on body
+          label semantic.body on body
+          grasp lift on body { at [0, 0, size.z / 2]  approach -z  close y  opening size.y }
+        }
+        """,
+    ),
+    Code(
         "far-motion",
         "a joint moves much farther than its object is large",
         """
