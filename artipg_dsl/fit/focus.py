@@ -15,6 +15,7 @@ from .states import tables
 
 _MANY = 1 << 32  # more than rows of a site in an object
 _STILL = 1e-9  # metres: what is moved by less was not
+_ALIKE = 1e-7  # metres, to which rows of different names are equal
 _SMALL = 0.1  # of the surface of all boxes: that of the small primitives together
 
 
@@ -81,12 +82,10 @@ def differing(
     """The primitives of ``copies`` that are not those of the ``origins`` they were made of (``of`` (K,), places among them), by which
     the copies are ``lifted`` (K, 3). Those that differ ``within`` (K,) metres are the same, if that is given."""
     lifted = np.zeros((len(of), 3)) if lifted is None else lifted
+    pairs = list(zip(tables(origins), tables(copies), strict=True))
     new: list[np.ndarray] = []
-    copy: list[np.ndarray] = [np.zeros(0, dtype=np.int64)]
-    gone: list[np.ndarray] = [np.zeros(0, dtype=np.int64)]
-    lost: dict[int, np.ndarray] = {}
-    begin = 0
-    for table, other in zip(tables(origins), tables(copies), strict=True):
+    gone: list[tuple[np.ndarray, np.ndarray]] = []  # of each table the copies that have lost a row, and its row
+    for table, other in pairs:
         origin = of[other.owner]
         first, last = (np.searchsorted(table.owner, origin, side=side) for side in ("left", "right"))
         base = first + other.rank
@@ -103,12 +102,55 @@ def differing(
         rows, start = runs(low, many), np.cumsum(many) - many  # of each copy those of its origin
         kept = np.zeros(len(rows), dtype=bool)
         kept[(start[other.owner] + other.rank)[same]] = True
-        owner = np.repeat(np.arange(len(of)), many)[~kept]
-        copy.append(owner)
-        gone.append(begin + rows[~kept])
-        lost[table.number] = owner * _MANY + table.rank[rows[~kept]]
-        begin += len(table)
-    return Differing(Rows.of(tables(copies), new), Rows(lost), (np.concatenate(copy), np.concatenate(gone)))
+        gone.append((np.repeat(np.arange(len(of)), many)[~kept], rows[~kept]))
+    gone = _without_equals(pairs, new, gone, lifted)
+    begin = np.cumsum([0, *(len(table) for table, _ in pairs)])
+    lost = {
+        table.number: owner * _MANY + table.rank[rows] for (table, _), (owner, rows) in zip(pairs, gone, strict=True)
+    }
+    copy, row = (np.concatenate([np.zeros(0, dtype=np.int64), *column]) for column in zip(*gone, strict=True))
+    begins = np.repeat(begin[:-1], [len(rows) for _, rows in gone])
+    return Differing(Rows.of(tables(copies), new), Rows(lost), (copy, row + begins))
+
+
+def _without_equals(
+    pairs: list[tuple[SiteTable, SiteTable]],
+    new: list[np.ndarray],
+    gone: list[tuple[np.ndarray, np.ndarray]],
+    lifted: np.ndarray,
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """What is ``gone`` of tables without those rows in whose place an equal one of another name is new, which is none of the ``new`` ones then:
+    of two equal sashes that change sides, neither is moved."""
+    kept = [np.ones(len(rows), dtype=bool) for _, rows in gone]
+    alike: dict[int, list[int]] = {}
+    for k, (table, _) in enumerate(pairs):
+        if new[k].any() or len(gone[k][1]):
+            alike.setdefault(id(table.primitive), []).append(k)
+    for several in alike.values():
+        made, lost = [], []
+        for k in several:
+            (table, other), (owner, rows) = pairs[k], gone[k]
+            at = np.flatnonzero(new[k])
+            made.append(_addresses(other, at, other.owner[at], np.zeros((len(at), 3))))
+            lost.append(_addresses(table, rows, owner, lifted[owner]))
+        both = np.intersect1d(np.concatenate(made), np.concatenate(lost))
+        if not len(both):
+            continue
+        for k, mine, old in zip(several, made, lost, strict=True):
+            new[k][np.flatnonzero(new[k])[np.isin(mine, both)]] = False
+            kept[k] &= ~np.isin(old, both)
+    return [(owner[one], rows[one]) for (owner, rows), one in zip(gone, kept, strict=True)]
+
+
+def _addresses(table: SiteTable, rows: np.ndarray, of: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """(n,) uint64 that are the same for rows of the same shape, place and word in the same copy ``of`` (n,), once ``moved`` (n, 3) back."""
+    found = of.astype(np.uint64)
+    turned = table.rotation[rows].reshape(len(rows), 9)
+    shape = [table.params[name][rows] for name in sorted(table.params)]
+    every = *(table.translation[rows] - moved).T, *turned.T, table.mirror[rows], table.semantic[rows], *shape
+    for value in every:
+        found = random.mix(found, np.rint(value / _ALIKE).astype(np.int64).view(np.uint64))
+    return found
 
 
 def lifted(origins: Batch, copies: Batch, of: np.ndarray) -> np.ndarray:

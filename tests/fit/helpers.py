@@ -106,3 +106,20 @@ category Sizeless {
   connect foot.top on body.bottom
 }
 """
+# which of its plates is the first shows in nothing
+SWAPPED = """
+apg 1
+use primitives { Cuboid }
+category Swapped {
+  param height : length in 10cm .. 20cm = 15cm
+  param side : choice to_left | to_right = to_left
+  let away = 15cm if side == to_left else -15cm
+  root part board : Cuboid(size = [40cm, 50cm, 2cm])
+  part first : Cuboid(size = [2cm, 4cm, height])
+  part second : Cuboid(size = [2cm, 4cm, height])
+  connect first.bottom on board.top
+  connect second.bottom on board.top
+  align first.center.y = board.center.y + away
+  align second.center.y = board.center.y - away
+}
+"""

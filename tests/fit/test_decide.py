@@ -20,7 +20,7 @@ from artipg_dsl.fit.reading import Cloud
 from artipg_dsl.fit.search import Effort, taken
 from artipg_dsl.runtime.batch import Batch
 
-from .helpers import CLOSED, HOUSING, SIDED, N
+from .helpers import CLOSED, HOUSING, SIDED, SWAPPED, N
 
 
 def clouds(samples: apg.Samples, noise: float = 0.0) -> Clouds:
@@ -244,3 +244,14 @@ def test_what_is_not_there_comes_on_either_side() -> None:
     found = Candidates(wrong, every, still(len(has)), np.zeros(len(has)))
     better = decide(model, clouds(doors).targets.take(has), found, Effort(developed=0))
     assert (model.structures(better.batch) == model.structures(true)[has]).all()
+
+
+def test_equal_parts_that_change_places_do_not_differ() -> None:
+    """Two plates that stand on either side, one of which has the handle."""
+    pairs = apg.load(SWAPPED, n=2, seed=1)
+    model, every = Model(pairs.job.sampler), np.arange(2)
+    batch = model.assembled([(pairs.batch, every)])
+    (number,) = model.discrete
+    other = model.altered(batch, every, Changes(every, np.full(2, number), every, 1.0 - batch.state.values[number]))
+    assert not differing(batch, other, every).anywhere(2).any()
+    assert differing(batch, batch, every[::-1]).anywhere(2).all()
