@@ -35,7 +35,10 @@ _HOPE = 300.0  # what is less likely by more than this is not refined,
 _HOPED = 0.6  # nor what is by more than this share of all that speaks against the object
 _COUNTS = 2.0  # what the odds of values count beside what points say, which are no witnesses independent of each other
 _SLIGHT = 5e-3  # of the surface: what changes more of it needs evidence
-_INCLINED = 1.0  # by so much small changes have to be likelier at last
+_INCLINED = 1.0  # by so much small changes have to be likelier at last,
+_EVEN = 6.0  # and by so much where the text has both as often
+_LANES, _TRIED = 4, 18  # draws of what small changes bring, at last, and how many of them are moved into place
+_LOOKS = 3  # at small changes, as long as some are made
 _RARE = 1e-4  # a weight of what the text does not have
 _COUNTED = 8  # a count changes by as much at a time, at most
 _WHOLE = 512  # points of a cloud by which a copy is refined: those of all of it, and of where it differs
@@ -69,22 +72,36 @@ def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) ->
     return replace(varied(model, own, now, clouds), target=found.target)
 
 
-def inclined(model: Model, targets: Targets, found: Candidates, effort: Effort) -> Candidates:
+def inclined(model: Model, closely: Targets, found: Candidates, effort: Effort) -> Candidates:
     """The candidates, one of each object, with those small changes for which the clouds speak a little, or nothing speaks but that the text
-    has such objects more often."""
-    own = targets.take(found.target)
-    now, clouds = replace(found, target=np.arange(len(found))), Clouds(own)
-    base = weigh(now.batch, now.target, now.placed, clouds)
-    copies, told, odds = _likeliest(model, now, clouds, base, effort, effort.rounds, _COUNTS)
+    has such objects more often. ``closely``: the cloud of each candidate with nearly all of its points, as of fewer a hinge has two. Where an
+    object is far off, so are its parts, and that counts as noise."""
+    clouds = Clouds(replace(closely, noise=np.maximum(closely.noise, found.score)), closely=True)
+    effort = replace(effort, lanes=_LANES, tried=_TRIED)
+    now, still = replace(found, target=np.arange(len(found))), np.arange(len(found))
+    for number in range(_LOOKS):
+        some = taken(model, now, still)
+        better = _inclined(model, closely, some, clouds, effort, effort.rounds + number)
+        changed = np.flatnonzero(model.structures(better.batch) != model.structures(some.batch))
+        if not len(changed):
+            break
+        now, still = replaced(model, now, taken(model, better, changed)), better.target[changed]
+    return replace(now, target=found.target)
+
+
+def _inclined(model: Model, own: Targets, found: Candidates, clouds: Clouds, effort: Effort, number: int) -> Candidates:
+    """The candidates, one of each object, with the small changes of one round."""
+    base = weigh(found.batch, found.target, found.placed, clouds)
+    copies, told, odds = _likeliest(model, found, clouds, base, effort, number, _COUNTS)
     if not len(copies.of):
         return found
-    copies = settled(model, own, now, copies, told, effort)
-    change = weigh_again(copies, _origins(model, now, copies), clouds, base, apart(now, copies))
+    copies = settled(model, own, found, copies, told, effort)
+    change = weigh_again(copies, _origins(model, found, copies), clouds, base, apart(found, copies))
     slight = change.share <= _SLIGHT
-    loss = np.where(change.share <= LARGE, change.loss + SURE - _INCLINED, np.inf)
-    change, odds = replace(change, loss=np.where(slight, change.loss, loss)), np.where(slight, odds, 0.0)
-    better, _ = _better(model, now, clouds, base, copies, change, odds, _INCLINED)
-    return replace(better, target=found.target)
+    need = np.where(slight & (odds > 0.0), _INCLINED, np.where(slight & (odds == 0.0), _EVEN, SURE))
+    change = replace(change, loss=change.loss + need - _INCLINED)
+    odds = np.where(slight, np.maximum(odds, 0.0), 0.0)
+    return _better(model, found, clouds, base, copies, change, odds, _INCLINED)[0]
 
 
 def settled(model: Model, own: Targets, found: Candidates, copies: Copies, told: Asked, effort: Effort) -> Copies:
@@ -176,8 +193,8 @@ def _likeliest(
         parts.append((one.batch, np.arange(len(one.of))))
         asked.append(change.told)
         owners.append(one.of)
-        losses.append(change.loss)
-        places.append(mix(one.draw.astype(np.uint64), one.row))
+        losses.append(np.where(change.share <= LARGE, change.loss, np.inf) if clouds.closely else change.loss)
+        places.append(one.places(each=clouds.closely))
         odds.append(counts * one.odds)
     of, loss, place, more = (np.concatenate(column) for column in (owners, losses, places, odds))
     loss = np.asarray(loss - more)
@@ -185,7 +202,7 @@ def _likeliest(
         parts, asked = [(found.batch, of)], [Asked.none()]
     every, told = model.assembled(parts), Asked.joined(asked)
     hopeful = np.flatnonzero(loss < np.maximum(_HOPE, _HOPED * base.total[of]))
-    first = hopeful[best_of(place[hopeful], of[hopeful], loss[hopeful], len(hopeful))]  # of each choice one value
+    first = hopeful[best_of(place[hopeful], of[hopeful], loss[hopeful], len(hopeful))]
     at = first[best_of(model.structures(every)[first], of[first], loss[first], effort.tried)]
     of = of[at]
     copies = Copies(model.assembled([(every, at)]), of, found.target[of], Placed.joined(stood).take(at))
@@ -194,14 +211,20 @@ def _likeliest(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tries:
-    """Copies of candidates ``of`` which (K,), each with another value in one ``row`` (K,) of a ``draw`` (K,); ``odds`` (K,): by how much
-    the text has it more often than the old one, in natural logarithms."""
+    """Copies of candidates ``of`` which (K,), each with another ``value`` (K,) in one ``row`` (K,) of a ``draw`` (K,); ``odds`` (K,): by how
+    much the text has it more often than the old one, in natural logarithms."""
 
     batch: Batch
     of: np.ndarray
     draw: np.ndarray
     row: np.ndarray
+    value: np.ndarray
     odds: np.ndarray
+
+    def places(self, *, each: bool) -> np.ndarray:
+        """(K,) uint64 that are the same for those of which the likeliest is kept: the values of one row, or ``each`` value by itself."""
+        rows = mix(self.draw.astype(np.uint64), self.row)
+        return mix(rows, self.value.view(np.uint64)) if each else rows
 
 
 def tries(model: Model, batch: Batch, lanes: int, first: int) -> Iterator[Tries]:
@@ -236,7 +259,14 @@ def tries(model: Model, batch: Batch, lanes: int, first: int) -> Iterator[Tries]
         kept = np.flatnonzero(good)
         kept = np.sort(kept[best_of(model.fingerprints(tried)[kept], of[kept], np.zeros(len(kept)), len(kept))])
         if len(kept):
-            yield Tries(model.assembled([(tried, kept)]), of[kept], draw[kept], row[kept], odds[at[part]][kept])
+            yield Tries(
+                model.assembled([(tried, kept)]),
+                of[kept],
+                draw[kept],
+                row[kept],
+                told.value[at[part]][kept],
+                odds[at[part]][kept],
+            )
 
 
 def _unseen(model: Model, batch: Batch, told: Changes, lane: int) -> np.ndarray:

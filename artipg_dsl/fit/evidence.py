@@ -30,6 +30,7 @@ _POINTS = 3072, 2048  # of a candidate: of its large primitives and of the small
 _BY = 6, 3
 _AROUND, _NEAR = 512, 320  # of a copy: of what it shares with its origin, and of what is new
 LARGE = _NEAR / sum(_POINTS)  # of a surface: of more than this whole candidates have more points than copies
+_WITNESSES = 8192  # what a cloud counts for at most, in points: more of them, beside one another, say the same
 _ASKED = 512  # points of a cloud that are asked about a copy
 _ROUGHLY = 384, 320, 512  # the same three where elements are put together
 _MARGIN = 0.02  # diagonals around what is new
@@ -75,15 +76,16 @@ class Copies:
 
 
 class Clouds:
-    """The clouds of targets, each asked for the nearest of its points."""
+    """The clouds of targets, each asked for the nearest of its points. ``closely``: a point belongs to what it is likeliest for, be that large
+    or small; else to what has the nearest point, which mostly is small, as small primitives have more points."""
 
-    def __init__(self, targets: Targets):
-        self.targets = targets
+    def __init__(self, targets: Targets, *, closely: bool = False):
+        self.targets, self.closely, few = targets, closely, targets.first(_WITNESSES)
         own = np.repeat(np.arange(len(targets)), targets.points.shape[1])
         theirs = features(targets.points, targets.normals, targets.diagonal[:, None]).reshape(-1, 6)
         word = targets.word.ravel()
         self._trees = [Nearest(theirs[:, :axes], own, word, targets.meant) for axes in _BY]
-        self.screens = Screens(targets.points, targets.apart[:, 0])
+        self.screens = Screens(few.points, few.apart[:, 0])
         self._sight = Sight(theirs, own, targets.apart[:, 0] / targets.diagonal)
 
     def unlikely(self, laid: _Laid, target: np.ndarray, asked: np.ndarray) -> np.ndarray:
@@ -106,6 +108,10 @@ class Clouds:
         told = np.zeros(asked.shape, dtype=bool)
         told[own, point] = self._sight.at(laid.places[own, point], target[own])
         return told
+
+    def count(self, target: np.ndarray) -> np.ndarray:
+        """(K,) how many points clouds count for."""
+        return np.minimum(self.targets.count[target], _WITNESSES)
 
     def noise(self, target: np.ndarray) -> np.ndarray:
         return np.maximum(self.targets.noise[target], _LEAST_NOISE)
@@ -150,16 +156,19 @@ class _Laid:
         at = of, some[own, column]
         points, word, diagonal = targets.points[at], targets.word[at], targets.diagonal[of]
         theirs = features(points, targets.normals[at], diagonal)
-        mine, place = np.nonzero(taken)
-        found, which = [], []
-        for axes in _BY:
-            tree = Nearest(self.places[mine, place, :axes], mine, self.word[mine, place], targets.meant)
-            there = own, place[tree.find(theirs[:, :axes], own, word)]
-            off = gaps(self.position[there], points, self.normal[there], self.apart[there], diagonal)
-            found.append(_unlikely(off, unlike(self.word[there], word), clouds.noise(of)))
-            which.append(there[1])
-        apart[own, column] = np.minimum(*found)
-        near[own, column] = np.where(found[0] <= found[1], *which)
+        large = np.arange(taken.shape[1]) < self.around
+        least, which = np.full(len(own), np.inf), np.zeros(len(own), dtype=np.int64)
+        for pool in (taken & large, taken & ~large) if clouds.closely else (taken,):
+            mine, place = np.nonzero(pool)
+            some = np.flatnonzero(np.asarray(pool.any(axis=1))[own])
+            for axes in _BY if len(some) else ():
+                tree = Nearest(self.places[mine, place, :axes], mine, self.word[mine, place], targets.meant)
+                there = own[some], place[tree.find(theirs[some, :axes], own[some], word[some])]
+                off = gaps(self.position[there], points[some], self.normal[there], self.apart[there], diagonal[some])
+                told = _unlikely(off, unlike(self.word[there], word[some]), clouds.noise(of[some]))
+                which[some] = np.where(told < least[some], there[1], which[some])
+                least[some] = np.minimum(told, least[some])
+        apart[own, column], near[own, column] = least, which
         return apart, near
 
 
@@ -197,7 +206,7 @@ def weigh(batch: Batch, target: np.ndarray, placed: Placed, clouds: Clouds) -> E
     laid = _lay(batch, small(batch), placed, *_POINTS, clouds, target)
     every = np.broadcast_to(np.arange(targets.points.shape[1]), (len(target), targets.points.shape[1]))
     cloud, there = laid.unlikely(clouds, target, every, np.ones(every.shape, dtype=bool), ~laid.hidden)
-    count, stands = targets.count[target], np.where(laid.hidden, 0.0, laid.apart**2)
+    count, stands = clouds.count(target), np.where(laid.hidden, 0.0, laid.apart**2)
     seen = clouds.seen(laid, target, ~laid.hidden)
     known = np.where(seen, stands, 0.0)
     stands *= (count / _known(known.sum(axis=1), stands.sum(axis=1)))[:, None]
@@ -348,7 +357,7 @@ def _told(laid: _Laid, copies: Copies, clouds: Clouds, told: Asked) -> tuple[np.
     share = np.where(seen, 1.0, 0.0)
     own, point = np.nonzero(laid.fresh & shown)
     share[own, point] = coverage.at(laid.places[own, point], own)
-    expected = clouds.targets.count[target] * laid.area[:, 1] / _known(_surface(laid, share), _surface(laid, shown))
+    expected = clouds.count(target) * laid.area[:, 1] / _known(_surface(laid, share), _surface(laid, shown))
     unlikely = clouds.unlikely(laid, target, laid.fresh & shown & (share > 0.0))
     new = (share * unlikely)[:, laid.around :]
     return cloud, expected[:, None] * new / new.shape[1], coverage

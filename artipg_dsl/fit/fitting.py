@@ -29,6 +29,7 @@ _UPRIGHT = 0.5  # and does lie otherwise where the distance becomes that times t
 _NEARER = 0.8  # its joints are moved where the distance becomes that of rest times this, or less
 _HOPELESS = 120.0 * FAR  # percent: what is farther off once it has been searched is not looked into further
 _FINELY = 6144  # points of a cloud by which numbers are refined at last
+_CLOSELY = 32_768  # points of a cloud by which small changes are decided at last
 _USUAL = 256  # drawn objects that tell how large those of a category are
 
 
@@ -173,9 +174,20 @@ def _decided(one: _Searched, at: np.ndarray, effort: Effort) -> Candidates:
         return found
     better = decide(model, one.asked, taken(model, found, np.flatnonzero(hopeful)), effort)
     better = refine(model, one.asked.first(_FINELY), better, effort.last)
-    better = inclined(model, one.asked, better, effort)
+    better = inclined(model, _closely(one, better), better, effort)
     both = united(model, [better, taken(model, found, np.flatnonzero(~hopeful))])
     return taken(model, both, np.argsort(both.target, kind="stable"))
+
+
+def _closely(one: _Searched, found: Candidates) -> Targets:
+    """The clouds of some candidates, one each, with all of their points, or nearly."""
+    numbers = one.asked.of[found.target].tolist()
+    said = [one.said[number] for number in numbers]
+    several = [
+        replace(one.several[number], turns=[_stands(one.several[number], one.asked, found, row, number)])
+        for row, number in enumerate(numbers)
+    ]
+    return targets(several, said, one.asked.meant.tolist(), _CLOSELY)
 
 
 def _finished(one: _Searched, at: np.ndarray, checked: bool, effort: Effort) -> list[Fitted]:

@@ -153,14 +153,16 @@ def _estimated(points: np.ndarray) -> np.ndarray:
     return found
 
 
-def targets(several: Sequence[Posed], words: Sequence[np.ndarray] = (), meant: Sequence[int] = ()) -> Targets:
+def targets(
+    several: Sequence[Posed], words: Sequence[np.ndarray] = (), meant: Sequence[int] = (), most: int = _COMPARED
+) -> Targets:
     """The targets of some objects, one for each way in which each may stand. ``words``: of each object those of its points (n,), places in
-    ``semantic``, 0 where nothing is said; ``meant``: all that may be."""
+    ``semantic``, 0 where nothing is said; ``meant``: all that may be. Each has ``most`` points."""
     columns: list[list[np.ndarray]] = [[] for _ in range(5)]
     of, known, noise, count = [], [], [], []
     for number, one in enumerate(several):
         roughness = _roughness(one)
-        taken = np.resize(np.arange(len(one.points)), _COMPARED)
+        taken = np.resize(np.arange(len(one.points)), most)
         for up, front in one.turns:
             matrix = turn(up, front)
             points = one.points @ matrix.T
@@ -171,11 +173,11 @@ def targets(several: Sequence[Posed], words: Sequence[np.ndarray] = (), meant: S
             of.append(number)
             known.append(one.known)
             noise.append(roughness)
-            count.append(min(len(one.points), _COMPARED))
+            count.append(min(len(one.points), most))
     points, normals, low, high, word = (np.stack(column) for column in columns)
     diagonal = np.sqrt(((high - low) ** 2).sum(axis=1))
     counts = np.array(count)
-    apart = np.repeat((spacing(points) * np.sqrt(_COMPARED / counts))[:, None], _COMPARED, axis=1)
+    apart = np.repeat((spacing(points) * np.sqrt(most / counts))[:, None], most, axis=1)
     return Targets(
         points=points,
         normals=normals,

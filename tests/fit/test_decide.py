@@ -255,3 +255,12 @@ def test_equal_parts_that_change_places_do_not_differ() -> None:
     other = model.altered(batch, every, Changes(every, np.full(2, number), every, 1.0 - batch.state.values[number]))
     assert not differing(batch, other, every).anywhere(2).any()
     assert differing(batch, batch, every[::-1]).anywhere(2).all()
+
+
+def test_closely_a_point_belongs_to_what_it_is_likeliest_for(model: Model, samples: apg.Samples) -> None:
+    true, _ = with_another(model, samples)
+    targets = clouds(samples).targets
+    told = [
+        weigh(true.batch, true.target, true.placed, Clouds(targets, closely=closely)).cloud for closely in (False, True)
+    ]
+    assert (told[1] <= told[0]).all() and (told[1] < told[0]).any()
