@@ -93,7 +93,8 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     return tree(out)
 
 
-# A run that is sent a signal as it is about to give the second shard its name, however fast the machine is.
+# A run that is sent a signal as it is about to give the second shard its name, however fast the machine is. It has no workers
+# (those of others are in test_workers), as one of them might write that shard.
 INTERRUPTED = """
 import os, sys
 from artipg_dsl.cli.main import main
@@ -112,7 +113,7 @@ def test_an_interrupted_run_leaves_nothing_partial_and_is_completed(
     tmp_path: Path, whole: dict[str, bytes], how: signal.Signals
 ) -> None:
     out = tmp_path / "o"
-    arguments = [sys.executable, "-c", INTERRUPTED, str(int(how)), *MANY, "-o", str(out)]
+    arguments = [sys.executable, "-c", INTERRUPTED, str(int(how)), *MANY, "--workers", "1", "-o", str(out)]
     run = subprocess.run(arguments, env=environment(), capture_output=True, text=True, timeout=60, check=False)
     told = {signal.SIGINT: 130, signal.SIGTERM: 143}.get(how)
     assert run.returncode == (told or -how), run.stderr
