@@ -1,43 +1,27 @@
-"""Which surface points are hidden in, or pressed against, another primitive of the same object.
+"""Which points on the cells of a block are hidden in, or pressed against, another primitive of the same object.
 
-A point is asked a small way off its surface. Boxes narrow the question first: rows against rows, then cells against
-rows, then the part of a flat cell, as a rectangle of fractions, that the box of the other row can reach. What is left
-goes through the inside functions, one call per primitive. Points on flat cells are asked in the frame of the row that
-may hide them, where the cell is a quad too: no point is turned from frame to frame. Flat cells so small that hardly a
-point falls on them are not prepared for that: their points are asked as those on bent cells are.
+Where points fall on flat cells in large numbers, boxes narrow the question further than for single places (`cover`):
+cells against rows, then the part of a flat cell, as a rectangle of fractions, that the box of the other row can reach.
+Points on flat cells are asked in the frame of the row that may hide them, where the cell is a quad too: no point is
+turned from frame to frame. Flat cells so small that hardly a point falls on them are not prepared for that: their points
+are asked as those on bent cells are.
 """
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 
 from ..native import backend, points
 from ..records import dataclass
-from .block import Block, to_local
-from .box import bounds
 from .cells import Cells
+from .cover import ABOUT, PAIRS, REACH, Cover, Places
 from .enclosure import bound_inside
 from .flat import BENT, PLANAR, convex
-from .patches import inside_split
 from .runs import distinct, runs
 
-_OFF = 1e-6  # how far off its surface a point is asked, relative to the largest primitive of its object
-_ABOUT = 1.5  # a coincident surface lies within this many times that distance of the point asked
-_REACH = 1.6  # boxes are wider by this many times that distance
 _LOOSE = 1e-9  # rectangles are wider, cells smaller by this fraction
 _SIGNS = np.uint32(0x80008000)
 _CHUNK = 4096  # pairs of cells and rows at a time: their arrays stay in the cache
-_PAIRS = 100_000  # pairs of rows, or of a point and a row, looked at together
-_Places = Sequence[np.ndarray] | np.ndarray  # three arrays (m,)
-
-
-def scales(rows: Block) -> np.ndarray:
-    """(objects,) how far off the surface the points of each object are asked, in metres."""
-    out = np.zeros(rows.objects)
-    np.maximum.at(out, rows.owner, rows.diagonal)
-    return _OFF * out
 
 
 def pack_fractions(u: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -86,25 +70,10 @@ class Occlusion:
         meeting: tuple[np.ndarray, np.ndarray],
     ):
         self.cells, self.rows, self.off = cells, cells.rows, off
-        self.inside = [inside_split(s.primitive) for s in self.rows.shelves]
-        self.values = [split.rows(s.params) for split, s in zip(self.inside, self.rows.shelves, strict=True)]
-        self.shelf = np.zeros(len(self.rows.owner), dtype=np.int16)
-        self.low, self.high = np.empty((3, len(self.rows.owner))), np.empty((3, len(self.rows.owner)))
-        for number, shelf in enumerate(self.rows.shelves):
-            corners = bounds(shelf.primitive, shelf.params)
-            part = slice(shelf.start, shelf.stop)
-            self.shelf[part] = number
-            self.low[:, part], self.high[:, part] = corners[0].T, corners[1].T
+        self.cover = Cover(cells.rows, off, meeting)
         total = np.bincount(cells.pool, cells.area, minlength=len(cells.start) - 1)
         self.prepared = (cells.shape != BENT) & (cells.area > (least * total)[cells.pool])
-        reach = (_REACH * self.off)[self.rows.owner]
-        low, high = (np.ascontiguousarray(x.T) for x in (self.rows.low, self.rows.high))
-        self.ends = low - reach, high + reach  # (3, R) boxes, somewhat wider
-        near, other = meeting
-        order = np.argsort(near, kind="stable")
-        self.row_other = other[order]  # rows whose boxes meet that of row r: from row_start[r] to row_start[r + 1]
-        self.row_start = np.concatenate([[0], np.cumsum(np.bincount(near, minlength=len(self.rows.owner)))])
-        self.pairs = self._flat_pairs(*self._near(near, other), group)
+        self.pairs = self._flat_pairs(*self._near(*meeting), group)
         self.buried = self._buried()
 
     def _near(self, near: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -114,7 +83,7 @@ class Occlusion:
         patches = np.bincount(cells.row[chosen], minlength=len(rows.owner))
         first = np.searchsorted(chosen, cells.first)  # of the chosen ones of each row, which stand together
         low, high = cells.bounds(chosen)
-        row_low, row_high = self.ends
+        row_low, row_high = self.cover.ends
         found = [(np.empty(0, np.int64), np.empty(0, np.int64))]
         for start in range(0, len(near), _CHUNK // 2):
             part = slice(start, start + _CHUNK // 2)
@@ -129,7 +98,7 @@ class Occlusion:
 
     def _flat_pairs(self, cell: np.ndarray, other: np.ndarray, group: np.ndarray) -> _Pairs:
         rows, cells = self.rows, self.cells
-        place = group[cells.pool[cell]] * len(rows.shelves) + self.shelf[other]
+        place = group[cells.pool[cell]] * len(rows.shelves) + self.cover.shelf[other]
         order = np.argsort(place.astype(np.int16 if place.max(initial=0) < 32000 else np.int64), kind="stable")
         total = (int(group.max(initial=0)) + 1) * len(rows.shelves)
         edges = np.searchsorted(place[order], np.arange(total + 1))
@@ -167,7 +136,7 @@ class Occlusion:
         bend = [x[cell[some]] for x in cells.c]
         within[0] = within[2] = 0.0
         within[1] = within[3] = 1.0
-        reach = _REACH * off
+        reach = REACH * off
         for axis in range(3):
             p, q, r = poses[axis]
             for k, vector in enumerate(vectors):
@@ -177,7 +146,9 @@ class Occlusion:
             if axis == 1:
                 quad[:, axis] *= mirror
                 step[axis] *= mirror
-            self._narrow(quad[:, axis], self.low[axis][other] - reach, self.high[axis][other] + reach, within)
+            self._narrow(
+                quad[:, axis], self.cover.low[axis][other] - reach, self.cover.high[axis][other] + reach, within
+            )
         np.minimum(within[0::2], 2.0, out=within[0::2])
         np.maximum(within[1::2], -1.0, out=within[1::2])
         low, high = np.clip(within[0::2], 0.0, 1.0), np.clip(within[1::2], 0.0, 1.0)
@@ -214,7 +185,7 @@ class Occlusion:
             chosen = chosen[self._at(chosen, u, v) < 0.0]
         out[pairs.cell[chosen]] = True
         whole = whole[~solid[pairs.other[whole]]]
-        shelf_of = self.shelf[pairs.other[whole]]
+        shelf_of = self.cover.shelf[pairs.other[whole]]
         for number in distinct(shelf_of).tolist():
             shelf, mine = self.rows.shelves[number], whole[shelf_of == number]
             origin, a, b, c = pairs.quad.take(mine, axis=2)
@@ -240,25 +211,7 @@ class Occlusion:
         """(m,) depths in their rows of one place asked on the cell of each chosen pair."""
         quad = self.pairs.quad
         origin, a, b, c = quad if isinstance(chosen, slice) else quad.take(chosen, axis=2)
-        return self._depths(self.pairs.other[chosen], origin + u * a + v * b + (u * v) * c)
-
-    def _depths(self, other: np.ndarray, local: _Places) -> np.ndarray:
-        """(m,) depths of points in rows of any shelves, in the frames of those rows."""
-        out = np.empty(len(other))
-        shelf = self.shelf[other]
-        order = np.argsort(shelf, kind="stable")
-        edges = np.searchsorted(shelf[order], np.arange(len(self.rows.shelves) + 1))
-        for number in range(len(self.rows.shelves)):
-            mine = order[edges[number] : edges[number + 1]]
-            if len(mine):
-                out[mine] = self._depth(number, other[mine], [x[mine] for x in local])
-        return out
-
-    def _depth(self, shelf: int, other: np.ndarray, local: _Places) -> np.ndarray:
-        """(m,) the inside function of rows ``other`` of one shelf at points in their own frames."""
-        row = other - self.rows.shelves[shelf].start
-        value = self.inside[shelf].points([r[row] for r in self.values[shelf]], *local)[0]
-        return np.broadcast_to(value, row.shape)
+        return self.cover.depths(self.pairs.other[chosen], origin + u * a + v * b + (u * v) * c)
 
     def flat_hidden(
         self, group: int, first: int, start: np.ndarray, count: np.ndarray, u: np.ndarray, v: np.ndarray
@@ -273,7 +226,7 @@ class Occlusion:
         at = pairs.cell[begin:end] - first
         asked = begin + np.flatnonzero(count[at])
         ends = np.cumsum(count[pairs.cell[asked] - first])
-        cuts = np.searchsorted(ends, np.arange(_PAIRS, int(ends[-1]) if len(ends) else 0, _PAIRS))
+        cuts = np.searchsorted(ends, np.arange(PAIRS, int(ends[-1]) if len(ends) else 0, PAIRS))
         for part in np.split(asked, cuts):
             if len(part):
                 at = pairs.cell[part] - first
@@ -300,7 +253,7 @@ class Occlusion:
         edges = pairs.edges[group * shelves : (group + 1) * shelves + 1]
         depth = self._by_shelf(edges, pair, other, local)
         out[point.compress(depth < 0.0)] = True
-        about = _ABOUT * self.off[self.rows.owner[other]]
+        about = ABOUT * self.off[self.rows.owner[other]]
         close = np.flatnonzero((depth >= 0.0) & (depth <= about) & pairs.lower[pair])
         if len(close):
             pair, point, other = pair[close], point[close], other[close]
@@ -309,7 +262,7 @@ class Occlusion:
 
     def _within_reach(
         self, asked: np.ndarray, start: np.ndarray, count: np.ndarray, u: np.ndarray, v: np.ndarray, spots: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, _Places]:
+    ) -> tuple[np.ndarray, np.ndarray, Places]:
         """Pairs and points (k,), those of runs that the row of the pair can reach, and where in its frame (3, k)."""
         pairs, machine = self.pairs, backend.machine()
         if machine is not None:
@@ -330,85 +283,16 @@ class Occlusion:
                 local[k][planar] += both * c[k][where]
         return pair, point, local
 
-    def _by_shelf(self, edges: np.ndarray, pair: np.ndarray, other: np.ndarray, local: _Places) -> np.ndarray:
+    def _by_shelf(self, edges: np.ndarray, pair: np.ndarray, other: np.ndarray, local: Places) -> np.ndarray:
         """Depths of points in the rows of pairs, which are sorted by shelf."""
         depth = np.empty(len(pair))
         cuts = np.searchsorted(pair, edges)
         for shelf in range(len(edges) - 1):
             part = slice(int(cuts[shelf]), int(cuts[shelf + 1]))
             if part.start < part.stop:
-                depth[part] = self._depth(shelf, other[part], [x[part] for x in local])
+                depth[part] = self.cover.depth(shelf, other[part], [x[part] for x in local])
         return depth
 
     def loose_hidden(self, cell: np.ndarray, position: np.ndarray, normal: np.ndarray) -> np.ndarray:
         """(m,) bool: which points on any cells are hidden; positions and normals (3, m) in the frames of their objects."""
-        out = np.zeros(len(cell), dtype=bool)
-        row = self.cells.row[cell]
-        first, count = self.row_start[row], self.row_start[row + 1] - self.row_start[row]
-        ends = np.cumsum(count)
-        cuts = np.searchsorted(ends, np.arange(_PAIRS, int(ends[-1]) if len(ends) else 0, _PAIRS))
-        off = self.off[self.cells.owner[cell]]
-        outer = np.stack([p + off * n for p, n in zip(position, normal, strict=True)])
-        for part in np.split(np.arange(len(cell)), cuts):
-            point, other, local = self._within_boxes(part, first[part], count[part], outer)
-            depth = self._depths(other, local)
-            out[point.compress(depth < 0.0)] = True
-            close = np.flatnonzero((depth >= 0.0) & (depth <= _ABOUT * off[point]))
-            point, other = point[close], other[close]
-            lower = np.flatnonzero(self.rows.rank[other] < self.rows.rank[row[point]])
-            point, other = point[lower], other[lower]
-            inner = [p[point] - off[point] * n[point] for p, n in zip(position, normal, strict=True)]
-            depth = self._depths(other, to_local(self.cells.poses, other, inner))
-            out[point.compress(depth < 0.0)] = True
-        return out
-
-    def _within_boxes(
-        self, asked: np.ndarray, first: np.ndarray, count: np.ndarray, place: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, _Places]:
-        """Points of ``asked`` (n,) and rows (k,), each point with a run of them, in whose boxes they lie, and where in their frames
-        (3, k); ``place`` (3, m) of all points."""
-        machine, poses = backend.machine(), self.cells.poses
-        if machine is not None:
-            other, point, local = points.near_loose(
-                machine, asked, first, count, self.row_other, place, poses, self.ends
-            )
-            return point, other, local
-        point, other = np.repeat(asked, count), self.row_other[runs(first, count)]
-        for axis in range(3):
-            value = place[axis][point]
-            kept = np.flatnonzero((value >= self.ends[0][axis][other]) & (value <= self.ends[1][axis][other]))
-            point, other = point[kept], other[kept]
-        return point, other, to_local(poses, other, place.take(point, axis=1))
-
-
-def meeting_rows(rows: Block, off: np.ndarray, asked: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of different rows of one object whose boxes meet; the first of each is one of those that are ``asked`` (R,) bool."""
-    if not len(rows.rank):
-        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
-    order = np.argsort(rows.rank)
-    counts = np.bincount(rows.owner, minlength=rows.objects)
-    starts = np.cumsum(counts) - counts
-    machine = backend.machine()
-    if machine is not None:
-        slack = off[rows.owner, None]
-        every = np.ones(len(order), dtype=bool) if asked is None else asked
-        return points.near_rows(machine, starts, counts, order, rows.low - slack, rows.high + slack, every)
-    found: list[tuple[np.ndarray, np.ndarray]] = []
-    widest = max(1, int(counts.max(initial=1)))
-    at_once = max(1, _PAIRS // (widest * widest))
-    for begin in range(0, rows.objects, at_once):
-        part = slice(begin, begin + at_once)
-        slots = starts[part, None] + np.arange(widest)
-        there = np.arange(widest) < counts[part, None]
-        member = order[np.where(there, slots, 0)]
-        low = np.where(there[..., None], rows.low[member] - off[part, None, None], np.inf)
-        high = np.where(there[..., None], rows.high[member] + off[part, None, None], -np.inf)
-        meet = ~np.eye(widest, dtype=bool)[None] & there[:, :, None]
-        if asked is not None:
-            meet &= asked[member][:, :, None]
-        for axis in range(3):
-            meet = meet & (low[:, :, None, axis] <= high[:, None, :, axis])
-            meet &= low[:, None, :, axis] <= high[:, :, None, axis]
-        which, one, two = np.nonzero(meet)
-        found.append((member[which, one], member[which, two]))
-    return np.concatenate([a for a, _ in found]), np.concatenate([b for _, b in found])
+        return self.cover.hidden(self.cells.row[cell], position, normal)

@@ -19,8 +19,9 @@ from ..records import dataclass
 from .block import Block, block_of
 from .candidates import Candidates, Drawn, LoosePoints, Thinning, draw, slant
 from .cells import Cells
+from .cover import meeting_rows, scales
 from .flat import PLANAR
-from .hidden import Occlusion, meeting_rows, scales
+from .hidden import Occlusion
 from .outside import Outlook
 from .pointset import PointSet, Pools
 from .runs import runs

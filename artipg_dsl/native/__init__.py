@@ -16,7 +16,7 @@ operation on numbers is an inner loop of NumPy itself. Knows neither expressions
     gaps.c          how far hulls reach from their pieces, as ``geometry.merge`` has it
     wrap.c          the faces of convex hulls, as ``geometry.wrap`` and ``geometry.hulls`` have them
     digits.c        rows of numbers as text, with the bytes of Python's ``%`` and of its JSON
-    points.c        candidates for points, as ``geometry.candidates`` and ``geometry.hidden`` have them
+    points.c        candidates for points, as ``geometry.candidates``, ``geometry.cover`` and ``geometry.hidden`` have them
     feet.c          on what objects stand, as ``validity.hull`` and ``validity.stance`` have it
     depths.c        what of clouds can be seen, as ``fit.outer`` has it
     covers.c        which triangles are nearest in a picture, as ``geometry.rays`` has it

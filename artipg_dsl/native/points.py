@@ -1,4 +1,4 @@
-"""Points on surfaces, drawn by compiled code: what ``geometry.points`` and ``geometry.hidden`` compute, with the same bits."""
+"""Points on surfaces, drawn by compiled code: what ``geometry.points``, ``geometry.cover`` and ``geometry.hidden`` compute."""
 
 from __future__ import annotations
 

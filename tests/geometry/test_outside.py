@@ -10,7 +10,7 @@ from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.geometry import outside, points
 from artipg_dsl.geometry.block import block_of
 from artipg_dsl.geometry.cells import Cells
-from artipg_dsl.geometry.hidden import scales
+from artipg_dsl.geometry.cover import scales
 from artipg_dsl.session import Session
 
 from . import scenes, shapes

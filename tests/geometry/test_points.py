@@ -230,12 +230,13 @@ def test_a_binding_follows_a_change_of_parameters():
 
 
 def test_many_occluders_are_asked_in_parts(monkeypatch):
-    from artipg_dsl.geometry import hidden
+    from artipg_dsl.geometry import cover, hidden
 
     address = np.arange(5, dtype=np.uint64)
     sites = scenes.cluttered(PRIMITIVES, address, 12)
     whole = points.sample(sites, 5, 300, KEY, address)
-    monkeypatch.setattr(hidden, "_PAIRS", 100)
+    for module in (cover, hidden):
+        monkeypatch.setattr(module, "PAIRS", 100)
     parts = points.sample(sites, 5, 300, KEY, address)
     assert parts.position.tobytes() == whole.position.tobytes()
 
