@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .. import random
-from ..geometry import points as geometry
-from ..geometry.pointset import PointSet, Pools
+from ..geometry.places import spread
+from ..geometry.pointset import PointSet
 from ..records import dataclass
 from ..runtime.fields import read_pose, read_triples
-from ..validity.formulas import is_predicate
 from .frames import reflect, rotate
 from .points import field_name, select_holding
 from .states import Twist, own_joints
@@ -21,8 +20,13 @@ if TYPE_CHECKING:
     from ..graph.program import Label, Target
     from ..runtime.batch import Batch
 
-_FEW, _MANY = 64, 512  # points on each primitive that an affordance may lie on
-_GLANCE = 8  # where it lies on all of a primitive or nowhere: so many of one round show that there is surface to see
+_PLACES = (
+    1,
+    64,
+    256,
+)  # on a primitive, about, but one on each patch at least: more where fewer do not show an affordance
+_PATCHES = 16  # of a primitive, about
+_TOGETHER = 200_000  # places looked at together, about
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +45,7 @@ class Interactions:
 def find_interactions(batch: Batch) -> Interactions:
     """All affordances of a batch that can be found on links a joint moves: labels of every vocabulary but ``semantic``.
 
-    They are looked for at points on each primitive that such a label names, as ``label_points`` says what holds there.
+    They are looked for at places on each primitive that such a label names, as ``label_points`` says what holds there.
     """
     first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
     moving = own_joints(batch)
@@ -128,34 +132,43 @@ def _found_on(batch: Batch, labels: Sequence[Label], moving: np.ndarray) -> Iter
     """For each label and target the rows of the target's site on whose visible surface the label holds.
 
     Only on links that are ``moving`` (L,), which says so by numbers from 0 on. Labels run from outer to inner ones.
-    What few points do not show is looked for at many, where it may be; what holds on all of a row at a glance first.
+    What one place of each patch does not show is looked for at more, where it may be. Whether a place is seen is asked where a label
+    holds alone.
     """
     tables = batch.sites()
     first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
-    possible = find_possible(batch, labels)
+    able = [moving[first[table.owner] + table.link] >= 0 for table in tables]
+    possible = {pair: may & able[pair[1].site] for pair, may in find_possible(batch, labels).items()}
     held = {pair: np.zeros(len(may), dtype=bool) for pair, may in possible.items()}
-    wanted, mixed = ([np.zeros(len(table), dtype=bool) for table in tables] for _ in range(2))
-    for (label, target), may in possible.items():
-        wanted[target.site] |= may
-        if target.surfaces or not is_predicate(label) or any(formula.reads for formula in label.formulas):
-            mixed[target.site] |= may  # it may hold at some points alone
-    for table, mine in zip(tables, wanted, strict=True):
-        mine &= moving[first[table.owner] + table.link] >= 0
-    for few, many in ((_GLANCE, _FEW), (_FEW, _MANY)):
-        counts = [mine * np.where(own, many, few) for mine, own in zip(wanted, mixed, strict=True)]
-        points = look_at(batch, counts)
-        for label, target, at in select_holding(batch, tables, points, labels):
-            held[label, target][points.row.ravel()[at]] = True
-        missed = [np.zeros(len(table), dtype=bool) for table in tables]
-        for (label, target), found in held.items():
-            missed[target.site] |= possible[label, target] & ~found
-        shown = [~own for own in mixed]
-        for table, seen in zip(tables, shown, strict=True):
-            seen[points.row[:, 0][points.site[:, 0] == table.number]] = True
-        wanted = [a & b & c for a, b, c in zip(wanted, missed, shown, strict=True)]
+    for most in _PLACES:
+        wanted = [np.zeros(len(table), dtype=bool) for table in tables]
+        for (label, target), may in possible.items():
+            wanted[target.site] |= may & ~held[label, target]
+        for begin, stop in _blocks(batch, wanted, most):
+            places = spread(tables, wanted, begin, stop, most)
+            row = places.points.row.ravel()
+            holding = list(select_holding(batch, tables, places.points, labels))
+            asked = np.zeros(len(row), dtype=bool)
+            for label, target, at in holding:
+                asked[at] |= ~held[label, target][row[at]]
+            seen = asked.copy()
+            seen[asked] = places.seen(np.flatnonzero(asked))
+            for label, target, at in holding:
+                held[label, target][row[at[seen[at]]]] = True
     for (label, target), found in held.items():
         if found.any():
             yield label, target, np.flatnonzero(found)
+
+
+def _blocks(batch: Batch, wanted: Sequence[np.ndarray], most: int) -> Iterator[tuple[int, int]]:
+    """Ranges of objects with about as many places as are looked at together."""
+    rows = np.zeros(len(batch), dtype=np.int64)
+    for table, own in zip(batch.sites(), wanted, strict=True):
+        rows += np.bincount(table.owner, own, len(batch)).astype(np.int64)
+    number = np.cumsum(rows * max(most, _PATCHES)) // _TOGETHER
+    for begin, stop in pairwise(np.flatnonzero(np.diff(number, prepend=-1, append=number[-1:] + 1)).tolist()):
+        if rows[begin:stop].any():
+            yield begin, stop
 
 
 def find_possible(batch: Batch, labels: Sequence[Label]) -> dict[tuple[Label, Target], np.ndarray]:
@@ -179,28 +192,6 @@ def find_possible(batch: Batch, labels: Sequence[Label]) -> dict[tuple[Label, Ta
             if depth > label.depth:
                 may &= ~where
     return found
-
-
-def look_at(batch: Batch, counts: Sequence[np.ndarray]) -> PointSet:
-    """Points on rows of the sites, ``counts`` (k,) of each, as far as they show any surface: (P, n), a primitive each. Those of few points come
-    first; where there is none, the site is -1. Rows of ``_GLANCE`` points are looked at once."""
-    tables = batch.sites()
-    pools = [
-        np.where(count > 0, np.int64(table.number + 1) << 32 | table.rank, 0)
-        for table, count in zip(tables, counts, strict=True)
-    ]
-    address = np.asarray(batch.numbers).astype(np.uint64)
-    if not any(pool.any() for pool in pools):
-        return PointSet.empty(0, _FEW)
-    own = Pools.of(tables, pools, len(batch))
-    many = np.zeros(len(own.owner), dtype=np.int64)
-    for count, row in zip(counts, own.rows, strict=True):
-        many[row] = count
-    points, full, _ = geometry.sample_counts(
-        tables, own, many, random.key(batch.seed, "interactions"), address, once=many == _GLANCE
-    )
-    points.site[np.arange(points.site.shape[1]) >= np.where(full, many, 0)[:, None]] = -1
-    return points
 
 
 def directions_of(motion: Twist, joint: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

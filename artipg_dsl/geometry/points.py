@@ -109,14 +109,12 @@ def sample_counts(
     address: np.ndarray,
     *,
     outside: bool = False,
-    once: np.ndarray | None = None,
     place: np.ndarray | None = None,
 ) -> tuple[PointSet, np.ndarray, np.ndarray]:
     """The same with a number of points of its own for each pool, ``counts`` (P,): they come first in rows (P, n) of the
-    largest number. Which pools have all of theirs (P,) bool, and their surface (P,). For pools that are asked ``once`` (P,) bool there is one
-    round of candidates. ``place`` (P * n,): where points go instead."""
+    largest number. Which pools have all of theirs (P,) bool, and their surface (P,). ``place`` (P * n,): where points go instead."""
     named = random.mix(np.asarray(address, dtype=np.uint64)[pools.owner], pools.label)
-    found = _sample(sites, pools, counts, key, named, outside, once, place)
+    found = _sample(sites, pools, counts, key, named, outside, place)
     return found.points, found.full, found.area
 
 
@@ -137,7 +135,6 @@ def _sample(
     key: random.Key,
     address: np.ndarray,
     outside: bool,
-    once: np.ndarray | None = None,
     place: np.ndarray | None = None,
 ) -> _Found:
     count, n_points = len(pools.owner), int(counts.max(initial=0))
@@ -155,8 +152,7 @@ def _sample(
         rows = block_of(sites, first, stop)
         low, high = np.searchsorted(pools.owner, (first, stop)).tolist()
         pool = pool_of[starts[rows.site] + rows.row] - low
-        again = None if once is None else ~once[low:high]
-        _Sampler(rows, pool, key, address[low:high], low, counts[low:high], outside).fill(found, again)
+        _Sampler(rows, pool, key, address[low:high], low, counts[low:high], outside).fill(found)
     return found
 
 
@@ -209,9 +205,8 @@ class _Sampler:
         self.guess = np.maximum(seen / total, _LEAST_GUESS)
         self.head = slot == 0
 
-    def fill(self, found: _Found, again: np.ndarray | None = None) -> None:
-        """Rounds of candidates until every pool has its points, or is found to have no surface for them; for some pools (pools,) bool
-        alone after the first."""
+    def fill(self, found: _Found) -> None:
+        """Rounds of candidates until every pool has its points, or is found to have no surface for them."""
         n = self.n
         filled = np.zeros(len(self.address), dtype=np.int64)
         room = (self.total > 0.0) & (n > 0)
@@ -224,8 +219,6 @@ class _Sampler:
             seen += survivors
             filled = np.minimum(filled + survivors, n)
             missing = np.where((self.total > 0.0) & ((seen > 0) | (tried < hopeless)), n - filled, 0)
-            if again is not None:
-                missing *= again
             if not missing.any():
                 break
             share = np.maximum(seen / np.maximum(tried, 1), _LEAST)

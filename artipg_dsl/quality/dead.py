@@ -13,11 +13,14 @@ from itertools import combinations
 
 import numpy as np
 
+from .. import random
 from ..annotate.grasps import sample_grasps
 from ..annotate.gripper import REASONS, STANDARD, judge
-from ..annotate.interactions import find_possible, joints_meant, look_at
+from ..annotate.interactions import find_possible, joints_meant
 from ..annotate.points import field_name, select_holding
 from ..annotate.states import joint_twist, open_values
+from ..geometry.points import sample_counts
+from ..geometry.pointset import PointSet, Pools
 from ..graph.expr import TRUE
 from ..graph.program import Draw, Label
 from ..records import dataclass
@@ -234,7 +237,7 @@ def find_dead_labels(batch: Batch) -> list[Dead]:
         some = evaluate_again(batch, np.arange(min(objects, len(batch))))
         tables = some.sites()
         asked = {target.site for label in labels if _statement(label) in left for target in label.targets}
-        points = look_at(some, [np.full(len(table), count * (table.number in asked)) for table in tables])
+        points = _points_on(some, asked, count)
         left -= {_statement(label) for label, _, _ in select_holding(some, tables, points, labels)}
     rows = dict.fromkeys(left, 0)
     for (label, _), may in find_possible(some, [label for label in labels if _statement(label) in left]).items():
@@ -276,9 +279,8 @@ def look_across(batch: Batch) -> dict[tuple[tuple[str, str], int], np.ndarray]:
     """For each label of what is pressed or pushed, by name and line, and each joint (of the program) that it is for: at which of the points
     (k,) where it holds the joint moves across the surface."""
     labels = [label for label in batch.program.labels if label.name in _PRESSES and label.vocabulary != "semantic"]
-    tables, joints = batch.sites(), batch.joints()
-    asked = {target.site for label in labels for target in label.targets}
-    points = look_at(batch, [np.full(len(table), _LOOKS[0][1] * (table.number in asked)) for table in tables])
+    joints = batch.joints()
+    points = _points_on(batch, {target.site for label in labels for target in label.targets}, _LOOKS[0][1])
     position, normal = points.position.reshape(-1, 3), points.normal.reshape(-1, 3)
     motion = joint_twist(batch, np.zeros(len(joints.owner)))
     found: dict[tuple[tuple[str, str], int], list[np.ndarray]] = {}
@@ -290,6 +292,16 @@ def look_across(batch: Batch) -> dict[tuple[tuple[str, str], int], np.ndarray]:
         for definition in np.unique(own).tolist():
             found.setdefault((_statement(label), definition), []).append((out > _ACROSS * speed)[own == definition])
     return {key: np.concatenate(across) for key, across in found.items()}
+
+
+def _points_on(batch: Batch, sites: set[int], count: int) -> PointSet:
+    """``count`` points on each primitive of the sites that has so much surface to show: (P, count)."""
+    tables = batch.sites()
+    pools = [np.where(table.number in sites, np.int64(table.number + 1) << 32 | table.rank, 0) for table in tables]
+    own = Pools.of(tables, pools, len(batch))
+    address, key = np.asarray(batch.numbers).astype(np.uint64), random.key(batch.seed, "interactions")
+    points, full, _ = sample_counts(tables, own, np.where(own.label > 0, count, 0), key, address)
+    return points.take(np.flatnonzero(full & (own.label > 0)))
 
 
 def _statement(label: Label) -> tuple[str, str]:

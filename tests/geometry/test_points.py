@@ -181,22 +181,6 @@ def test_nearly_buried_objects_get_their_points_from_further_rounds():
     assert (np.abs(found.position).max(axis=1) > 0).all()
 
 
-def test_what_is_asked_once_gets_one_round():
-    """The others get theirs as ever."""
-    tube = {"radius": 0.1, "top_radius": 0.1, "height": 1.02}
-    sites = [
-        scenes.table(0, ROUND, tube, [0, 1, 2], np.zeros(3)),
-        box(1, (0.3, 0.3, 1.0), np.zeros(3), (0, 1)),  # two plates of the tube look out
-    ]
-    pools = points.Pools.of(sites, [np.full(3, 1), np.zeros(2, dtype=np.int64)], 3)
-    counts, address = np.where(pools.label > 0, 60, 0), numbers(5, 6, 7)
-    asked = np.isin(pools.owner, [1, 2])
-    ever, full, _ = points.sample_counts(sites, pools, counts, KEY, address)
-    once, told, _ = points.sample_counts(sites, pools, counts, KEY, address, once=asked)
-    assert full.all() and told[pools.label > 0].tolist() == [True, False, True]
-    assert (ever.position[told] == once.position[told]).all()
-
-
 def test_an_object_without_surface_is_named():
     with pytest.raises(points.PointsError) as caught:
         points.sample([box(0, (0.1, 0.1, 0.1), (0, 0, 0))], 3, 10, KEY, numbers(0, 1, 2))

@@ -89,18 +89,18 @@ def test_formulas_of_labels_are_split_once(monkeypatch) -> None:
 
 
 def test_affordances_are_looked_for_where_they_may_be(monkeypatch) -> None:
-    looked: list[int] = []
-    plain = interactions.look_at
+    looked: dict[int, int] = {}
+    plain = interactions.spread
 
-    def looks(batch, counts):
-        looked.append(sum(int((rows > 0).sum()) for rows in counts))
-        return plain(batch, counts)
+    def looks(sites, chosen, first, stop, most):
+        looked[most] = sum(int(own.sum()) for own in chosen)
+        return plain(sites, chosen, first, stop, most)
 
-    monkeypatch.setattr(interactions, "look_at", looks)
+    monkeypatch.setattr(interactions, "spread", looks)
     found = interactions.find_interactions(Session.of("Window").sampler.batch(np.arange(16), 7))
-    few, many = looked
-    assert len(found.owner) and few > 0
-    assert many <= few // 20, "conditions of whole parts and deeper labels need no points"
+    rows = looked.pop(1)
+    assert len(found.owner) and rows > 0
+    assert looked.get(256, 0) <= rows // 20, "conditions of whole parts and deeper labels need few places"
 
 
 def test_a_repair_evaluates_many_candidates_at_a_time(monkeypatch) -> None:
