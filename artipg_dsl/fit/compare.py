@@ -97,6 +97,11 @@ class Compared:
     unlike: tuple[np.ndarray, np.ndarray]
     score: np.ndarray
 
+    def within(self, share: float) -> np.ndarray:
+        """(K,) how far apart a ``share`` of the points lie at most, in diagonals: the mean of both ways."""
+        theirs, own = _off(self.to_surface, self.unlike[0]), _off(self.to_cloud, self.unlike[1])
+        return 0.5 * (_least(theirs, np.zeros(theirs.shape, dtype=bool), share) + _least(own, self.hidden, share))
+
 
 def starts(sites: list[SiteTable]) -> np.ndarray:
     """Where the rows of each site begin, by its number, in the tables put together."""
@@ -169,3 +174,10 @@ def words_of(batch: Batch, points: PointSet, meant: np.ndarray) -> np.ndarray:
 def _off(gap: Gaps, unlike: np.ndarray) -> np.ndarray:
     """What gaps count, in diagonals."""
     return np.where(unlike, FARTHEST, np.minimum(np.abs(gap.value), FARTHEST))
+
+
+def _least(off: np.ndarray, left_out: np.ndarray, share: float) -> np.ndarray:
+    """(K,) what a ``share`` of the distances (K, n) is not above, but for those ``left_out`` (K, n)."""
+    ascending = np.sort(np.where(left_out, np.inf, off), axis=1)
+    last = np.maximum((~left_out).sum(axis=1) - 1, 0)
+    return np.asarray(ascending[np.arange(len(off)), (share * last).astype(np.int64)])

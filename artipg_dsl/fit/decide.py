@@ -20,7 +20,7 @@ from ..runtime.batch import Batch
 from ..runtime.laws import TOLERANCE
 from ..sampling.search import domain_ends
 from .arrange import rearranged
-from .compare import Candidates, Targets
+from .compare import Candidates, Targets, compare
 from .develop import SURE, apart, copied, developed
 from .evidence import LARGE, Asked, Change, Clouds, Copies, Evidence, beside, weigh, weigh_again, weigh_change
 from .focus import differing
@@ -37,8 +37,9 @@ _COUNTS = 2.0  # what the odds of values count beside what points say, which are
 _SLIGHT = 5e-3  # of the surface: what changes more of it needs evidence
 _INCLINED = 1.0  # by so much small changes have to be likelier at last,
 _EVEN = 6.0  # and by so much where the text has both as often
-_LANES, _TRIED = 4, 18  # draws of what small changes bring, at last, and how many of them are moved into place
 _LOOKS = 3  # at small changes, as long as some are made
+_MOST = 0.75  # of the points,
+_CLOUD, _OWN = 6144, 3072  # of which so many tell
 _RARE = 1e-4  # a weight of what the text does not have
 _COUNTED = 8  # a count changes by as much at a time, at most
 _WHOLE = 512  # points of a cloud by which a copy is refined: those of all of it, and of where it differs
@@ -75,9 +76,11 @@ def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) ->
 def inclined(model: Model, closely: Targets, found: Candidates, effort: Effort) -> Candidates:
     """The candidates, one of each object, with those small changes for which the clouds speak a little, or nothing speaks but that the text
     has such objects more often. ``closely``: the cloud of each candidate with nearly all of its points, as of fewer a hinge has two. Where an
-    object is far off, so are its parts, and that counts as noise."""
-    clouds = Clouds(replace(closely, noise=np.maximum(closely.noise, found.score)), closely=True)
-    effort = replace(effort, lanes=_LANES, tried=_TRIED)
+    object is off, so are its parts. That counts as noise: the mean, or how far most of it is off where that is less, as few points far off make
+    up a mean."""
+    told = compare(found.batch, np.arange(len(found)), found.placed, closely.first(_CLOUD), _OWN)
+    off = np.minimum(found.score, told.within(_MOST))
+    clouds = Clouds(replace(closely, noise=np.maximum(closely.noise, off)), closely=True)
     now, still = replace(found, target=np.arange(len(found))), np.arange(len(found))
     for number in range(_LOOKS):
         some = taken(model, now, still)

@@ -37,7 +37,8 @@ _MARGIN = 0.02  # diagonals around what is new
 _MANY = 1 << 20  # more than rows of a site in an object, or sites
 _ODD = 1.0  # a point that is less likely than this, in logarithms, may belong to something else
 _LEAST_SEEN = 0.1  # of a surface: what less was seen of is no surface of this cloud
-_LEAST_NOISE = 1.5e-3  # diagonals: by so much described surfaces differ from real ones in any case
+_LEAST_NOISE = 1.5e-3  # diagonals: by so much described surfaces differ from real ones in any case,
+_CLOSE_NOISE = 1e-3  # and by so much once all numbers are refined
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,7 +115,7 @@ class Clouds:
         return np.minimum(self.targets.count[target], _WITNESSES)
 
     def noise(self, target: np.ndarray) -> np.ndarray:
-        return np.maximum(self.targets.noise[target], _LEAST_NOISE)
+        return np.maximum(self.targets.noise[target], _CLOSE_NOISE if self.closely else _LEAST_NOISE)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -35,6 +35,15 @@ def test_derivatives_of_what_has_not_moved_are_kept(model: Model, samples: apg.S
     assert again.tobytes() == whole.tobytes()
 
 
+def test_most_of_an_object_is_near_however_far_the_rest_is(model: Model, samples: apg.Samples) -> None:
+    batch = model.assembled([(samples.batch, np.arange(N))])
+    near = clouds(samples).targets.first(1024)
+    far = replace(near, points=near.points + np.where(np.arange(1024) % 10 == 0, 1.0, 0.0)[:, None])
+    off, rest = (compare(batch, np.arange(N), still(N), own, 512) for own in (near, far))
+    assert (rest.score > 1.3 * off.score).all()
+    assert (rest.within(0.75) < 0.3 * rest.score).all() and (rest.within(0.75) < 0.3 * rest.within(0.95)).all()
+
+
 def test_rows_that_stand_still_are_left_out(model: Model, samples: apg.Samples) -> None:
     batch = model.assembled([(samples.batch, np.arange(N))])
     now = compare(batch, np.arange(N), still(N), clouds(samples).targets.first(256), 200)
