@@ -92,14 +92,14 @@ def _read(text: str) -> Sampler:
     """The sampler of a program as it was kept, verified as any that is read from a file. A process that asks for a category again and
     again, a notebook for one, reads it once."""
     from .geometry import facts
-    from .graph.text import from_text
+    from .graph.unread import from_kept
     from .sampling.sample import Sampler
 
     head, _, body = text.partition("\n")
     told = json.loads(head)
     fit(told, Kept)
     with uncollected():
-        program = from_text(body, told["hash"])
+        program = from_kept(body, told["hash"])
         for name, known in told["primitives"].items():
             if name in program.primitives:
                 facts.tell_digest(program.primitives[name], known)

@@ -99,10 +99,16 @@ def _new(key: Hashable, op: str, args: tuple[Expr, ...], value: object, scope: S
 
 def raw(op: str, args: tuple[Expr, ...] = (), value: object = None, scope: Scope | None = None) -> Expr:
     """A node just as it is, without folding (for reading a program back); the scope follows from the arguments."""
-    if value is not None or scope is not None:
-        return _make(op, args, value, scope if scope is not None else deepest(args))
+    return _make(op, args, value, scope if scope is not None else deepest(args))
+
+
+def operation(op: str, args: tuple[Expr, ...]) -> Expr:
+    """An operation of ``FUNCTIONS``, just as it is: what nearly all nodes of a program are."""
     key = op, args
-    return _find(key) or _new(key, op, args, None, deepest(args))
+    found = _find(key)
+    if found is None:
+        found = _new(key, op, args, None, deepest(args))
+    return found
 
 
 def deepest(args: Iterable[Expr]) -> Scope | None:

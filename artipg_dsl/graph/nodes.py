@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from .expr import Column, Expr, Scope, ScopeError, raw
+from .expr import Column, Expr, Scope, ScopeError, operation, raw
 from .functions import FUNCTIONS, PREDICATES
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)*")
@@ -55,24 +55,24 @@ class Nodes:
     def plain(self, op: str, args: tuple[Expr, ...]) -> Expr:
         """The node of an operation (one of FUNCTIONS) on expressions that were read. Raises NodeFault."""
         facts = self.facts
-        given = [facts[a] for a in args]
         arity, predicate = _ARITY[op]
         if len(args) != arity:
             raise NodeFault(f"{op} takes {arity} arguments, not {len(args)}")
-        known = given[0]
-        for other in given:
+        known = facts[args[0]]
+        for arg in args:
+            other = facts[arg]
             if (
                 other is not known
-            ):  # most of the time it is: those of the argument with the most variables, again and again
+            ):  # most of the time it is: that of the argument with the most variables, again and again
                 known = _joined(known, other)
         if op == "where":
-            known = known[0], given[1][1] and given[2][1], known[2]
+            known = known[0], facts[args[1]][1] and facts[args[2]][1], known[2]
         elif predicate:
             known = known[0], True, known[2]
         elif known[1]:
             raise NodeFault(f"{op} calculates with numbers, not with true and false")
         try:
-            node = raw(op, args)
+            node = operation(op, args)
         except ScopeError as error:
             raise NodeFault(str(error)) from None
         facts[node] = known

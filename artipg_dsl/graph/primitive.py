@@ -7,8 +7,9 @@ and pieces. Lengths in metres, angles in radians, the primitive's own frame.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import field
+from collections.abc import Callable, Iterable
+from dataclasses import field, fields
+from typing import Any
 
 from ..records import dataclass
 from .expr import Expr
@@ -56,8 +57,25 @@ class Piece:
     guard: Expr | None = None
 
 
+LATER = frozenset({"patches", "inside", "low", "high", "pieces", "requires"})  # what may be read once it is asked for
+
+
+class _Deferred:
+    """What may lack its formulas until one of them is asked for."""
+
+    __slots__ = ("_read",)
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in LATER:
+            raise AttributeError(name)
+        found = self._read()
+        for each in LATER:
+            object.__setattr__(self, each, getattr(found, each))
+        return getattr(found, name)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
-class Primitive:
+class Primitive(_Deferred):
     """``parameters`` are the scalar parameter names in order; ``test`` their test ranges (metres, radians) in the same
     order; ``whole`` those that count something, and switches, which are 0 or 1; ``requires`` predicates that the parameters must meet. Without
     ``pieces`` a primitive is the hull of its mesh.
@@ -75,3 +93,13 @@ class Primitive:
     where: str = ""  # "file:line" of the declaration
     surfaces: tuple[str, ...] = field(default=())  # names that labels may use, in order
     whole: tuple[str, ...] = ()
+
+
+def defer(told: dict[str, Any], read: Callable[[], Primitive]) -> Primitive:
+    """A primitive of which the fields beside ``LATER`` are ``told``; ``read`` gives it whole once one of the others is asked for."""
+    made = object.__new__(Primitive)
+    for each in fields(Primitive):
+        if each.name not in LATER:
+            object.__setattr__(made, each.name, told.get(each.name, each.default))
+    object.__setattr__(made, "_read", read)
+    return made

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable, Container, Sequence
 from dataclasses import MISSING, fields
 from functools import cache
 from hashlib import blake2b
+from itertools import chain
 from typing import Any
 
 from ..shapes import Misfit
@@ -277,7 +279,7 @@ def _fields(kind: type) -> tuple[frozenset[str], tuple[str, ...]]:
     return frozenset(f.name for f in fields(kind)), tuple(needed)
 
 
-class _Reader:
+class Reader:
     """Reads items line by line; what it gives out has the right structure, but for what only the whole program tells."""
 
     def __init__(self, program: P.Program) -> None:
@@ -341,21 +343,38 @@ class _Reader:
         cls = _RECORDS.get(name)
         if cls is None:
             raise NodeFault(f"there is no record {name[:40]!r}")
+        return cls(**self.fields(cls, depth))
+
+    def fields(self, cls: type, depth: int, skipped: Container[str] = ()) -> dict[str, Any]:
+        """The fields of a record that follow, without those to be ``skipped``."""
         known, needed = _fields(cls)
         found: dict[str, Any] = {}
         while not self.ends(")"):
             key = self.next()
             if key not in known:
-                raise NodeFault(f"{name} has no field {key[:40]!r}")
+                raise NodeFault(f"{cls.__name__} has no field {key[:40]!r}")
             if key in found:
-                raise NodeFault(f"the field {key} of {name} is given twice")
+                raise NodeFault(f"the field {key} of {cls.__name__} is given twice")
+            if key in skipped:
+                self.skip()
+                found[key] = None
+                continue
             value = self.value(depth)
             as_list = cls is P.Draw and key in ("bounds", "unions", "limits") and isinstance(value, tuple)
             found[key] = list(value) if as_list else value
         missing = [one for one in needed if one not in found]
         if missing:
-            raise NodeFault(f"{name} has no {', '.join(missing)}")
-        return cls(**found)
+            raise NodeFault(f"{cls.__name__} has no {', '.join(missing)}")
+        return {key: value for key, value in found.items() if key not in skipped} if skipped else found
+
+    def skip(self) -> None:
+        """Goes over a value without reading it."""
+        depth = 0
+        while True:
+            word = self.next()
+            depth += (word in ("(", "[")) - (word in (")", "]"))
+            if depth <= 0:
+                return
 
     def atom(self, word: str) -> Any:
         if word in self.texts:
@@ -394,18 +413,34 @@ class _Reader:
             args.append(self.value())
         return self.nodes.make(op, value, tuple(args))
 
-    def plain(self, line: str) -> bool:
-        """Reads a line that is an operation on expressions before, as nearly all lines of a program are; False for any other."""
-        words, named, name = line.split(" "), self.named, f"%{len(self.exprs)}"
+    def begin(self, line: str) -> None:
+        """Goes to the beginning of a line."""
+        self.words, self.at = _tokens(line), 0
+
+    def finish(self) -> None:
+        if self.at != len(self.words):
+            raise NodeFault(f"there is more after the end of the line: {self.words[self.at :][:1]}")
+
+    def plain(self, line: str, name: str) -> Expr | None:
+        """What the line of an expression of this name is, if it is an operation on expressions before, as nearly all lines of a program
+        are; None for any other."""
+        words, named = line.split(" "), self.named
         if len(words) < 4 or words[2] not in FUNCTIONS or words[1] != "=" or words[0] != name:
-            return False
+            return None
         try:
             args = tuple([named[word] for word in words[3:]])
         except KeyError:
-            return False
+            return None
         made = named[name] = self.nodes.plain(words[2], args)
-        self.exprs.append(made)
-        return True
+        return made
+
+    def expression_of(self, line: str, name: str) -> None:
+        """Reads the line of an expression of this name."""
+        if self.plain(line, name) is None:
+            self.begin(line)
+            self.expect(name)
+            self.expect("=")
+            self.named[name] = self.expression()
 
     def add(self, expr: Expr) -> None:
         self.named[f"%{len(self.exprs)}"] = expr
@@ -447,8 +482,7 @@ class _Reader:
             program.vocabularies[name] = words
         else:
             raise NodeFault(f"there is no item {word[:40]!r}")
-        if self.at != len(self.words):
-            raise NodeFault(f"there is more after the end of the line: {self.words[self.at :][:1]}")
+        self.finish()
 
     def column(self) -> Column:
         kind, scope, name = self.next(), self.value(), self.value()
@@ -469,21 +503,39 @@ class _Reader:
         return scope
 
 
-def from_text(text: str, known: str = "") -> P.Program:
-    """The program of a text, verified; its hash is what is ``known`` of it, or else found. Raises TextError for anything that is none."""
+def _last(lines: Sequence[str]) -> tuple[int, int]:
+    """From which line on, and before which, there is nothing but primitives and expressions that they alone read."""
+    begin = next((k for k, line in enumerate(lines) if line.startswith("primitives ")), len(lines))
+    end = begin
+    while begin and lines[begin - 1][:1] == "%":
+        begin -= 1
+    while end < len(lines) and lines[end].startswith(("%", "primitives ")):
+        end += 1
+    return begin, end
+
+
+def from_text(text: str, known: str = "", later: Callable[[Reader, Sequence[str]], None] | None = None) -> P.Program:
+    """The program of a text, verified; its hash is what is ``known`` of it, or else found. ``later``, if given, takes the lines of the
+    primitives and of what they alone read. Raises TextError for anything that is none."""
     lines = text.split("\n")
     if lines[0].split() != ["apgc", str(_VERSION)]:
         raise TextError(f"this is not a compiled program of version {_VERSION}")
     program = P.Program("")
-    reader = _Reader(program)
-    number = 0
+    reader = Reader(program)
+    begin, end = (len(lines), len(lines)) if later is None else _last(lines)
+    exprs, number = reader.exprs, 0
     try:
-        for number, line in enumerate(lines[1:], 2):
-            if line[:1] == "%" and reader.plain(line):
-                continue
-            reader.words, reader.at = _tokens(line), 0
+        for number, line in chain(enumerate(lines[1:begin], 2), enumerate(lines[end:], end + 1)):
+            if line[:1] == "%":
+                made = reader.plain(line, f"%{len(exprs)}")
+                if made is not None:
+                    exprs.append(made)
+                    continue
+            reader.begin(line)
             if reader.words:
                 reader.item(number)
+        if later is not None:
+            later(reader, lines[begin:end])
         for check in (reader.verifier.shape, reader.verifier.item):
             for at, item, place in reader.items:
                 number = at
@@ -500,16 +552,19 @@ def from_text(text: str, known: str = "") -> P.Program:
 
 def from_words(text: str) -> Any:
     """What ``to_words`` has written, its primitives verified. Raises TextError for anything else."""
-    reader = _Reader(P.Program(""))
+    reader = Reader(P.Program(""))
     *lines, last = text.split("\n")
     try:
         for line in lines:
-            if not (line[:1] == "%" and reader.plain(line)):
-                reader.words, reader.at = _tokens(line), 0
+            made = reader.plain(line, f"%{len(reader.exprs)}") if line[:1] == "%" else None
+            if made is None:
+                reader.begin(line)
                 reader.item(0)
-        reader.words, reader.at = _tokens(last), 0
+            else:
+                reader.exprs.append(made)
+        reader.begin(last)
         value = reader.value()
-        require(reader.at == len(reader.words), "there is more after the end of the line")
+        reader.finish()
         for item in value if isinstance(value, tuple) else ():
             if isinstance(item, Primitive):
                 reader.verifier.shape(item, 0)
