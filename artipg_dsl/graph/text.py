@@ -260,7 +260,8 @@ def to_words(value: Any) -> str:
 
 # ---------------------------------------------------------------- reading
 
-_TOKEN = re.compile(r'#[^\n]*|"(?:[^"\\]|\\.)*"|[()\[\]]|[^\s()\[\]#]+')
+# the most frequent first, and texts in one go; what begins like a text and does not end is a word
+_TOKEN = re.compile(r'[^\s()\[\]#"][^\s()\[\]#]*|[()\[\]]|"[^"\\]*(?:\\.[^"\\]*)*"|#[^\n]*|"[^\s()\[\]#]*')
 _REFERENCE = re.compile(r"[%@$][0-9]{1,9}")
 _WHOLE = re.compile(r"-?[0-9]{1,18}")
 

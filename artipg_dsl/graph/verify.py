@@ -101,10 +101,8 @@ class Verifier:
     def column(self, column: Column) -> None:
         require(isinstance(column.scope, Scope), "a column is of a table (@n)")
         require(column.kind in KINDS, f"there is no kind of column {str(column.kind)[:40]!r}")
-        require(
-            isinstance(column.name, str) and NAME.fullmatch(column.name),
-            f"{shapes.show_value(column.name)} is not a name of a column",
-        )
+        if not isinstance(column.name, str) or not NAME.fullmatch(column.name):
+            raise NodeFault(f"{shapes.show_value(column.name)} is not a name of a column")
 
     def definition(self, column: Any, value: Any) -> None:
         require(
@@ -139,7 +137,8 @@ class Verifier:
             value = getattr(item, name)
             for one in (value,) if isinstance(value, str) else value:
                 form = _OPTION if name == "options" else NAME
-                require(form.fullmatch(one), f"{name}: {shapes.show_value(one)} is not a name")
+                if not form.fullmatch(one):  # words for each would take longer than the test
+                    raise NodeFault(f"{name}: {shapes.show_value(one)} is not a name")
 
     def index(self, number: int, among: Sequence[Any], what: str, least: int = 0) -> None:
         require(least <= number < len(among), f"there is no {what} {number}")
