@@ -57,21 +57,20 @@ class Piece:
     guard: Expr | None = None
 
 
-LATER = frozenset({"patches", "inside", "low", "high", "pieces", "requires"})  # what may be read once it is asked for
+LATER = ("patches", "inside", "low", "high", "pieces", "requires")  # what may be read once it is asked for
 
 
 class _Deferred:
-    """What may lack its formulas until one of them is asked for."""
+    """What may lack some of its formulas until they are asked for."""
 
     __slots__ = ("_read",)
 
     def __getattr__(self, name: str) -> Any:
         if name not in LATER:
             raise AttributeError(name)
-        found = self._read()
-        for each in LATER:
-            object.__setattr__(self, each, getattr(found, each))
-        return getattr(found, name)
+        found = self._read(name)
+        object.__setattr__(self, name, found)
+        return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,8 +94,8 @@ class Primitive(_Deferred):
     whole: tuple[str, ...] = ()
 
 
-def defer(told: dict[str, Any], read: Callable[[], Primitive]) -> Primitive:
-    """A primitive of which the fields beside ``LATER`` are ``told``; ``read`` gives it whole once one of the others is asked for."""
+def defer(told: dict[str, Any], read: Callable[[str], Any]) -> Primitive:
+    """A primitive of which the fields beside ``LATER`` are ``told``; ``read`` gives one of the others once it is asked for."""
     made = object.__new__(Primitive)
     for each in fields(Primitive):
         if each.name not in LATER:

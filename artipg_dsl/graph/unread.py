@@ -6,7 +6,9 @@ Most of what a program says are the formulas of its primitives, and one object u
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 from threading import RLock
+from typing import Any
 
 from ..errors import UserError
 from ..shapes import Misfit, fit, hints
@@ -37,28 +39,42 @@ class _Unread:
         for word in ("primitives", "(", "Primitive"):
             reader.expect(word)
         told = reader.fields(Primitive, 1, LATER)
+        reader.finish()
         for name, kind in hints(Primitive).items():
             if name in told:
                 fit(told[name], kind, name)
-        return defer(told, lambda: self.formulas(line))
+        made = defer(told, lambda name: self.formulas(made, line, name))
+        reader.verifier.named(made)
+        reader.verifier.parameters(made)
+        return made
 
-    def formulas(self, line: str) -> Primitive:
-        """The primitive of a line with its formulas. Raises UserError where they are none."""
+    def formulas(self, primitive: Primitive, line: str, name: str) -> Any:
+        """The field ``name`` of the primitive of a line. Raises UserError where it is none."""
         reader = self.reader
         with self.lock:
             try:
-                reader.begin(line)
-                self.fetch(reader.words)
-                reader.begin(line)
-                reader.expect("primitives")
+                words = self.written(line, name)
+                if not words:
+                    return next(field.default for field in fields(Primitive) if field.name == name)
+                self.fetch(words)
+                reader.words, reader.at = words, 0
                 found = reader.value()
-                reader.finish()
-                reader.verifier.shape(found, 0)
-                reader.verifier.item(found, 0)
+                reader.verifier.late(primitive, name, found)
             except (NodeFault, Misfit) as error:
                 raise UserError(f"a kept program is damaged: {error}", "remove it with `apgc cache clear`") from None
-        assert isinstance(found, Primitive)
         return found
+
+    def written(self, line: str, name: str) -> list[str]:
+        """The words of the field ``name`` of a record; none where it is left out, as it has its default."""
+        reader = self.reader
+        reader.begin(line)
+        reader.at = 3  # behind the name of the record
+        while not reader.ends(")"):
+            key, begin = reader.next(), reader.at
+            reader.skip()
+            if key == name:
+                return reader.words[begin : reader.at]
+        return []
 
     def fetch(self, words: Sequence[str]) -> None:
         """Reads the expressions that some words of a line name, and what these are made of."""
@@ -89,5 +105,4 @@ def _read_later(reader: Reader, lines: Sequence[str]) -> None:
         if line[:1] != "%":
             made = unread.primitive(line)
             require(made.name not in found, "primitives must have different names")
-            reader.verifier.named(made)
             found[made.name] = made

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from functools import cache
 from typing import Any
@@ -18,7 +18,7 @@ from ..language import DISTRIBUTIONS, JOINTS, WEIGHTED
 from . import program as P
 from .expr import Column, Expr, Scope
 from .nodes import KINDS, NAME, NodeFault, Nodes, require
-from .primitive import Patch, Piece, Primitive
+from .primitive import LATER, Patch, Piece, Primitive
 from .reference import Elsewhere, Onward, Reference, Under, definitions_of
 
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -69,9 +69,12 @@ class Verifier:
         """A record of a list of the program, the one of this number in its list, when all have their shape."""
         for cell in _cells(item, type(item)):
             self.placed(cell, _scope_of(item))
-        for name, cell in _conditions(item):
-            require(self.nodes.truth(cell), f"{name} is true or false, not a number")
+        self.truths(_conditions(item))
         getattr(self, f"_{type(item).__name__.lower()}", lambda *_: None)(item, number)
+
+    def truths(self, cells: Iterable[tuple[str, Expr]]) -> None:
+        for name, cell in cells:
+            require(self.nodes.truth(cell), f"{name} is true or false, not a number")
 
     def whole(self) -> None:
         """What only the whole program tells."""
@@ -330,6 +333,12 @@ class Verifier:
     # ------------------------------------------------------------ primitives
 
     def _primitive(self, primitive: Primitive, number: int) -> None:
+        self.parameters(primitive)
+        for name in LATER:
+            self.formulas_of(primitive, name, getattr(primitive, name))
+
+    def parameters(self, primitive: Primitive) -> None:
+        """What a primitive is a formula of."""
         names, own = primitive.parameters, frozenset(primitive.parameters)
         require(len(own) == len(names), "a parameter is given twice")
         clash = own & {"u", "v", "i", "p.x", "p.y", "p.z"}
@@ -337,21 +346,37 @@ class Verifier:
         require(len(primitive.test) == len(names), "there is a test range for each parameter")
         require(all(low <= high for low, high in primitive.test), "a test range ends before it begins")
         require(own.issuperset(primitive.whole), "a number of copies must be a parameter")
-        require(primitive.patches, "a primitive has no surface")
-        for patch in primitive.patches:
-            require(
-                patch.count is None or 0 <= patch.count <= _MOST_PATCHES,
-                f"a surface exists up to {_MOST_PATCHES} times",
-            )
-            indexed = own | {"i"} if patch.count is not None else own
-            self.formulas(patch.position, indexed | {"u", "v"})
-            self.formulas((*patch.u_range, *patch.v_range, patch.guard), indexed)
-        for piece in primitive.pieces:
-            require(piece.points, "a convex piece has no points")
-            self.formulas([piece.count], own)
-            self.formulas([piece.guard, *(cell for point in piece.points for cell in point)], own | {"i"})
-        self.formulas([primitive.inside], own | {"p.x", "p.y", "p.z"})
-        self.formulas([*primitive.low, *primitive.high, *primitive.requires], own)
+
+    def formulas_of(self, primitive: Primitive, name: str, held: Any) -> None:
+        """The field ``name`` of a primitive, which holds formulas and has its shape."""
+        own = frozenset(primitive.parameters)
+        if name == "inside":
+            self.formulas([held], own | {"p.x", "p.y", "p.z"})
+        elif name == "patches":
+            require(held, "a primitive has no surface")
+            for patch in held:
+                require(
+                    patch.count is None or 0 <= patch.count <= _MOST_PATCHES,
+                    f"a surface exists up to {_MOST_PATCHES} times",
+                )
+                indexed = own | {"i"} if patch.count is not None else own
+                self.formulas(patch.position, indexed | {"u", "v"})
+                self.formulas((*patch.u_range, *patch.v_range, patch.guard), indexed)
+        elif name == "pieces":
+            for piece in held:
+                require(piece.points, "a convex piece has no points")
+                self.formulas([piece.count], own)
+                self.formulas([piece.guard, *(cell for point in piece.points for cell in point)], own | {"i"})
+        else:
+            self.formulas(held, own)
+
+    def late(self, primitive: Primitive, name: str, held: Any) -> None:
+        """A field of a primitive that is read behind the others."""
+        shapes.fit(held, shapes.hints(Primitive)[name], name)
+        for record in held if name in ("patches", "pieces") else ():
+            self.named(record)
+        self.truths(_conditions_in(name, held))
+        self.formulas_of(primitive, name, held)
 
 
 def _scope_of(item: Any) -> Scope | None:
@@ -362,7 +387,7 @@ _FORMULAS = {  # fields that hold formulas, or that stand in other tables than t
     P.Joint: {"curve"},
     P.Label: {"value", "guard", "vector", "targets"},
     P.Grasp: {"at", "approach", "close", "opening", "quality", "hand"},
-    Primitive: {"patches", "inside", "low", "high", "pieces", "requires"},
+    Primitive: set(LATER),
 }
 
 
@@ -387,11 +412,15 @@ def _cells(value: Any, kind: type | None = None) -> list[Expr]:
 def _conditions(value: Any) -> Iterator[tuple[str, Expr]]:
     """The expressions of an item, and of the records in it, which must be true or false, with the names of their fields."""
     for name in _fields(value.__class__):
-        held = getattr(value, name)
-        if name in _CONDITIONS:
-            yield from ((name, cell) for cell in _cells(held))
-        for one in held if isinstance(held, tuple | list) else ():
-            yield from _conditions(one)
+        yield from _conditions_in(name, getattr(value, name))
+
+
+def _conditions_in(name: str, held: Any) -> Iterator[tuple[str, Expr]]:
+    """The same of a field of this name."""
+    if name in _CONDITIONS:
+        yield from ((name, cell) for cell in _cells(held))
+    for one in held if isinstance(held, tuple | list) else ():
+        yield from _conditions(one)
 
 
 def _records(reference: Reference) -> Iterator[Under | Elsewhere | Onward]:
