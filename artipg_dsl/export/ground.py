@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.runs import changes
 from ..geometry.vectors import cross
 from ..runtime.batch import Batch
 from ..runtime.motion import apply
 from ..validity.bodies import gather
+from ..validity.feet import find_feet
 from ..validity.mass import Mass
-from ..validity.stance import FLOOR, find_floor
 from ..validity.tree import Tree
 from .dynamics import GRAVITY
 
@@ -53,15 +54,11 @@ def _feet(tree: Tree, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     Boxes, since pieces may repeat corners, more in one batch than in another."""
     body = gather(tree.batch, tree.first, tree.turn, tree.shift)
-    floor = find_floor(body, len(chosen))
-    near = np.flatnonzero((body.low[:, 2] <= floor[body.owner] + FLOOR) & chosen[body.owner])
-    low, high = np.zeros((len(near), 3)), np.zeros((len(near), 3))
-    for at, corners in body.classes(near):
-        there = (corners[..., 2] <= (floor[body.owner[near[at]]] + FLOOR)[:, None])[..., None]
-        low[at] = np.where(there, corners, np.inf).min(axis=1)
-        high[at] = np.where(there, corners, -np.inf).max(axis=1)
-    real = np.isfinite(low[:, 0])
-    low, high, link = low[real], high[real], body.link[near[real]]
+    feet = find_feet(tree, body)
+    own = chosen[body.owner[feet.piece]]
+    piece, point = feet.piece[own], feet.point[own]
+    begin = np.flatnonzero(changes(piece))
+    low, high, link = np.minimum.reduceat(point, begin), np.maximum.reduceat(point, begin), body.link[piece[begin]]
     ends = np.stack([low, high], axis=1)
     corners = np.stack([ends[:, (0, 0, 1, 1), 0], ends[:, (0, 1, 0, 1), 1], ends[:, (0, 0, 0, 0), 2]], axis=-1)
     return np.repeat(link, 4), corners.reshape(-1, 3)

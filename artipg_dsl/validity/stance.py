@@ -1,10 +1,10 @@
 """Do objects stand by themselves: is the centre of mass well inside the polygon on which they stand?
 
-The polygon is the hull of all corners of convex pieces within a millimetre of the floor, which is the lowest of them at
-rest. It must hold the point below the centre of mass with a margin: the object still stands when the floor is tilted by
-two degrees in any direction. ``open``: also with each joint alone at 33 positions in its range (9 of one that moves others), and, for each of
-eight directions, with all joints together that move the centre of mass that way, each where it does so most (the test
-of an empty chest of drawers with everything open, ASTM F2057). Nobody sits on anything and nothing lies in the drawers.
+The polygon is the hull of what touches the floor (``feet``). It must hold the point below the centre of mass with a
+margin: the object still stands when the floor is tilted by two degrees in any direction. ``open``: also with each joint
+alone at 33 positions in its range (9 of one that moves others), and, for each of eight directions, with all joints
+together that move the centre of mass that way, each where it does so most (the test of an empty chest of drawers with
+everything open, ASTM F2057). Nobody sits on anything and nothing lies in the drawers.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from ..native.feet import Overlaps, Standing, over_edges
 from ..runtime.motion import apply, multiply, rotation_about
 from .bodies import Pieces
 from .contact import part_name
+from .feet import FLOOR, find_feet
 from .hull import NEAR, depth, hulls
 from .mass import SAMPLED, Mass, Rough, masses, weighing
 from .tree import Tree, lead_states
 
-FLOOR = 1e-3  # metres: what is higher does not stand on it
 TILT = float(np.tan(np.radians(2.0)))
 _STEEP = 1.001  # a margin changes by no more than this, times what the centre of mass moves
 _ROUNDING = 1e-9  # metres
@@ -66,18 +66,10 @@ def find_falling(tree: Tree, body: Pieces) -> list[np.ndarray]:
     ]
 
 
-def find_floor(body: Pieces, count: int) -> np.ndarray:
-    """The lowest height (B,) of each of so many objects."""
-    floor = np.full(count, np.inf)
-    np.minimum.at(floor, body.owner, body.low[:, 2])
-    return floor
-
-
 def name_feet(tree: Tree, body: Pieces, owner: int) -> str:
     """The parts that an object stands on at rest, in words."""
-    own = np.flatnonzero(body.owner == owner)
-    low = body.low[own, 2]
-    names = list(dict.fromkeys(part_name(tree, body, piece) for piece in own[low <= low.min() + FLOOR].tolist()))
+    feet = distinct(find_feet(tree, body).piece)
+    names = list(dict.fromkeys(part_name(tree, body, piece) for piece in feet[body.owner[feet] == owner].tolist()))
     more = len(names) - _NAMED
     told = any_of(names, "and") if more <= 1 else f"{', '.join(f'`{name}`' for name in names[:_NAMED])} and {more} more"
     return f"it stands on {told}, in object {tree.batch.numbers[owner]}"
@@ -91,9 +83,8 @@ class Stance:
         self.owner = tree.links.owner
         self.count = len(tree.batch)
         self.weigh(weights)
-        self.link, self.point = self._feet(body)
-        order = np.argsort(self.owner[self.link], kind="stable")
-        self.link, self.point = self.link[order], self.point[order]
+        feet = find_feet(tree, body)
+        self.floor, self.link, self.point = feet.floor, body.link[feet.piece], feet.point  # by link, and so by object
         whose = self.owner[self.link]
         self.place = whose, np.arange(len(whose)) - np.searchsorted(whose, whose)  # (object, rank) of each point
         self.still = (tree.joint[tree.chain[self.link]] < 0) | (tree.chain[self.link] < 0)
@@ -230,17 +221,6 @@ class Stance:
                 within += np.bincount(above, np.sqrt(dot(own, own)).max(axis=1) + wrong[at[on]], len(chord))
         wrong[~tree.alone] = np.inf
         return np.bincount(joints.owner, wrong, self.count)
-
-    def _feet(self, body: Pieces) -> tuple[np.ndarray, np.ndarray]:
-        """Links (n,) and corners (n, 3), at rest, of all that is near the floor."""
-        self.floor = find_floor(body, self.count)
-        near = np.flatnonzero(body.low[:, 2] <= self.floor[body.owner] + FLOOR)
-        links, points = [np.zeros(0, dtype=np.int64)], [np.zeros((0, 3))]
-        for at, corners in body.classes(near):
-            low = corners[..., 2] <= (self.floor[body.owner[near[at]]] + FLOOR)[:, None]
-            links.append(np.broadcast_to(body.link[near[at]][:, None], low.shape)[low])
-            points.append(corners[low])
-        return np.concatenate(links), np.concatenate(points)
 
     def _padded(self, points: np.ndarray, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Points (n, 3) of the objects ``chosen`` (B,) bool as (m, K, 2), and which of them stand on the floor (m, K)."""
