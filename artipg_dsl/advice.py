@@ -9,7 +9,7 @@ import numpy as np
 
 from .diagnostics import CompileError, Report
 from .errors import plural
-from .examined import Examined, how_to_place, why_endless
+from .examined import Examined, how_to_place, place_of, why_endless
 from .source import Span
 
 if TYPE_CHECKING:
@@ -108,9 +108,12 @@ def _warn_of_materials(lowering: Lowering, span: Span, report: Report) -> None:
     named = ", ".join(f"`{path}`" for path in bare[:_NAMED])
     more = f" and {len(bare) - _NAMED} more" if len(bare) > _NAMED else ""
     what = f"the parts {named}{more} have" if len(bare) > 1 else f"the part {named} has"
+    places = list(dict.fromkeys(place_of(lowering, path, span) or span for path in bare[:_NAMED]))
+    name = "body" if places[0] == span else places[0].text
     report.warning(
         "missing-material",
-        span,
+        places[0],
         f"{what} no material",
-        hint="write for example `material oak on body`; the default is 700 kg/m3 and light grey",
+        hint=f"write for example `material oak on {name}`; the default is 700 kg/m3 and light grey",
+        notes=tuple((place, "nor has this") for place in places[1:]),
     )

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _NAMED = 6  # parts that a warning names
 _SLACK = 1e-6  # radians or metres, by which rounding takes a joint out of its range
 _FAR = 3.0  # times the size of its object: what slides farther than that has perhaps a wrong unit
+_OFF = 0.5  # times the size of its object: what lies farther off than that has perhaps a wrong unit, too
 _SHORT = 1e-3  # metres
 _APART = 1e-4  # metres: what is farther apart does not touch
 _UNEVEN = 0.01  # of a size: by how much the two sizes of what a quarter turn leaves alike may differ, or more than others must
@@ -47,6 +48,7 @@ class Examined:
         self.warn_beyond()
         self.warn_far()
         self.warn_wide()
+        self.warn_off()
         self.warn_asymmetric()
         for look in (self.warn_of_cost, self.warn_untested, self.warn_invalid):
             try:
@@ -386,6 +388,38 @@ class Examined:
                 hint="grasp where it is narrower, or state a larger hand, as in `opening size.y  stroke 20cm`",
             )
 
+    def warn_off(self) -> None:
+        """Name the keypoints and grasps that lie far off their object, in every object that has them."""
+        from .annotate.grasps import place_keypoint, sample_grasps  # start-up
+        from .geometry.sites import object_boxes  # start-up
+        from .lower.solve.feasible import plain  # start-up
+
+        program = self.batch.program
+        if not (program.grasps or program.keypoints):
+            return
+        low, high = object_boxes(self.batch.sites(), len(self.batch))
+        grasps = sample_grasps(self.batch)
+        placed = [
+            *((f"keypoint `{each.name}`", each.where, *place_keypoint(self.batch, each)) for each in program.keypoints),
+            *(
+                (f"grasp `{each.name}`", each.where, grasps.owner[own], grasps.point[own])
+                for number, each in enumerate(program.grasps)
+                for own in [grasps.family == number]
+            ),
+        ]
+        for name, where, owner, point in placed:
+            gap = np.linalg.norm(np.maximum(np.maximum(low[owner] - point, point - high[owner]), 0.0), axis=1)
+            size = np.linalg.norm(high[owner] - low[owner], axis=1)
+            if not len(owner) or not (gap > _OFF * size).all():
+                continue
+            self.report.warning(
+                "far-off",
+                self._line(where) or self.span,
+                f"the {name} lies {plain(float(f'{gap[0]:.2g}'), 'm')} off its object, "
+                f"which is about {plain(float(f'{size[0]:.2g}'), 'm')} across",
+                hint="is the unit right? `at` is measured from the middle of what follows `on`, along its axes",
+            )
+
     def warn_of_cost(self) -> None:
         """Name the parts that the check of an object takes long for."""
         from .quality.cost import find_heavy, measure_costs  # start-up
@@ -418,13 +452,7 @@ class Examined:
             )
 
     def _of(self, path: str) -> Span | None:
-        """Where the part with this path is declared, or the one that it is in, if that is in the file of the category."""
-        while path:
-            here = (part.span for part in self.lowering.context.parts if part.path == path)
-            if found := next((span for span in here if span.source is self.span.source), None):
-                return found
-            path = path.rpartition(".")[0]
-        return None
+        return place_of(self.lowering, path, self.span)
 
     def _later(self, *paths: str) -> Span:
         """Where the last of these parts in the text is declared: it came to those before it. Of parts in templates that is the
@@ -448,6 +476,16 @@ class Examined:
         text = source.line(where.line)
         start = source.start(where.line) + len(text) - len(text.lstrip())
         return Span(source, start, start + len(text.strip()))
+
+
+def place_of(lowering: Lowering, path: str, category: Span) -> Span | None:
+    """Where the part with this path is declared, or the one that it is in, if that is in the file of the category."""
+    while path:
+        here = (part.span for part in lowering.context.parts if part.path == path)
+        if found := next((span for span in here if span.source is category.source), None):
+            return found
+        path = path.rpartition(".")[0]
+    return None
 
 
 def why_endless(lowering: Lowering, requirement: int) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..geometry.vectors import length
-from ..graph.program import MEASURES, Grasp
+from ..graph.program import MEASURES, Grasp, Keypoint
 from ..records import dataclass
 from ..runtime.columns import Columns
 from ..runtime.fields import Field, FieldReader, read_pose, read_triples
@@ -134,10 +134,10 @@ def sample_keypoints(reader: FieldReader) -> KeypointTable:
     """All keypoints of a batch."""
     owners, links, points, names = [], [], [], []
     for keypoint in reader.program.keypoints:
-        owner = np.asarray(reader.owner(keypoint.scope))
+        owner, point = place_keypoint(reader, keypoint)
         owners.append(owner)
         links.append(reader.link_numbers(keypoint.scope, keypoint.link))
-        points.append(read_triples(reader, [keypoint.point], keypoint.scope)[0].reshape(-1, 3))
+        points.append(point)
         names += [keypoint.name] * len(owner)
     if not owners:
         count = np.zeros(0, dtype=np.int64)
@@ -145,3 +145,9 @@ def sample_keypoints(reader: FieldReader) -> KeypointTable:
     order = np.argsort(np.concatenate(owners), kind="stable")
     owner, link = np.concatenate(owners)[order], np.concatenate(links)[order]
     return KeypointTable(owner, link, [names[i] for i in order], np.concatenate(points)[order])
+
+
+def place_keypoint(reader: FieldReader, keypoint: Keypoint) -> tuple[np.ndarray, np.ndarray]:
+    """The objects (k,) that have a keypoint, once for each time, and where (k, 3) it is."""
+    owner = np.asarray(reader.owner(keypoint.scope))
+    return owner, read_triples(reader, [keypoint.point], keypoint.scope)[0].reshape(-1, 3)

@@ -75,6 +75,7 @@ def test_parts_without_a_material_are_named() -> None:
     session.advise()
     (found,) = session.report.diagnostics
     assert (found.code, found.severity) == ("missing-material", "warning")
+    assert found.span is not None and found.span.text == "lid"
     assert "`lid`" in found.message and "`body`" not in found.message and "700 kg/m3" in (found.hint or "")
     whole = Session.of_text(TEXT.replace("material ash on body", "material ash on body, lid"))
     whole.advise()

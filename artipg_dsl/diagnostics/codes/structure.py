@@ -210,6 +210,29 @@ STRUCTURE = (
         """,
     ),
     Code(
+        "far-off",
+        "a keypoint or a grasp lies far off its object",
+        """
+        In each of the few objects that `apgc check` draws, the place is farther from the box of the object than half of
+        its size. Mostly a unit is wrong, as in `at [0, 0, 5m]`, or the place is measured from the wrong origin. `at` is
+        measured from the middle of the part, port or slot that follows `on`, along its axes. Correct the place, or name
+        what it is near.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Stool {
+          param width : length in 30cm .. 50cm
+          root part seat : Cuboid(size = [30cm, width, 3cm])
+          material oak on seat
+          label semantic.seat on seat
+          keypoint middle on seat at [0, 0, 15m]
+        }
+        """,
+    ),
+    Code(
         "wide-grasp",
         "no hand opens as wide as a grasp asks for",
         """

@@ -36,21 +36,37 @@ def judge(context: Draft, hollow: list[tuple[Scope, tuple[int, ...]]], own: str)
     _refuse_exact(context, intervals)
     if context.report.failed:
         return
-    for number in find_idle(program):
-        span, root = context.stated.get(number, (None, False))
-        if span is not None and root and span.source.name == own:
-            context.report.warning(
-                "always-true",
-                span,
-                "this requirement always holds: no values in the ranges can break it",
-                hint="drop it, or correct the comparison",
-            )
+    _warn_idle(context, own)
     for number, holds in find_settled(program):
         span = context.preferred.get(number)
         if span is not None and span.source.name == own:
             said = "always holds: no values in the ranges can break it" if holds else "never holds"
             message = f"this preference {said}, so it makes no object rarer than another"
             context.report.warning("always-true", span, message, hint="drop it, or correct the comparison")
+
+
+def _warn_idle(context: Draft, own: str) -> None:
+    """Name requirements of the category, or the parts of them that `and` joins, that hold for every object."""
+    program = context.program
+    idle, told = set(find_idle(program)), dict[Span, list[tuple[str, str]]]()
+    for number, (span, root) in context.stated.items():
+        if not root or span.source.name != own:
+            continue
+        requirement = program.requirements[number]
+        why = "no values in the ranges can break it" if number in idle else ""
+        if requirement.condition is TRUE:
+            why = "nothing that it compares differs between objects"
+        told.setdefault(span, []).append((requirement.text, why))
+    for span, conjuncts in told.items():
+        whole = all(why for _, why in conjuncts)
+        for text, why in conjuncts[:1] if whole else conjuncts:
+            if why:
+                context.report.warning(
+                    "always-true",
+                    span,
+                    f"{'this requirement' if whole else f'`{text}`'} always holds: {why}",
+                    hint="drop it, or correct the comparison",
+                )
 
 
 def _refuse_exact(context: Draft, intervals: Intervals) -> None:
