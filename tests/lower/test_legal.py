@@ -80,7 +80,7 @@ CONSTANT = {
     "a median": (
         "param q : length in -1cm .. 2cm ~ lognormal(-1cm, 0.5)",
         0,
-        "an argument of the distribution of `q` is -0.01, but a median must be finite and above 0",
+        "an argument of the distribution of `q` is -1cm, but a median must be finite and above 0",
     ),
     "friction": (SLIDE + "friction -1N", 1, "the friction of the joint `j` is -1"),
     "effort": (SLIDE + "effort 0N", 1, "the effort of the joint `j` is 0, but it must be finite and above 0"),

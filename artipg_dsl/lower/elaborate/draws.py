@@ -75,6 +75,7 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
             "the range is empty: its low end lies above its high end",
             hint="exchange the ends, or correct what they are computed from",
         )
+    said = env.context.values[column] = {("range", 0): domain.low.span, ("range", 1): domain.high.span}
     unit = SI_UNITS.get(declaration.type.name, "") if isinstance(declaration, ast.ParamDecl) else ""
     draw = _new_draw(env, declaration, path, column, declaration.span, low=low, high=high, unit=unit)
     if declaration.default is not None:
@@ -93,11 +94,14 @@ def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, c
             )
     if declaration.distribution is not None:
         draw.distribution = declaration.distribution.name
-        draw.arguments = tuple(component_of(env, a.value, component) for a in declaration.distribution.arguments)
+        given = [argument.value for argument in declaration.distribution.arguments]
+        draw.arguments = tuple(component_of(env, node, component) for node in given)
+        said |= {("argument", number): node.span for number, node in enumerate(given)}
     vary = declaration.vary if isinstance(declaration, ast.ParamDecl) else None
     if vary is not None:
         relative = isinstance(vary, ast.NumberExpr) and vary.unit == "%"
         draw.vary = (relative, component_of(env, vary, None))
+        said["vary", 0] = vary.span
     return draw
 
 
@@ -118,6 +122,8 @@ def draw_choice(
     column = env.context.column(env.scope, path, "choice", span)
     made = _new_draw(env, declaration, path, column, span, options=_told_apart(names), weights=tuple(weights))
     env.context.draws.append(made)
+    alone = {number: same[0].weight for number, same in enumerate(alternatives) if len(same) == 1}
+    env.context.values[column] = {("weight", n): weight.span for n, weight in alone.items() if weight is not None}
     return Choice(E.col(column), names)
 
 

@@ -242,7 +242,7 @@ def _quantities(links: Links) -> Iterator[Quantity]:
     for scope, span in context.counted.items():
         yield from rows(scope, where(span))
     for draw in program.draws:
-        yield from _of_draw(draw)
+        yield from _of_draw(draw, context.values.get(draw.column, {}))
     places = {number: where(instance.part.span) for instance, number in links.nodes.items()}
     for number, part in enumerate(program.parts):
         yield from _of_box(part, places.get(number))
@@ -301,22 +301,29 @@ def of_element(element: Fetched) -> Iterator[Quantity]:
         yield Quantity(f"`{element.span.words}`", scope, value, ELEMENT, where(element.span), element.guard)
 
 
-def _of_draw(draw: Draw) -> Iterator[Quantity]:
+def _of_draw(draw: Draw, spans: dict[tuple[str, int], Span]) -> Iterator[Quantity]:
+    """The numbers that a draw follows from; ``spans``: where they are written, if they are."""
     name, scope, place = f"`{draw.column.name}`", draw.column.scope, draw.where
-    for end in (draw.low, draw.high):
+
+    def of(what: str, value: Expr, legal: Legal, at: tuple[str, int] = ("", 0)) -> Quantity:
+        return Quantity(f"{what} of {name}", scope, value, legal, place, span=spans.get(at))
+
+    for number, end in enumerate((draw.low, draw.high)):
         if end is not None:
-            yield Quantity(f"an end of the range of {name}", scope, end, NUMBER, place)
-    for weight in draw.weights:
-        yield Quantity(f"a weight of {name}", scope, weight, WEIGHT, place)
+            yield of("an end of the range", end, NUMBER, ("range", number))
+    for number, weight in enumerate(draw.weights):
+        yield of("a weight", weight, WEIGHT, ("weight", number))
     if draw.weights and all(w.constant is not None for w in draw.weights):
         total = E.maximum(*draw.weights)
-        yield Quantity(f"the largest weight of {name}", scope, total, OPTION, place)
+        yield of("the largest weight", total, OPTION)
     for number, argument in enumerate(draw.arguments):
         positive = number in DISTRIBUTIONS[draw.distribution].positive
         legal = (SPREAD if number else MEDIAN) if positive else NUMBER
-        yield Quantity(f"an argument of the distribution of {name}", scope, argument, legal, place)
+        if not (number and draw.distribution == "lognormal"):  # whose spread is a share
+            legal = replace(legal, unit=draw.unit)
+        yield of("an argument of the distribution", argument, legal, ("argument", number))
     if draw.vary is not None:
-        yield Quantity(f"the step of {name}", scope, draw.vary[1], STEP, place)
+        yield of("the step", draw.vary[1], STEP, ("vary", 0))
 
 
 def _of_pose(name: str, scope: Scope, pose: Pose, place: Where | None) -> Iterator[Quantity]:

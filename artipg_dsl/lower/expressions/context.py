@@ -145,6 +145,8 @@ class Draft:
     present: dict[Scope, Present] = field(default_factory=dict)  # guards that are no branches of a `when`
     draws: list[Draw] = field(default_factory=list)
     spans: dict[Column, Span] = field(default_factory=dict)
+    # where the numbers stand that a draw follows from: the values of its distribution, say, and which of them
+    values: dict[Column, dict[tuple[str, int], Span]] = field(default_factory=dict)
     stated: dict[int, tuple[Span, bool]] = field(
         default_factory=dict
     )  # requirement -> its place, if the category's own
