@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from ..language import FUNCTIONS, JOINTS, MEMBERS, TYPES, WORDS
 from ..records import dataclass
@@ -11,7 +13,7 @@ from ..semantics.check import TypedProgram
 from ..semantics.meanings import BuiltIn, Declared, Feature, Global, Inner, Local, Word
 from ..semantics.parts import box_member, place_member, place_names
 from ..semantics.scope import BodyScope, Entry
-from ..semantics.symbols import NAMED, Symbol, members
+from ..semantics.symbols import Symbol, members, name_spans_of
 from ..semantics.types import UNKNOWN, ElementType, NamedType, PartType, ScalarType, SlotType, Type, VecType
 from ..source import Span
 from ..syntax import ast
@@ -47,11 +49,23 @@ def find(analysis: Analysis, offset: int) -> Found | None:
         return _of_symbol(symbol, symbol.decl.name_span)
     scope = analysis.scope(offset)
     narrow = [node for node in walk(symbol.decl) if node.span.holds(offset)]
+    variables = {name: span for node in narrow for name, span in _variables(node).items()}
+    if at := next((span for span in variables.values() if span.holds(offset)), None):
+        return Found(at, at.text, _LOCAL, (at,))
     for node in reversed(narrow):
         found = _in_node(typed, symbol, scope, node, offset)
         if found is not None:
-            return found
+            own = variables.get(found.span.text) if _is_variable(typed, scope, node) else None
+            return found if own is None else replace(found, declared=(own,))
     return None
+
+
+def _is_variable(typed: TypedProgram, scope: BodyScope | None, node: ast.Node) -> bool:
+    """Whether a name stands for a variable of the statement around it."""
+    if not isinstance(node, ast.NameExpr):
+        return False
+    entries = [] if scope is None else scope.find(node.name)
+    return isinstance(typed.meanings.get(id(node)), Local) or bool(entries) and entries[0].kind == "index"
 
 
 def _used(typed: TypedProgram, use: ast.UseDecl, offset: int) -> Found | None:
@@ -212,17 +226,35 @@ _BOXED = (PartType, SlotType, ElementType)
 
 def _declaration(typed: TypedProgram, scope: BodyScope | None, node: ast.Stmt, offset: int) -> Found | None:
     """The name that a statement itself declares."""
-    if isinstance(node, ast.ParamDecl):
-        spans: Iterable[Span] = node.name_spans
-    elif type(node) in NAMED:
-        spans = (getattr(node, "name_span"),)  # noqa: B009 - statements that declare a name have it
-    else:
-        return None
-    for span in spans:
+    for span in name_spans_of(node):
         if span.holds(offset):
             entries = [] if scope is None else [e for e in scope.find(span.text) if e.node is node]
             return _of_entries(entries, span, typed.checker.entry_type(entries[0])) if entries else None
     return None
+
+
+def _variables(node: ast.Node) -> dict[str, Span]:
+    """The variables that a statement itself has: parameters of a function, the index of a repeat, u and v of a surface."""
+    match node:
+        case ast.LetDecl(parameters=names, name_span=head) | ast.FunctionDecl(parameters=names, name_span=head):
+            pass
+        case ast.SurfaceDecl(u=u, v=v, index=index, name_span=head):
+            names = (u, v) if index is None else (index, u, v)
+        case ast.CurveDecl(parameter=parameter, name_span=head):
+            names = (parameter,)
+        case ast.RepeatStmt(index=str(index), name_span=head) | ast.PieceDecl(index=str(index), name_span=head):
+            names = (index,)
+        case ast.GraspStmt(parameter=str(parameter), target=target):
+            names, head = (parameter,), target.span
+        case _:
+            return {}
+    text = node.span.text
+    found: dict[str, Span] = {}
+    for name in names:
+        at = re.compile(rf"\b{name}\b").search(text, head.end - node.span.start)
+        if at is not None:
+            found[name] = Span(node.span.source, node.span.start + at.start(), node.span.start + at.end())
+    return found
 
 
 def _language(name: str, span: Span) -> Found | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..records import dataclass
-from ..semantics.symbols import KINDS, NAMED
+from ..semantics.symbols import KINDS, NAMED, Named
 from ..source import Span
 from ..syntax import ast
 from .analysis import Analysis
@@ -42,6 +42,5 @@ def _items(body: tuple[ast.Stmt, ...]) -> Iterator[Item]:
                 yield Item(name, "repeat", stmt.span, span, tuple(_items(inner)))
             case ast.WhenStmt(body=inner, otherwise=otherwise):
                 yield from _items((*inner, *otherwise))
-            case _ if type(stmt) in NAMED:
-                name, span = getattr(stmt, "name"), getattr(stmt, "name_span")  # noqa: B009 - these statements have them
-                yield Item(name, NAMED[type(stmt)], stmt.span, span)
+            case _ if isinstance(stmt, Named):
+                yield Item(stmt.name, NAMED[type(stmt)], stmt.span, stmt.name_span)

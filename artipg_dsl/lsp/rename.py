@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ..records import dataclass
 from ..resources import library_dir
-from ..semantics.symbols import lineage, names_of
+from ..semantics.symbols import lineage, name_spans_of, names_of
 from ..source import Source, Span
 from ..syntax import ast
 from ..syntax.walk import walk
@@ -37,8 +37,8 @@ def renamed(analysis: Analysis, offset: int) -> Found:
         raise Refused("there is no name of the file here")
     if not found.declared:
         raise Refused(
-            f"`{found.span.text}` is not declared by a statement: words of the language, variables of formulas and "
-            "options of a choice keep their names"
+            f"`{found.span.text}` is not declared by a statement: words of the language keep their names, and so do "
+            "options of a choice, by which objects are kept"
         )
     if any(span.start == span.end for span in found.declared):
         raise Refused("a module is called as its file: rename the file, and the names in `use`")
@@ -77,7 +77,7 @@ def _role_of(analysis: Analysis, found: Found) -> str | None:
     for module in () if analysis.typed is None else analysis.typed.modules.values():
         for symbol in module.own() if module.source.name in files else ():
             stated = [stmt for stmt in walk(symbol.decl) if isinstance(stmt, ast.Stmt) and stmt is not symbol.decl]
-            if not here.intersection(span for stmt in stated for span in _spans(stmt)):
+            if not here.intersection(span for stmt in stated for span in name_spans_of(stmt)):
                 continue
             for role in lineage(symbol):
                 if role.kind == "role" and any(name in names_of(stmt) for stmt in role.body):
@@ -90,13 +90,6 @@ def _handed_in(stmt: ast.Stmt) -> bool:
     return isinstance(stmt, ast.ParamDecl) and stmt.keyword == "inherit"
 
 
-def _spans(stmt: ast.Stmt) -> Sequence[Span]:
-    """Where a statement says the names that it declares."""
-    if isinstance(stmt, ast.ParamDecl):
-        return stmt.name_spans
-    return (getattr(stmt, "name_span"),) if names_of(stmt) else ()  # noqa: B009 - statements that declare a name have it
-
-
 def _ends_of_drawn(texts: Iterable[Analysis], places: Iterable[Span]) -> list[Span]:
     """Behind the parameters and counts that are declared at some places, of those that are drawn and were nothing else before."""
     names = {(span.source.name, span.start) for span in places}
@@ -106,7 +99,7 @@ def _ends_of_drawn(texts: Iterable[Analysis], places: Iterable[Span]) -> list[Sp
         for node in [] if each.module is None else walk(each.module.tree):
             if not isinstance(node, ast.CountDecl | ast.ParamDecl) or node.was is not None or not _drawn(node):
                 continue
-            if any((span.source.name, span.start) in names for span in _spans(node)):
+            if any((span.source.name, span.start) in names for span in name_spans_of(node)):
                 ends[node.span.source.name, node.span.end] = Span(node.span.source, node.span.end, node.span.end)
     return list(ends.values())
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import field
-from typing import Any, cast
 
 from ..records import dataclass
 from ..source import Span
 from ..syntax import ast
 from .guards import Compare, Condition
-from .symbols import NAMED, Symbol, lineage, members, names_of
+from .symbols import NAMED, Symbol, lineage, members, name_spans_of, names_of
 
 Guards = tuple["Guard", ...]
 """The guards under which something stands, outermost first."""
@@ -169,5 +168,5 @@ def _collect(scope: BodyScope, body: tuple[ast.Stmt, ...], guards: Guards) -> No
                     scope.branches[id(stmt), truth] = within
                     _collect(scope, branch, within)
             case _ if (kind := NAMED.get(type(stmt))) is not None:
-                (name,) = names_of(stmt)
-                add(name, kind, stmt, cast(Any, stmt).name_span)
+                ((name,), (span,)) = names_of(stmt), name_spans_of(stmt)
+                add(name, kind, stmt, span)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import field
-from typing import Any, cast
+from typing import TypeAlias
 
 from ..records import dataclass
-from ..source import Source
+from ..source import Source, Span
 from ..syntax import ast
 from ..syntax.trees import KeptTree
 from ..syntax.walk import in_branches
@@ -136,8 +136,29 @@ def names_of(stmt: ast.Stmt) -> tuple[str, ...]:
     """What a statement declares in its body."""
     if isinstance(stmt, ast.ParamDecl):
         return stmt.names
-    return (cast(Any, stmt).name,) if type(stmt) in NAMED else ()
+    return (stmt.name,) if isinstance(stmt, Named) else ()
 
+
+def name_spans_of(stmt: ast.Stmt) -> tuple[Span, ...]:
+    """Where it says these names."""
+    if isinstance(stmt, ast.ParamDecl):
+        return stmt.name_spans
+    return (stmt.name_span,) if isinstance(stmt, Named) else ()
+
+
+Named: TypeAlias = (
+    ast.CountDecl
+    | ast.LetDecl
+    | ast.PartDecl
+    | ast.StyleDecl
+    | ast.SlotDecl
+    | ast.PortDecl
+    | ast.JointDecl
+    | ast.RepeatStmt
+    | ast.SurfaceDecl
+    | ast.CurveDecl
+)
+"""What declares a single name."""
 
 NAMED: dict[type[ast.Stmt], str] = {
     ast.CountDecl: "count",
@@ -151,4 +172,4 @@ NAMED: dict[type[ast.Stmt], str] = {
     ast.SurfaceDecl: "surface",
     ast.CurveDecl: "curve",
 }
-"""What declares a single name, and as what."""
+"""As what each declares it."""

@@ -18,7 +18,7 @@ CASES = [  # text with a mark, the beginning of what is shown, words of what is 
     ("joint tilt", "joint ti|lt", "joint tilt : revolute shelf -> back", "", "tilt : revolute"),
     ("on shelf.bottom", "on shelf.bott|om", "shelf.bottom : a plane", "its face towards -z", None),
     ("connect post.top", "connect po|st.top", "part post : Cuboid", "", "post : Cuboid"),
-    ("(i - 1/2)", "(i| - 1/2)", "repeat leg[i] in 0 ..< 2", "", "leg[i]"),
+    ("(i - 1/2)", "(i| - 1/2)", "repeat leg[i] in 0 ..< 2", "", "i]"),
     ("y + aside", "y + asi|de", "let aside = (i - 1/2) * 50cm", "a length", "aside = "),
     ("semantic.shelf on", "semantic.she|lf on", "semantic.shelf", "What a part is", None),
     ("label semantic.shelf", "label sema|ntic.shelf", "vocabulary semantic", "What a part is", None),

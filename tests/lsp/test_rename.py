@@ -16,6 +16,11 @@ role Foot {
   inherit height : length in 1cm .. 6cm
   slot felt ?
 }
+primitive Loop {
+  param r : length > 0  test 1cm .. 2cm
+  curve skin (v in 0 .. 1) = [2 * r + r * cos(v * 1turn), r * sin(0.5turn)]
+  solid = lathe(skin) about z
+}
 template Block : Foot {
   param side : length[2] in [1cm, 1cm] .. [2cm, 2cm]
   part felt : Cuboid(size = [side.x, side.y, height])
@@ -34,6 +39,7 @@ category Stool {
     align bar.center = [far, 0, seat.bottom - tall]
   }
   let reach(a) = a * 2
+  grasp hold on seat for t in -1 .. 1 { at [t * tall, 0, 0]  approach -x  close y  opening 3cm }
   when shape == fine { require reach(tall) > 1cm }
 }
 """
@@ -54,7 +60,7 @@ def after(text, place, name):
 @pytest.mark.parametrize(
     ("place", "name", "changed", "kept"),
     [
-        ("seat :", "board", 5, 0),
+        ("seat :", "board", 6, 0),
         ("foot.top", "leg", 3, 0),
         ("Block :", "Brick", 2, 0),
         ("Foot {", "Support", 3, 0),
@@ -63,6 +69,13 @@ def after(text, place, name):
         ("side[i]", "end", 1, 3),
         ("bar :", "rod", 3, 0),
         ("reach(a)", "twice", 2, 0),
+        ("a) =", "length_of", 2, 0),
+        ("a * 2", "length_of", 2, 0),
+        ("i] in", "k", 2, 0),
+        ("i - 1/2", "k", 2, 0),
+        ("t in -1", "s", 2, 0),
+        ("v in 0", "w", 2, 0),
+        ("v * 1turn", "w", 2, 0),
         ("Stool", "Chair", 1, 0),
     ],
 )
