@@ -23,6 +23,7 @@ _NAMED = 6  # parts that a warning names
 _SLACK = 1e-6  # radians or metres, by which rounding takes a joint out of its range
 _FAR = 3.0  # times the size of its object: what slides farther than that has perhaps a wrong unit
 _OFF = 0.5  # times the size of its object: what lies farther off than that has perhaps a wrong unit, too
+_SMALL, _LARGE = 2e-3, 20.0  # metres: objects across which it is less or more have perhaps a wrong unit
 _SHORT = 1e-3  # metres
 _APART = 1e-4  # metres: what is farther apart does not touch
 _UNEVEN = 0.01  # of a size: by how much the two sizes of what a quarter turn leaves alike may differ, or more than others must
@@ -49,6 +50,7 @@ class Examined:
         self.warn_far()
         self.warn_wide()
         self.warn_off()
+        self.warn_odd_size()
         self.warn_asymmetric()
         for look in (self.warn_of_cost, self.warn_untested, self.warn_invalid):
             try:
@@ -419,6 +421,30 @@ class Examined:
                 f"which is about {plain(float(f'{size[0]:.2g}'), 'm')} across",
                 hint="is the unit right? `at` is measured from the middle of what follows `on`, along its axes",
             )
+
+    def warn_odd_size(self) -> None:
+        """Name the largest part of objects most of which are as large as no furniture is, or as small."""
+        from .geometry.sites import object_boxes  # start-up
+        from .lower.solve.feasible import plain  # start-up
+
+        tables = [table for table in self.batch.sites() if len(table)]
+        if not tables:
+            return
+        boxes = object_boxes(tables, len(self.batch))
+        size = np.linalg.norm(boxes[1] - boxes[0], axis=1)
+        size = np.sort(size[np.isfinite(size)])
+        usual = float(size[len(size) // 2])
+        if _SMALL <= usual <= _LARGE:
+            return
+        spans = [np.linalg.norm(np.subtract(*table.boxes()), axis=1).max() for table in tables]
+        largest = tables[int(np.argmax(spans))].path
+        self.report.warning(
+            "odd-size",
+            self._of(largest) or self.span,
+            f"a `{self.batch.program.name}` is about {plain(float(f'{usual:.2g}'), 'm')} across, `{largest}` "
+            f"{plain(float(f'{max(spans):.2g}'), 'm')}",
+            hint="is the unit right? Look at the ranges that the size is made of",
+        )
 
     def warn_of_cost(self) -> None:
         """Name the parts that the check of an object takes long for."""

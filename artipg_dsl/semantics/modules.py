@@ -140,7 +140,7 @@ class Workspace:
                     "unknown-import",
                     span,
                     f"module `{use.module}` declares no `{name}`",
-                    hint=f"did you mean {any_of(meant)}?" if meant else self._elsewhere(name, module, use.module),
+                    hint=self._elsewhere(name, module, use.module, meant),
                 )
             elif name in scope.names and scope.names[name] is not symbol:
                 other = scope.names[name]
@@ -162,11 +162,14 @@ class Workspace:
             else:
                 scope.names[name] = symbol
 
-    def _elsewhere(self, name: str, module: ModuleScope, asked: str) -> str | None:
-        """A hint: where the name is declared, if ``asked`` itself imports it or the library has it; else what ``asked`` declares."""
+    def _elsewhere(self, name: str, module: ModuleScope, asked: str, meant: list[str]) -> str | None:
+        """A hint: where the name is declared, if ``asked`` itself imports it or the library has it; else the names of ``asked`` that are
+        perhaps ``meant``, else what it declares."""
         passed_on = module.find(name)
         if passed_on is not None:
             return f"`{asked}` uses it too: write `use {passed_on.module.name} {{ {name} }}`"
+        if meant:
+            return declared_in(name) or f"did you mean {any_of(meant)}?"
         own = [symbol.name for symbol in module.own()]
         more = f" and {len(own) - _NAMED} more, which the page of the library lists" if len(own) > _NAMED else ""
         return declared_in(name) or (f"it declares {', '.join(own[:_NAMED])}{more}" if own else None)

@@ -40,7 +40,7 @@ PLACE = "the position of `a` along y"
             {10: "", 9: f"determines {PLACE}"},
         ),
         (
-            OPEN + "  align a.left = body.left\n  align body.left = a.left",
+            OPEN + "  align a.left = body.left\n  align 2 * body.left = 2 * a.left",
             "not-solvable",
             f"these equations are equivalent for `a.size.y` and {PLACE}: one more is needed",
             {8: "", 9: "together with this"},

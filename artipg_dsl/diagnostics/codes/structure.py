@@ -210,6 +210,27 @@ STRUCTURE = (
         """,
     ),
     Code(
+        "odd-size",
+        "objects are as large as a house, or as small as a grain",
+        """
+        Most of the few objects that `apgc check` draws are more than 20 m across, or less than 2 mm. Mostly a unit is
+        wrong, as in `35m` for `35mm`, or a range has one end in another unit. The largest part is named. Correct the
+        unit. If the size is meant, nothing is wrong: the check and the export work at any size up to 1 km.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Stool {
+          param width : length in 30cm .. 50cm
+          root part seat : Cuboid(size = [30m, width, 3cm])
+          material oak on seat
+          label semantic.seat on seat
+        }
+        """,
+    ),
+    Code(
         "far-off",
         "a keypoint or a grasp lies far off its object",
         """

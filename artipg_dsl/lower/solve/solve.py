@@ -127,10 +127,28 @@ def blocks(env: Env, homes: list[tuple[Env, Expr]]) -> Iterator[Block]:
     unknowns, equations, guards = gathered(env, homes)
     number = {u.column: k for k, u in enumerate(unknowns)}
     linear = Linear(lambda c: c in number, env.context.program.definitions)
-    stated = [_stated(env, linear, equation) for equation in equations]
+    stated = [_stated(env, linear, equation) for equation in _once(env, equations)]
     for chosen, members in _connected(list(number), [s.names for s in stated], number):
         own = [stated[e] for e in chosen]
         yield Block(env, [unknowns[u] for u in members], _kept(env, linear, unknowns, members, own), number, guards)
+
+
+def _once(env: Env, equations: list[Equation]) -> list[Equation]:
+    """Without those that stand twice, which are told: as many as unknowns they would be solved as if each determined another."""
+    found: dict[tuple[Expr, Expr, Expr], Equation] = {}
+    for equation in equations:
+        left, right = sorted((equation.left, equation.right), key=id)
+        first = found.setdefault((left, right, equation.guard), equation)
+        if first is not equation:
+            env.context.report.warning(
+                "redundant",
+                equation.span,
+                "this equation follows from the others",
+                notes=((first.span, "states the same"),),
+                hint="it can be dropped",
+                trace=tuple(env.context.trace),
+            )
+    return list(found.values())
 
 
 def _stated(env: Env, linear: Linear, equation: Equation) -> Stated:
