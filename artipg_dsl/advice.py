@@ -53,6 +53,7 @@ def advise(typed: TypedProgram, lowering: Lowering | None, draw: Draw, report: R
 
 def _drawn(draw: Draw, lowering: Lowering, span: Span, report: Report) -> Batch | None:
     """A few objects to look at; None where not all can be drawn, which is reported."""
+    from .lower.solve.feasible import hint_of_size, of_part  # start-up
     from .runtime.kernels import TooMany  # start-up
     from .runtime.repairs import describe_cause  # start-up
     from .sampling.statistics import Exhausted, Statistics  # start-up
@@ -69,16 +70,22 @@ def _drawn(draw: Draw, lowering: Lowering, span: Span, report: Report) -> Batch 
     except Exhausted as error:
         program = lowering.program
         worst = max(error.statistics.failures().items(), key=lambda item: item[1])[0]
-        equation = worst[0] == "requirement" and "==" in program.requirements[worst[1]].text
+        requirement = program.requirements[worst[1]] if worst[0] == "requirement" else None
+        part = None if requirement is None else of_part(lowering.context, requirement.message)
+        hint = "widen the ranges, or state what one value leaves to the next"
+        if requirement is not None and "==" in requirement.text:
+            hint = (
+                "what is drawn never equals a number: give the value itself, or write `align` and declare it `derived`"
+            )
+        elif requirement is not None and part is not None:
+            hint = hint_of_size(lowering.context, part, requirement.message) or hint
         report.error(
             "none-drawn",
             span,
             f"no valid `{program.name}` in {plural(error.attempts, 'attempt')} at an object; what failed most: "
             + describe_cause(program, worst)
             + (why_endless(lowering, worst[1]) if worst[0] == "requirement" else ""),
-            hint="what is drawn never equals a number: give the value itself, or write `align` and declare it `derived`"
-            if equation
-            else "widen the ranges, or state what one value leaves to the next",
+            hint=hint,
         )
     return None
 
@@ -108,12 +115,10 @@ def _warn_of_materials(lowering: Lowering, span: Span, report: Report) -> None:
     named = ", ".join(f"`{path}`" for path in bare[:_NAMED])
     more = f" and {len(bare) - _NAMED} more" if len(bare) > _NAMED else ""
     what = f"the parts {named}{more} have" if len(bare) > 1 else f"the part {named} has"
-    places = list(dict.fromkeys(place_of(lowering, path, span) or span for path in bare[:_NAMED]))
-    name = "body" if places[0] == span else places[0].text
+    place = place_of(lowering, bare[0], span)
     report.warning(
         "missing-material",
-        places[0],
+        place or span,
         f"{what} no material",
-        hint=f"write for example `material oak on {name}`; the default is 700 kg/m3 and light grey",
-        notes=tuple((place, "nor has this") for place in places[1:]),
+        hint=f"write for example `material oak on {place.text if place else 'body'}`; the default is 700 kg/m3 and light grey",
     )

@@ -90,7 +90,8 @@ class Links:
             raise self.context.error(
                 "circular-definition",
                 part.span,
-                f"`{part.name}` is attached to a part that is attached to `{part.name}` itself",
+                f"`{part.name}` is attached to "
+                + ("itself" if len(found) == 1 else f"a part that is attached to `{part.name}` itself"),
                 hint="attach one of them to the root, or to a part that is attached to it",
                 notes=tuple((a.span, f"attaches `{p.name}`") for p, a in found[:4]),
             )

@@ -148,13 +148,13 @@ def _tell(context: Draft, conflict: Conflict) -> None:
         said = program.requirements[conflict.reasons[0]].message if len(conflict.reasons) == 1 else ""
         if span is not None and said not in ("", span.words):
             message = f"{said}, for every draw"
-        asked = (part for part in context.parts if part.span == span and said.startswith(f"{part.path}: "))
-        if user := next(asked, None):  # what a primitive requires
+        user = of_part(context, said)
+        if user is not None and user.span == span:
             outer = _in_category(context, user)
             chain += [(user.span, "this part of it")] * (outer is not user)
             span, hint = (
                 outer.span,
-                (_hint_of_size(context, user, said) if outer is user else None)
+                (hint_of_size(context, user, said) if outer is user else None)
                 or f"change the arguments of `{outer.name}`, its sizes, or the ranges that they come from",
             )
     if span is None:
@@ -168,7 +168,7 @@ def _tell(context: Draft, conflict: Conflict) -> None:
         context.report.warning("impossible", span, message, hint=hint, notes=tuple(chain))
 
 
-def _hint_of_size(context: Draft, part: Component, said: str) -> str | None:
+def hint_of_size(context: Draft, part: Component, said: str) -> str | None:
     """What to try where the size of a part follows from an equation, as that of one face where nothing says where the part lies."""
     name = said.removeprefix(f"{part.path}: ").removesuffix(" must be positive")
     axis = name.removeprefix("size.")
@@ -180,6 +180,11 @@ def _hint_of_size(context: Draft, part: Component, said: str) -> str | None:
     one, other = {"x": ("front", "back"), "y": ("left", "right"), "z": ("top", "bottom")}[axis]
     so = f"`{part.name}` is centred along {axis}, and its size follows from the one face that is placed"
     return f"{so}: place its {one} and its {other}"
+
+
+def of_part(context: Draft, said: str) -> Component | None:
+    """The part whose primitive requires what is ``said``."""
+    return next((part for part in context.parts if said.startswith(f"{part.path}: ")), None)
 
 
 def _in_category(context: Draft, part: Component) -> Component:
