@@ -9,7 +9,8 @@ import numpy as np
 
 from .diagnostics import CompileError, Report
 from .errors import plural
-from .examined import Examined, how_to_place, place_of, why_endless
+from .examined import Examined, how_to_place, why_endless
+from .measured import place_of
 from .source import Span
 
 if TYPE_CHECKING:

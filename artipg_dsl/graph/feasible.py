@@ -228,7 +228,7 @@ def _broken(
 
 
 def find_idle(program: Program) -> list[int]:
-    """The requirements on something drawn that hold whatever is drawn; one between constants states a fact on purpose."""
+    """The requirements on something drawn that hold whatever is drawn; those between constants are not among them."""
     intervals = Intervals(program.draws, program.definitions)
     defined = Defined(intervals)  # what has no value does not hold
     reader = Linear(lambda c: c not in program.definitions, program.definitions, through=True)
