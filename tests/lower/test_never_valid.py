@@ -112,6 +112,23 @@ def test_an_equation_that_is_demanded_is_told_apart_from_a_range_that_is_too_nar
     assert found.severity == "error" and hint in str(found.hint) and demand in found.message
 
 
+def test_a_size_that_equations_make_negative_is_named() -> None:
+    session = Session.of_text(
+        """apg 1
+use primitives { Cuboid, Cylinder }
+category Stool {
+  root part seat : Cuboid(size = [30cm, 30cm, 3cm])
+  part foot : Cylinder(height = 2cm)
+  connect foot.top on seat.bottom at center
+  align foot.front = seat.back + 12cm
+}
+"""
+    )
+    session.advise()
+    (found,) = [d for d in session.report.diagnostics if d.code == "none-drawn"]
+    assert found.hint == "equations determine `foot.radius`: give it a value, or correct them"
+
+
 FOLLOWER = """apg 1
 use primitives { Cuboid }
 category Pair {
