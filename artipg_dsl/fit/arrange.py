@@ -24,7 +24,7 @@ from ..runtime.batch import Batch
 from ..sampling.search import domain_ends
 from .compare import Candidates, Targets
 from .develop import apart, copied, developed
-from .evidence import Asked, Change, Clouds, Copies, Evidence, weigh, weigh_elements
+from .evidence import Clouds, Evidence, weigh, weigh_elements
 from .model import Model
 from .repeats import Layout, Places, Repeat, boxes_of_elements, contents_of, find_repeats, relaid
 from .search import Effort, best_of, taken, united
@@ -67,8 +67,7 @@ def rearranged(model: Model, own: Targets, found: Candidates, clouds: Clouds, ef
     every, of = united(model, [new for new, _ in made]), np.concatenate([of for _, of in made])
     loss = weigh(every.batch, every.target, every.placed, wide).total - first.total[of]
     at = best_of(model.structures(every.batch), of, loss, effort.developed)
-    copies = Copies(model.assembled([(every.batch, at)]), of[at], every.target[at], every.placed.take(at))
-    return developed(model, own, found, clouds, copies, Change(loss[at], np.ones(len(at)), Asked.none()), effort)
+    return developed(model, own, found, clouds, taken(model, every, at), effort)
 
 
 def _composed(

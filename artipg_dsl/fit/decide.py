@@ -3,7 +3,8 @@
 The elements of repeats are put together anew first. Then each other value of each choice and count is tried in copies of what was found,
 for which new parts are drawn. Copies are compared with their origin by the points of both, and of the cloud, that lie where they differ. The
 most promising ones move their new parts into place, the rest of the object being held, and the object takes all the changes for which the
-cloud speaks. Where it gains little by them, changes of much of the object are developed.
+cloud speaks. Where it gains little by them, changes of much of the object are developed; where nothing changes any more, so is what stands
+once: a board on top is unlikely until the height of what it lies on makes room for it.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ _BLOCK = 96  # copies at a time
 _LITTLE = 3.0 * SURE  # where changes make a cloud likelier by less, large ones are developed as well
 _HOPE = 300.0  # what is less likely by more than this is not refined,
 _HOPED = 0.6  # nor what is by more than this share of all that speaks against the object
+_ONCE = LARGE / 4.0  # of the surface: what changes less of it is no reason for all else to move
 _COUNTS = 2.0  # what the odds of values count beside what points say, which are no witnesses independent of each other
 _SLIGHT = 5e-3  # of the surface: what changes more of it needs evidence
 _INCLINED = 1.0  # by so much small changes have to be likelier at last,
@@ -52,18 +54,21 @@ def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) ->
     clouds = Clouds(own)
     now, still = replace(found, target=np.arange(len(found))), np.arange(len(found))
     now = replaced(model, now, rearranged(model, own, now, clouds, effort))
+    looked = np.zeros(0, dtype=np.uint64)
     for number in range(effort.rounds):
         some = taken(model, now, still)
         base = weigh(some.batch, some.target, some.placed, clouds)
-        copies, told, _ = _likeliest(model, some, clouds, base, effort, number)
-        if not len(copies.of):
+        tried = _likeliest(model, some, clouds, base, effort, number)
+        if not len(tried.copies.of):
             break
-        copies = settled(model, own, some, copies, told, effort)
+        copies = settled(model, own, some, tried.copies, tried.told, effort)
         change = weigh_again(copies, _origins(model, some, copies), clouds, base, apart(some, copies))
         better, loss = _better(model, some, clouds, base, copies, change)
         last = number + 1 == effort.rounds
         rest = np.flatnonzero((loss > -_LITTLE) | last)
-        grown = developed(model, own, taken(model, better, rest), clouds, copies, change, effort)
+        quiet = better.target[(loss > -SURE) | last]
+        rivals, looked = _rivals(model, tried, copies, change, better.target[rest], quiet, looked, effort)
+        grown = developed(model, own, taken(model, better, rest), clouds, rivals, effort)
         sure = np.flatnonzero((loss < -SURE) & ~np.isin(better.target, grown.target))
         changed = united(model, [taken(model, better, sure), grown])
         still = np.sort(changed.target)
@@ -95,10 +100,10 @@ def inclined(model: Model, closely: Targets, found: Candidates, effort: Effort) 
 def _inclined(model: Model, own: Targets, found: Candidates, clouds: Clouds, effort: Effort, number: int) -> Candidates:
     """The candidates, one of each object, with the small changes of one round."""
     base = weigh(found.batch, found.target, found.placed, clouds)
-    copies, told, odds = _likeliest(model, found, clouds, base, effort, number, _COUNTS)
-    if not len(copies.of):
+    tried = _likeliest(model, found, clouds, base, effort, number, _COUNTS)
+    if not len(tried.copies.of):
         return found
-    copies = settled(model, own, found, copies, told, effort)
+    copies, odds = settled(model, own, found, tried.copies, tried.told, effort), tried.odds
     change = weigh_again(copies, _origins(model, found, copies), clouds, base, apart(found, copies))
     slight = change.share <= _SLIGHT
     need = np.where(slight & (odds > 0.0), _INCLINED, np.where(slight & (odds == 0.0), _EVEN, SURE))
@@ -179,16 +184,65 @@ def _least(of: np.ndarray, less: np.ndarray) -> np.ndarray:
     return order[np.unique(of[order], return_index=True)[1]]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Tried:
+    """The ``copies`` (K,) of what was found, each with another value, that are likeliest as drawn; the points of clouds that tell of them; and
+    what speaks for them besides: the ``odds`` (K,). ``name`` (K,): a number for the object and the value, 0 where the draw repeats. ``others``
+    (n,) of draws that do not, with their ``loss`` and ``share`` as drawn, and their names, ``called``."""
+
+    copies: Copies
+    told: Asked
+    odds: np.ndarray
+    name: np.ndarray
+    others: Copies
+    loss: np.ndarray
+    share: np.ndarray
+    called: np.ndarray
+
+
+def _rivals(
+    model: Model,
+    tried: _Tried,
+    copies: Copies,
+    change: Change,
+    rest: np.ndarray,
+    quiet: np.ndarray,
+    looked: np.ndarray,
+    effort: Effort,
+) -> tuple[Candidates, np.ndarray]:
+    """What is developed: of the objects ``rest`` the most promising large changes among ``copies``, of which ``change`` tells, and of
+    those that are ``quiet`` also changes of what stands once, but for those ``looked`` at before; and what was looked at by now."""
+    own = np.arange(len(copies.of) + len(tried.loss)) < len(copies.of)
+    target = np.concatenate([copies.target, tried.others.target])
+    loss, share = np.concatenate([change.loss, tried.loss]), np.concatenate([change.share, tried.share])
+    name = np.concatenate([tried.name, tried.called])
+    large = _first(np.flatnonzero(own & (share > LARGE) & np.isin(target, rest)), target, loss, effort.developed)
+    once = (name > 0) & (share > _ONCE) & np.isin(target, quiet) & ~np.isin(name, looked)
+    once[large] = False
+    at = np.concatenate([large, _first(np.flatnonzero(once), target, loss, effort.once)])
+    batch = model.assembled([(copies.batch, at[own[at]]), (tried.others.batch, at[~own[at]] - len(copies.of))])
+    placed = Placed.joined([copies.placed, tried.others.placed])
+    at = np.concatenate([at[own[at]], at[~own[at]]])
+    rivals = Candidates(batch, target[at], placed.take(at), np.zeros(len(at)))
+    return rivals, np.concatenate([looked, name[at]])
+
+
+def _first(at: np.ndarray, target: np.ndarray, loss: np.ndarray, count: int) -> np.ndarray:
+    """Of some places ``at``, the ``count`` of each target that are least unlikely."""
+    at = at[np.lexsort((loss[at], target[at]))]
+    return at[np.arange(len(at)) - np.searchsorted(target[at], target[at]) < count]
+
+
 def _likeliest(
     model: Model, found: Candidates, clouds: Clouds, base: Evidence, effort: Effort, number: int, counts: float = 0.0
-) -> tuple[Copies, Asked, np.ndarray]:
-    """The copies of what was found, each with another value, that are likeliest as drawn; the points of clouds that tell of them; and what
-    speaks for them besides: the odds of their values, times what these ``counts``."""
+) -> _Tried:
+    """The likeliest copies as drawn, ``counts`` being what the odds of values count."""
     parts: list[tuple[Batch, np.ndarray]] = []
     asked: list[Asked] = []
     stood = [found.placed.take(np.zeros(0, dtype=np.int64))]
     owners, losses, places = [np.zeros(0, dtype=np.int64)], [np.zeros(0)], [np.zeros(0, dtype=np.uint64)]
-    odds = [np.zeros(0)]
+    odds, shares, names = [np.zeros(0)], [np.zeros(0)], [np.zeros(0, dtype=np.uint64)]
+    single = np.array([not found.batch.rowmap.ranks(draw.column.scope) for draw in model.program.draws])
     for one in tries(model, found.batch, effort.lanes, 1 + number * effort.lanes):
         copies = copied(found, one.batch, one.of)
         change = weigh_change(copies, clouds, base, apart(found, copies))
@@ -199,7 +253,12 @@ def _likeliest(
         losses.append(np.where(change.share <= LARGE, change.loss, np.inf) if clouds.closely else change.loss)
         places.append(one.places(each=clouds.closely))
         odds.append(counts * one.odds)
-    of, loss, place, more = (np.concatenate(column) for column in (owners, losses, places, odds))
+        shares.append(change.share)
+        name = mix(mix(found.target[one.of].astype(np.uint64), one.draw), one.value.view(np.uint64))
+        names.append(np.where(single[one.draw], name, np.uint64(0)))
+    of, loss, place, more, share, name = (
+        np.concatenate(column) for column in (owners, losses, places, odds, shares, names)
+    )
     loss = np.asarray(loss - more)
     if not parts:
         parts, asked = [(found.batch, of)], [Asked.none()]
@@ -207,9 +266,13 @@ def _likeliest(
     hopeful = np.flatnonzero(loss < np.maximum(_HOPE, _HOPED * base.total[of]))
     first = hopeful[best_of(place[hopeful], of[hopeful], loss[hopeful], len(hopeful))]
     at = first[best_of(model.structures(every)[first], of[first], loss[first], effort.tried)]
-    of = of[at]
-    copies = Copies(model.assembled([(every, at)]), of, found.target[of], Placed.joined(stood).take(at))
-    return copies, told.take(at), more[at]
+    once = np.flatnonzero((name > 0) & (loss < base.total[of]))
+    once = np.setdiff1d(once[best_of(name[once], of[once], loss[once], len(once))], at)
+    copies, others = (
+        Copies(model.assembled([(every, some)]), of[some], found.target[of[some]], Placed.joined(stood).take(some))
+        for some in (at, once)
+    )
+    return _Tried(copies, told.take(at), more[at], name[at], others, loss[once], share[once], name[once])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

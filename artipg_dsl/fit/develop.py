@@ -10,7 +10,7 @@ import numpy as np
 
 from ..runtime.batch import Batch
 from .compare import Candidates, Targets
-from .evidence import LARGE, Change, Clouds, Copies, beside, weigh
+from .evidence import Clouds, Copies, beside, weigh
 from .focus import Differing, differing, lifted
 from .model import Model
 from .refine import refine
@@ -34,19 +34,14 @@ def apart(found: Candidates, copies: Copies, within: np.ndarray | None = None) -
 
 
 def developed(
-    model: Model, own: Targets, found: Candidates, clouds: Clouds, copies: Copies, change: Change, effort: Effort
+    model: Model, own: Targets, found: Candidates, clouds: Clouds, others: Candidates, effort: Effort
 ) -> Candidates:
-    """Those of the candidates that become likelier by a change of much of them once all numbers are refined, with this change: the most
-    promising of the ``copies`` of each are looked into, of which ``change`` tells."""
-    mine = np.flatnonzero(np.isin(copies.target, found.target) & (change.share > LARGE))
-    mine = mine[np.lexsort((change.loss[mine], copies.target[mine]))]
-    target = copies.target[mine]
-    mine = mine[np.arange(len(mine)) - np.searchsorted(target, target) < effort.developed]
-    target = copies.target[mine]
+    """Those of the candidates that become likelier as one of the ``others``, which are their copies with a change of much of them, once all
+    numbers of both are refined: in this form."""
+    target = others.target
     still = np.flatnonzero(np.isin(found.target, target))
-    if not len(mine):
+    if not len(target):
         return taken(model, found, still)
-    others = Candidates(model.assembled([(copies.batch, mine)]), target, copies.placed.take(mine), np.zeros(len(mine)))
     rivals = refine(model, own.first(2048), united(model, [taken(model, found, still), others]), effort.whole)
     both = [taken(model, rivals, np.arange(len(still))), taken(model, rivals, np.arange(len(still), len(rivals)))]
     was, now = (weigh(one.batch, one.target, one.placed, clouds) for one in both)

@@ -23,7 +23,8 @@ class Effort:
     """How much is tried: ``drawn`` candidates, of which ``looked`` at for each target; ``kept`` structures are refined by
     ``first``, ``best`` of them by ``more``, two of these by ``near``. Then elements of repeats are put together from ``copies`` of each
     candidate, and every other value of choices and counts is drawn ``lanes`` times, in ``rounds`` at most; of each object ``tried``
-    copies are refined by ``part``, and ``developed`` of those that change much by ``whole``. What is left is refined by ``last``."""
+    copies are refined by ``part``, and ``developed`` of those that change much by ``whole``, as are ``once`` of what stands once. What is left
+    is refined by ``last``."""
 
     drawn: int = 4000
     looked: int = 500
@@ -33,6 +34,7 @@ class Effort:
     lanes: int = 2
     tried: int = 12
     developed: int = 3
+    once: int = 6
     copies: int = 64
     first: Schedule = Schedule(5, 384, (0.06, 0.02))
     more: Schedule = Schedule(6, 512, (0.03, 0.008))

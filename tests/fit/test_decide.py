@@ -171,7 +171,7 @@ def test_what_stands_on_a_new_foot_stays(boards: apg.Samples) -> None:
     by = lifted(true, wrong, has)
     assert by.round(9).tolist() == [[0.0, 0.0, 0.05]] * len(has)
     found = Candidates(wrong, np.arange(len(has)), still(len(has)).moved(by), np.zeros(len(has)))
-    better = decide(model, clouds(boards).targets.take(has), found, Effort(developed=0))
+    better = decide(model, clouds(boards).targets.take(has), found, Effort(developed=0, once=0))
     assert (model.structures(better.batch) == model.structures(true)[has]).all()
     assert np.abs(better.placed.shift).max() < 1e-9
 
@@ -186,7 +186,7 @@ def test_changes_that_the_rest_does_not_fit_yet_are_developed(boards: apg.Sample
     higher = Changes(every, np.full(len(has), height), every, true.state.values[height][has] + 0.02)
     found = Candidates(model.altered(wrong, every, higher), every, still(len(has)), np.zeros(len(has)))
     right = []
-    for effort in (Effort(), Effort(developed=0)):
+    for effort in (Effort(), Effort(developed=0, once=0)):
         better = decide(model, clouds(boards).targets.take(has), found, effort)
         right.append(int((model.structures(better.batch) == model.structures(true)[has]).sum()))
     assert right == [len(has), 0]
@@ -243,7 +243,7 @@ def test_what_is_not_there_comes_on_either_side() -> None:
     sides = {(int(of), float(at)) for one in told for of, at in zip(one.of, one.batch.state.values[side], strict=True)}
     assert sides == {(k, at) for k in range(len(has)) for at in (0.0, 1.0)}
     found = Candidates(wrong, every, still(len(has)), np.zeros(len(has)))
-    better = decide(model, clouds(doors).targets.take(has), found, Effort(developed=0))
+    better = decide(model, clouds(doors).targets.take(has), found, Effort(developed=0, once=0))
     assert (model.structures(better.batch) == model.structures(true)[has]).all()
 
 
