@@ -1,7 +1,8 @@
 """What objects stand on: the corners of convex pieces that touch the floor at rest.
 
 The floor is as low as the lowest point of any primitive. Pieces may end above the lowest point of theirs, those of a round
-one by as much as a hundredth of its radius, and by no fault of what an author wrote: each is moved down by that much.
+one by as much as a hundredth of its radius, and by no fault of what an author wrote: what misses the floor by that is moved
+down by that much.
 """
 
 from __future__ import annotations
@@ -19,7 +20,6 @@ from .bodies import Pieces
 from .tree import Tree
 
 FLOOR = 1e-3  # metres: what is higher does not stand on it
-_FLAT = 1e-6  # metres: a piece that ends so near the box of its primitive ends where that does
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,8 +50,8 @@ def find_feet(tree: Tree, body: Pieces) -> Feet:
 
 
 def _drops(tree: Tree, body: Pieces) -> np.ndarray:
-    """How far (S,) the pieces of each row of the tables of sites, one table after the other, end above their primitive; 0 for
-    what is nowhere near the floor."""
+    """How far (S,) the pieces of each row of the tables of sites, one table after the other, end above their primitive; 0 where they
+    touch the floor as they are, as most feet do, and for what is nowhere near it."""
     tables = tree.batch.sites()
     count = sum(len(table) for table in tables)
     low, drop = np.full(count, np.inf), np.zeros(count)
@@ -64,10 +64,11 @@ def _drops(tree: Tree, body: Pieces) -> np.ndarray:
         begin += len(table)
         up, shift = _upright(tree, table)
         least = _box_lows(table, up) + shift
-        rows = np.flatnonzero((least <= floor[table.owner] + FLOOR) & (np.abs(low[own] - least) > _FLAT))
+        reach = floor[table.owner] + FLOOR
+        rows = np.flatnonzero((least <= reach) & (low[own] > reach) & np.isfinite(low[own]))
         if len(rows):
             true = find_lowest(table.primitive, take(table.params, rows), up[rows]) + shift[rows]
-            drop[own][rows] = np.where(np.isfinite(low[own][rows]), low[own][rows] - true, 0.0)
+            drop[own][rows] = low[own][rows] - true
     return drop
 
 
