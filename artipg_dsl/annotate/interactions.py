@@ -20,11 +20,8 @@ if TYPE_CHECKING:
     from ..graph.program import Label, Target
     from ..runtime.batch import Batch
 
-_PLACES = (
-    1,
-    64,
-    256,
-)  # on a primitive, about, but one on each patch at least: more where fewer do not show an affordance
+# on a primitive, about, but one on each patch at least: more where fewer do not show an affordance
+_PLACES = (1, 64, 256)
 _PATCHES = 16  # of a primitive, about
 _TOGETHER = 200_000  # places looked at together, about
 

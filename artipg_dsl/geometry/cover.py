@@ -12,8 +12,7 @@ import numpy as np
 
 from ..native import backend, points
 from .block import Block, to_local
-from .box import bounds
-from .patches import inside_split
+from .insides import Insides
 from .runs import runs
 
 ABOUT = 1.5  # a coincident surface lies within this many times that distance of the point asked
@@ -30,26 +29,16 @@ def scales(rows: Block) -> np.ndarray:
     return _OFF * out
 
 
-class Cover:
+class Cover(Insides):
     """The rows of a block as what hides places of others: ``off`` (objects,) as of ``scales``; ``meeting``: the rows on which places are
     asked, and those that may hide them, as of ``meeting_rows``.
 
-    ``shelf`` (R,) of each row; ``low`` and ``high`` (3, R) bound it in its own frame, ``ends`` (two arrays (3, R)) in the object's,
-    somewhat wider.
+    ``ends`` (two arrays (3, R)) bound each row in the object's frame, somewhat wider.
     """
 
     def __init__(self, rows: Block, off: np.ndarray, meeting: tuple[np.ndarray, np.ndarray]):
-        self.rows, self.off = rows, off
-        self.poses = (rows.rotation, rows.translation, rows.mirror)
-        self._inside = [inside_split(s.primitive) for s in rows.shelves]
-        self._values = [split.rows(s.params) for split, s in zip(self._inside, rows.shelves, strict=True)]
-        self.shelf = np.zeros(len(rows.owner), dtype=np.int16)
-        self.low, self.high = np.empty((3, len(rows.owner))), np.empty((3, len(rows.owner)))
-        for number, shelf in enumerate(rows.shelves):
-            corners = bounds(shelf.primitive, shelf.params)
-            part = slice(shelf.start, shelf.stop)
-            self.shelf[part] = number
-            self.low[:, part], self.high[:, part] = corners[0].T, corners[1].T
+        super().__init__(rows)
+        self.off = off
         reach = (REACH * off)[rows.owner]
         low, high = (np.ascontiguousarray(x.T) for x in (rows.low, rows.high))
         self.ends = low - reach, high + reach
@@ -73,7 +62,7 @@ class Cover:
     def depth(self, shelf: int, other: np.ndarray, local: Places) -> np.ndarray:
         """(m,) the inside function of rows ``other`` of one shelf at points in their own frames."""
         row = other - self.rows.shelves[shelf].start
-        value = self._inside[shelf].points([r[row] for r in self._values[shelf]], *local)[0]
+        value = self.inside[shelf].points([r[row] for r in self.values[shelf]], *local)[0]
         return np.broadcast_to(value, row.shape)
 
     def hidden(self, row: np.ndarray, position: Places, normal: Places) -> np.ndarray:

@@ -19,9 +19,7 @@ from ..native import backend
 from ..native import overlaps as native
 from ..records import dataclass
 from .block import Block, placed_points, to_local
-from .box import bounds
-from .patches import inside_split
-from .split import Split
+from .insides import Insides
 
 FEW, MANY = 512, 4096  # points of a pair: to see whether there is an overlap, and to measure it
 _CROWDED = 2048  # pairs of a body: with more of them its rows are measured whole
@@ -126,27 +124,8 @@ class Pairs:
         return Pairs(self.row[which], self.first[which], self.frame[which], low, high, self.great[which])
 
 
-class _Rows:
-    """A block with what its inside functions need."""
-
-    def __init__(self, rows: Block):
-        self.rows = rows
-        self.poses = rows.rotation, rows.translation, rows.mirror
-        self.shelf = np.zeros(len(rows.owner), dtype=np.int64)
-        self.low, self.high = np.empty((3, len(rows.owner))), np.empty((3, len(rows.owner)))
-        for number, shelf in enumerate(rows.shelves):
-            part = slice(shelf.start, shelf.stop)
-            corners = bounds(shelf.primitive, shelf.params)
-            self.shelf[part] = number
-            self.low[:, part], self.high[:, part] = corners[0].T, corners[1].T
-
-    @cached_property
-    def inside(self) -> list[Split]:
-        return [inside_split(s.primitive) for s in self.rows.shelves]
-
-    @cached_property
-    def values(self) -> list[np.ndarray]:
-        return [split.rows(s.params) for split, s in zip(self.inside, self.rows.shelves, strict=True)]
+class _Rows(Insides):
+    """Rows, and where they overlap."""
 
     @cached_property
     def effort(self) -> np.ndarray:
