@@ -1,20 +1,24 @@
 """The ``dataclass`` of the standard library, made in a fraction of the time.
 
-The standard decorator compiles four to six functions for each class; with the hundreds of classes of a compiler that is a tenth of the start
-of ``apgc``. Here the methods are closures, and ``__init__`` alone is compiled, once a class is first called.
-``fields``, ``replace``, ``asdict``, ``match``, ``copy``, pickles and signatures work as ever.
+The standard decorator compiles four to six functions for each class, and asks of each annotation in five ways whether it is a field; with
+the hundreds of classes of a compiler that is a tenth of the start of ``apgc``. Here the methods are closures, and ``__init__`` alone is
+compiled, once a class has been called a few times. ``fields``, ``replace``, ``asdict``, ``match``, ``copy``, pickles and signatures work
+as ever.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from functools import cache
+import inspect
+from collections.abc import Callable
+from functools import cache, cached_property
 from operator import attrgetter
 from reprlib import recursive_repr
-from types import CodeType, FunctionType, MemberDescriptorType
+from types import CodeType, FunctionType, MemberDescriptorType, MethodType, SimpleNamespace
 from typing import TYPE_CHECKING, Any
+
+_FEW = 5  # calls of a class that compiling its ``__init__`` takes longer than
+_FIELD = dataclasses._FIELD  # type: ignore[attr-defined]  # what marks a field, to the functions of the standard library
 
 if TYPE_CHECKING:
     from dataclasses import dataclass as dataclass
@@ -23,14 +27,24 @@ else:
     def dataclass(*, frozen=False, slots=False, eq=True, repr=True, kw_only=False):
         """As the standard decorator does, for those of its arguments that are taken."""
 
-        def made(plain: type) -> type:
-            plain.__doc__ = plain.__doc__ or plain.__name__  # else the standard library asks for the signature
-            with _thawed(plain, frozen):
-                cls = dataclasses.dataclass(init=False, repr=False, eq=False, slots=slots, kw_only=kw_only)(plain)
-            cls.__dataclass_params__.frozen = frozen
-            own, names = cls.__dict__, [f.name for f in dataclasses.fields(cls)]
+        def made(cls: type) -> type:
+            _stand_alike(cls, frozen)
+            fields = _collect(cls, kw_only)
+            names = list(fields)
+            if slots:
+                cls = _slotted(cls, names)
+            cls.__dataclass_fields__ = fields
+            cls.__dataclass_params__ = SimpleNamespace(
+                init=True, repr=repr, eq=eq, order=False, unsafe_hash=False, frozen=frozen
+            )
+            own = cls.__dict__
+            cls.__doc__ = cls.__doc__ or cls.__name__
+            if "__match_args__" not in own:
+                cls.__match_args__ = tuple([f.name for f in fields.values() if f.init and not f.kw_only])
             if "__init__" not in own:
                 cls.__init__ = _Init(cls, frozen)
+            if "__replace__" not in own:
+                cls.__replace__ = _replaced
             if repr and "__repr__" not in own:
                 cls.__repr__ = _repr
             if eq:
@@ -44,35 +58,107 @@ else:
         return made
 
 
-@contextmanager
-def _thawed(cls: type, frozen: bool) -> Iterator[None]:
-    """What ``cls`` stands on passes for classes that are not frozen, which the standard library would compile two functions for. Raises
-    TypeError where one is frozen and the other is not."""
-    below = [vars(base)["__dataclass_params__"] for base in cls.__mro__[1:] if "__dataclass_params__" in vars(base)]
-    known = [params.frozen for params in below]
-    if any(was != frozen for was in known):
-        kinds = ("non-frozen", "frozen") if frozen else ("frozen", "non-frozen")
-        raise TypeError(f"cannot inherit {kinds[1]} dataclass from a {kinds[0]} one")
-    try:
-        for params in below:
-            params.frozen = False
-        yield
-    finally:
-        for params, was in zip(below, known, strict=True):
-            params.frozen = was
+def _stand_alike(cls: type, frozen: bool) -> None:
+    """Refuse a class that stands on a frozen one and is not frozen, or the other way round, as the standard library does."""
+    for base in cls.__mro__[1:]:
+        params = base.__dict__.get("__dataclass_params__")
+        if params is not None and params.frozen != frozen:
+            kinds = ("non-frozen", "frozen") if frozen else ("frozen", "non-frozen")
+            raise TypeError(f"cannot inherit {kinds[1]} dataclass from a {kinds[0]} one")
+
+
+def _collect(cls: Any, kw_only: bool) -> dict[str, dataclasses.Field[Any]]:
+    """The fields of a class, those of what it stands on first; their defaults become attributes. Annotations are texts, and each is that
+    of a field: ``ClassVar``, ``InitVar`` and ``KW_ONLY`` are not taken."""
+    found: dict[str, Any] = {}
+    for base in cls.__mro__[:0:-1]:
+        found |= base.__dict__.get("__dataclass_fields__", {})
+    for name, kind in inspect.get_annotations(cls).items():
+        if not isinstance(kind, str) or kind.startswith(("ClassVar", "InitVar", "KW_ONLY")):
+            raise TypeError(f"{cls.__qualname__}.{name}: {kind} is not taken as the annotation of a field")
+        default = cls.__dict__.get(name, dataclasses.MISSING)
+        field: Any = default
+        if not isinstance(default, dataclasses.Field):
+            field = dataclasses.field() if isinstance(default, MemberDescriptorType) else dataclasses.field(default=default)
+        elif default.default is dataclasses.MISSING:
+            delattr(cls, name)
+        else:
+            setattr(cls, name, default.default)
+        if field.default.__class__.__hash__ is None:
+            raise ValueError(f"mutable default {type(field.default)} for field {name} is not allowed: use default_factory")
+        field.name, field.type, field._field_type = name, kind, _FIELD
+        if field.kw_only is dataclasses.MISSING:
+            field.kw_only = kw_only
+        found[name] = field
+    return found
+
+
+def _slotted(plain: type, names: list[str]) -> type:
+    """The class anew, with a slot for each of its fields that nothing which it stands on has one for."""
+    held = {slot for base in plain.__mro__[1:] for slot in base.__dict__.get("__slots__", ())}
+    space = dict(plain.__dict__)
+    for name in (*names, "__dict__", "__weakref__"):
+        space.pop(name, None)
+    space["__slots__"] = tuple([name for name in names if name not in held])
+    cls = type(plain)(plain.__name__, plain.__bases__, space)
+    cls.__qualname__ = plain.__qualname__
+    return cls
 
 
 class _Init:
-    """``__init__`` until it is asked for: then it is compiled, and takes this one's place."""
+    """``__init__`` until it has been asked for a few times: then it is compiled, and takes this one's place. Who asks the class for it,
+    as for its signature, gets the compiled one."""
 
     def __init__(self, cls: type, frozen: bool):
-        self.cls, self.frozen = cls, frozen
+        self.cls, self.frozen, self.calls = cls, frozen, 0
 
     def __get__(self, instance: Any, owner: type) -> Callable[..., None]:
-        if isinstance(self.cls.__dict__.get("__init__"), _Init):
-            type.__setattr__(self.cls, "__init__", _written(self.cls, self.frozen))
-        found = self.cls.__dict__["__init__"]
+        self.calls += 1
+        if instance is not None and self.calls <= _FEW:
+            return MethodType(self.fill, instance)
+        found = self.compiled
         return found if instance is None else found.__get__(instance, owner)
+
+    @cached_property
+    def compiled(self) -> Any:
+        made = _written(self.cls, self.frozen)
+        if self.cls.__dict__.get("__init__") is self:
+            type.__setattr__(self.cls, "__init__", made)
+        return made
+
+    @cached_property
+    def fields(self) -> tuple[dataclasses.Field[Any], ...]:
+        return dataclasses.fields(self.cls)
+
+    def fill(self, made: Any, /, *given: Any, **named: Any) -> None:
+        """As the compiled one does, which is asked wherever it would complain."""
+        plain = [f.name for f in self.fields if f.init and not f.kw_only]
+        values = dict(zip(plain, given, strict=False))
+        if len(given) > len(plain) or not values.keys().isdisjoint(named):
+            return self.compiled(made, *given, **named)
+        values |= named
+        filled = {}
+        for f in self.fields:
+            if f.init and f.name in values:
+                filled[f.name] = values.pop(f.name)
+            elif f.default is not dataclasses.MISSING:
+                filled[f.name] = f.default
+            elif f.default_factory is not dataclasses.MISSING:
+                filled[f.name] = f.default_factory()
+            elif f.init:
+                return self.compiled(made, *given, **named)
+        if values:
+            return self.compiled(made, *given, **named)
+        put = object.__setattr__ if self.frozen else setattr
+        for name, value in filled.items():
+            put(made, name, value)
+        if hasattr(made, "__post_init__"):
+            made.__post_init__()
+        return None
+
+
+def _replaced(self: Any, /, **changes: Any) -> Any:
+    return dataclasses.replace(self, **changes)
 
 
 class _Absent:
@@ -87,7 +173,7 @@ _ABSENT = _Absent()
 
 def _written(cls: Any, frozen: bool) -> Callable[..., None]:
     """The ``__init__`` of a class: an argument for each of its fields that takes one."""
-    fields = dataclasses.fields(cls)
+    fields = sorted(dataclasses.fields(cls), key=lambda f: f.kw_only)  # as arguments stand
     slots = frozen and all(isinstance(getattr(cls, f.name, None), MemberDescriptorType) for f in fields)
     known: dict[str, Any] = {"_set": object.__setattr__, "_absent": _ABSENT}
     shape, names = [], {}
@@ -101,7 +187,7 @@ def _written(cls: Any, frozen: bool) -> Callable[..., None]:
         if slots:
             known[f"set{number}"] = getattr(cls, field.name).__set__
         names[f"a{number}"] = field.name
-        shape.append((field.init, made, given or field.init, field.kw_only))
+        shape.append((field.init, made, given or field.init))
         value = _ABSENT if made else default
         if field.init and field.kw_only:
             named |= {field.name: value} if given else {}
@@ -111,7 +197,10 @@ def _written(cls: Any, frozen: bool) -> Callable[..., None]:
             raise TypeError(f"non-default argument {field.name!r} follows default argument")
     code = _body(tuple(shape), frozen, slots, hasattr(cls, "__post_init__"))
     variables, read = (tuple([names.get(name, name) for name in of]) for of in (code.co_varnames, code.co_names))
-    code = code.replace(co_varnames=variables, co_names=read)
+    by_name = sum(f.init and f.kw_only for f in fields)
+    code = code.replace(
+        co_varnames=variables, co_names=read, co_argcount=code.co_argcount - by_name, co_kwonlyargcount=by_name
+    )
     written = FunctionType(code, known, "__init__", tuple(plain))
     written.__kwdefaults__ = named
     written.__annotations__ = {f.name: f.type for f in fields if f.init} | {"return": None}
@@ -120,14 +209,14 @@ def _written(cls: Any, frozen: bool) -> Callable[..., None]:
 
 
 @cache
-def _body(shape: tuple[tuple[bool, bool, bool, bool], ...], frozen: bool, slots: bool, post: bool) -> CodeType:
-    """The code of an ``__init__`` whose fields are called ``a0``, ``a1``, ...; of each, whether it is an argument, has a default, by a
-    factory, and is taken by its name alone. Many classes share one: to compile it takes ten times as long as to change its names."""
-    plain, named, body = ["self"], list[str](), list[str]()
-    for number, (init, made, given, kw_only) in enumerate(shape):
+def _body(shape: tuple[tuple[bool, bool, bool], ...], frozen: bool, slots: bool, post: bool) -> CodeType:
+    """The code of an ``__init__`` whose fields are called ``a0``, ``a1``, ...; of each, whether it is an argument, has a default that a
+    factory makes, and has one at all. Many classes share one: to compile it takes ten times as long as to change its names."""
+    arguments, body = ["self"], list[str]()
+    for number, (init, made, given) in enumerate(shape):
         name = value = f"a{number}"
         if init:
-            (named if kw_only else plain).append(name)
+            arguments.append(name)
         elif not given:
             continue
         if made:
@@ -140,9 +229,8 @@ def _body(shape: tuple[tuple[bool, bool, bool, bool], ...], frozen: bool, slots:
             body.append(f"_set(self, name{number}, {value})" if frozen else f"self.{name} = {value}")
     if post:
         body.append("self.__post_init__()")
-    arguments = ", ".join([*plain, *(["*", *named] if named else [])])
     space: dict[str, Any] = {}
-    exec(f"def __init__({arguments}):\n " + "\n ".join(body or ["pass"]), space)
+    exec(f"def __init__({', '.join(arguments)}):\n " + "\n ".join(body or ["pass"]), space)
     code: CodeType = space["__init__"].__code__
     return code
 
@@ -163,7 +251,9 @@ def _compare(cls: Any, frozen: bool) -> None:
         values = lambda self: tuple(getattr(self, name) for name in names)  # noqa: E731
 
     def __eq__(self: Any, other: object) -> Any:
-        return values(self) == values(other) if other.__class__ is self.__class__ else NotImplemented
+        if other.__class__ is not self.__class__:
+            return NotImplemented
+        return other is self or values(self) == values(other)
 
     def __hash__(self: Any) -> int:
         return hash(values(self))
