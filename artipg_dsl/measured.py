@@ -110,7 +110,7 @@ class Measured:
         beyond = (least < joints.low[led] - _SLACK) | (most > joints.high[led] + _SLACK)
         endless = np.isnan(joints.low[leader]) & np.isfinite(joints.low[led]) & (joints.multiplier[led] != 0.0)
         beyond |= endless
-        for number in np.unique(joints.definition[led]).tolist():
+        for number in sorted(set(joints.definition[led].tolist())):  # `np.unique` without counts loads numpy.ma
             mine = joints.definition[led] == number
             joint = self.batch.program.joints[number]
             if joint.curve is not None or not beyond[mine].all():
@@ -146,7 +146,7 @@ class Measured:
         low, high = object_boxes(self.batch.sites(), len(self.batch))
         size = np.linalg.norm(np.maximum(high - low, 0.0), axis=1)
         far = slides & (way > np.maximum(_SHORT, _FAR * size[joints.owner]))
-        for number in np.unique(joints.definition[far]).tolist():
+        for number in sorted(set(joints.definition[far].tolist())):
             mine = joints.definition == number
             joint = self.batch.program.joints[number]
             if not far[mine].all():

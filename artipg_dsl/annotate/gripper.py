@@ -135,7 +135,7 @@ def find_wide(grasps: GraspTable) -> list[tuple[int, float, float]]:
     opening, the largest stroke), metres."""
     stroke = STANDARD.measures(grasps.hand)[:, MEASURES.index("stroke")]
     found = []
-    for family in np.unique(grasps.family).tolist():
+    for family in sorted(set(grasps.family.tolist())):
         mine = grasps.family == family
         if (grasps.opening[mine] > stroke[mine] * (1 + 1e-9)).all():
             found.append((int(family), float(grasps.opening[mine].min()), float(stroke[mine].max())))

@@ -49,13 +49,30 @@ class _Once(argparse.Action):
         setattr(names, self.dest, values)
 
 
+class _Formatter(argparse.HelpFormatter):
+    """Of lines as long as the terminal is wide. The parser makes one for each argument, and the standard library would load what
+    compresses archives to know the width."""
+
+    def __init__(self, prog: str):
+        super().__init__(prog, width=_columns() - 2)
+
+
+def _columns() -> int:
+    with suppress(KeyError, ValueError):
+        if (given := int(os.environ["COLUMNS"])) > 0:
+            return given
+    with suppress(AttributeError, ValueError, OSError):
+        return os.get_terminal_size(sys.__stdout__.fileno()).columns or 80  # type: ignore[union-attr]
+    return 80
+
+
 class Parser(argparse.ArgumentParser):
     """Errors as those of the commands: what is wrong, and what to try, without pages of usage."""
 
     commands: dict[str, Parser]
 
     def __init__(self, *arguments: Any, **more: Any):
-        super().__init__(*arguments, **more)
+        super().__init__(*arguments, formatter_class=_Formatter, **more)
         self.given: dict[str, Any] = {}
         for action in (None, "store"):
             self.register("action", action, _Once)

@@ -174,9 +174,9 @@ def _compile(commands: list[list[str]], place: Path) -> Path:
 
 def _pass(place: Path) -> None:
     """Remove a folder for what is not kept."""
-    import shutil  # start-up: as above
-
     if place in _passing:
+        import shutil  # start-up: as above
+
         _passing.remove(place)
         shutil.rmtree(place, ignore_errors=True)
 
