@@ -282,20 +282,17 @@ class _Emitter:
 
     def early(self, node: Expr, scope: Scope) -> str | None:
         """A value if it is known before what is being drawn; None (and nothing emitted) if it is not."""
-        before = len(self.lines)
-        kept = (
-            dict(self.names),
-            dict(self.gathered),
-            dict(self.tables),
-            dict(self.routes),
-            dict(self.drawn),
-            list(self.running),
-        )
+        stacks: tuple[list[Any], ...] = (self.lines, self.running)
+        known: tuple[dict[Any, Any], ...] = (self.names, self.gathered, self.tables, self.routes, self.drawn)
+        lengths, sizes = [len(stack) for stack in stacks], [len(names) for names in known]
         try:
             return self.value(node, scope)
         except PlanError:
-            del self.lines[before:]
-            self.names, self.gathered, self.tables, self.routes, self.drawn, self.running = kept
+            for stack, length in zip(stacks, lengths, strict=True):
+                del stack[length:]
+            for names, size in zip(known, sizes, strict=True):
+                while len(names) > size:  # what was added last; nothing that was known before has changed
+                    names.popitem()
             return None
 
     def union(self, union: Union, scope: Scope) -> tuple[Argument, ...]:
