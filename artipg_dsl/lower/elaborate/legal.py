@@ -77,8 +77,10 @@ def legalize(links: Links, env: Env) -> None:
     off = any(q.place and not holds(q, intervals, defined) and _never(q, intervals) for q in context.asked)
     void = (quantity for element in context.named for quantity in of_element(element))
     for quantity, needed in (*((q, True) for q in _quantities(links)), *((q, False) for q in void)):
+        if holds(quantity, intervals, defined):
+            continue
         key = (quantity.scope, quantity.value, quantity.legal, quantity.guard)
-        if key in seen or holds(quantity, intervals, defined):
+        if key in seen:
             continue
         seen.add(key)
         if _never(quantity, intervals):

@@ -81,6 +81,9 @@ class Hinge:
     env: Env
     statement: ast.JointDecl
 
+    def __hash__(self) -> int:
+        return hash((self.env, self.statement.span))  # not all that stands in the statement
+
 
 @dataclass(slots=True, eq=False)
 class Env:
