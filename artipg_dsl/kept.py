@@ -13,7 +13,6 @@ from typing import Any
 
 from . import cache
 from .diagnostics import Diagnostic
-from .diagnostics.codes import CODES
 from .shapes import Misfit, fit
 from .source import Source, Span
 from .syntax.load import to_text
@@ -101,6 +100,8 @@ def _numbered(found: Diagnostic, sources: Mapping[tuple[str, str], int]) -> list
 
 def _diagnostic(item: Any, sources: list[Source]) -> Diagnostic:
     """Raises where the item is no finding in these sources."""
+    from .diagnostics.codes import CODES  # start-up
+
     fit(item, list)
     code, message, place, severity, hint, notes, trace = item
     fit([code, message, severity, hint or ""], list[str])

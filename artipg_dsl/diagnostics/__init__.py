@@ -8,8 +8,7 @@ a ``CompileError``. Begin with ``model``; a new code is an entry in ``codes``.
     text, data, page      findings for people and for tools; the page of all codes
 """
 
-from .codes import CODES, Code, explain
 from .model import CompileError, Diagnostic, Report
 from .suggest import did_you_mean, suggest
 
-__all__ = ["CODES", "Code", "CompileError", "Diagnostic", "Report", "did_you_mean", "explain", "suggest"]
+__all__ = ["CompileError", "Diagnostic", "Report", "did_you_mean", "suggest"]

@@ -6,7 +6,6 @@ from typing import Any
 
 from ..records import dataclass
 from ..source import Span
-from .codes import CODES
 from .text import render
 
 Notes = tuple[tuple[Span, str], ...]
@@ -36,6 +35,8 @@ class Report:
         self._found: dict[tuple[Any, ...], Diagnostic] = {}
 
     def add(self, diagnostic: Diagnostic) -> None:
+        from .codes import CODES  # start-up: what explains a hundred codes, where most programs have no finding
+
         if diagnostic.code not in CODES:
             raise KeyError(f"diagnostic code {diagnostic.code!r} is not registered in diagnostics/codes.py")
         span = diagnostic.span

@@ -8,7 +8,8 @@ import pytest
 
 import artipg_dsl
 from artipg_dsl.cli.main import main
-from artipg_dsl.diagnostics import CODES, CompileError, Report, explain
+from artipg_dsl.diagnostics import CompileError, Report
+from artipg_dsl.diagnostics.codes import CODES, explain
 from artipg_dsl.diagnostics.page import COMMAND, page
 from artipg_dsl.session import Session
 from artipg_dsl.syntax.load import load

@@ -8,7 +8,7 @@ from textwrap import dedent
 import numpy as np
 import pytest
 
-from artipg_dsl.diagnostics import CODES
+from artipg_dsl.diagnostics.codes import CODES
 from artipg_dsl.session import Session
 from artipg_dsl.validity.buried import find_buried
 

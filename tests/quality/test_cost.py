@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl.cli.main import main
-from artipg_dsl.diagnostics import CODES
+from artipg_dsl.diagnostics.codes import CODES
 from artipg_dsl.quality.cost import measure_costs
 from artipg_dsl.session import Session
 from artipg_dsl.validity.bodies import gather

@@ -2,7 +2,7 @@
 
 from textwrap import dedent
 
-from artipg_dsl.diagnostics import CODES
+from artipg_dsl.diagnostics.codes import CODES
 from artipg_dsl.geometry import pieces
 from artipg_dsl.session import Session
 

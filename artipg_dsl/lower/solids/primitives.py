@@ -23,7 +23,6 @@ from ..values.kinds import Value, Vec
 from ..values.vectors import times
 from .curves import Curve, let
 from .lowered import Condition, Lowered, blame
-from .operators import solid_of
 from .paths import handed
 from .probe import possible, test_ranges
 from .recalled import entry_of, keep, recall
@@ -151,6 +150,8 @@ def make(context: Draft, symbol: Symbol, title: str, paths: dict[str, Handed]) -
             case _:
                 pass
     if solid is not None:
+        from .operators import solid_of  # start-up: most solids are kept
+
         made = solid_of(env, solid)
         patches, pieces, inside = list(made.patches), pieces or list(made.pieces), made.inside
         for demand in made.requires:
