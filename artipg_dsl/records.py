@@ -79,13 +79,17 @@ def _collect(cls: Any, kw_only: bool) -> dict[str, dataclasses.Field[Any]]:
         default = cls.__dict__.get(name, dataclasses.MISSING)
         field: Any = default
         if not isinstance(default, dataclasses.Field):
-            field = dataclasses.field() if isinstance(default, MemberDescriptorType) else dataclasses.field(default=default)
+            field = (
+                dataclasses.field() if isinstance(default, MemberDescriptorType) else dataclasses.field(default=default)
+            )
         elif default.default is dataclasses.MISSING:
             delattr(cls, name)
         else:
             setattr(cls, name, default.default)
         if field.default.__class__.__hash__ is None:
-            raise ValueError(f"mutable default {type(field.default)} for field {name} is not allowed: use default_factory")
+            raise ValueError(
+                f"mutable default {type(field.default)} for field {name} is not allowed: use default_factory"
+            )
         field.name, field.type, field._field_type = name, kind, _FIELD
         if field.kw_only is dataclasses.MISSING:
             field.kw_only = kw_only
@@ -173,7 +177,7 @@ _ABSENT = _Absent()
 
 def _written(cls: Any, frozen: bool) -> Callable[..., None]:
     """The ``__init__`` of a class: an argument for each of its fields that takes one."""
-    fields = sorted(dataclasses.fields(cls), key=lambda f: f.kw_only)  # as arguments stand
+    fields = sorted(dataclasses.fields(cls), key=lambda f: f.kw_only is True)  # as arguments stand
     slots = frozen and all(isinstance(getattr(cls, f.name, None), MemberDescriptorType) for f in fields)
     known: dict[str, Any] = {"_set": object.__setattr__, "_absent": _ABSENT}
     shape, names = [], {}
@@ -197,7 +201,7 @@ def _written(cls: Any, frozen: bool) -> Callable[..., None]:
             raise TypeError(f"non-default argument {field.name!r} follows default argument")
     code = _body(tuple(shape), frozen, slots, hasattr(cls, "__post_init__"))
     variables, read = (tuple([names.get(name, name) for name in of]) for of in (code.co_varnames, code.co_names))
-    by_name = sum(f.init and f.kw_only for f in fields)
+    by_name = sum(f.init and f.kw_only is True for f in fields)
     code = code.replace(
         co_varnames=variables, co_names=read, co_argcount=code.co_argcount - by_name, co_kwonlyargcount=by_name
     )

@@ -72,7 +72,7 @@ class Parser(argparse.ArgumentParser):
     commands: dict[str, Parser]
 
     def __init__(self, *arguments: Any, **more: Any):
-        super().__init__(*arguments, formatter_class=_Formatter, **more)
+        super().__init__(*arguments, **{"formatter_class": _Formatter, **more})
         self.given: dict[str, Any] = {}
         for action in (None, "store"):
             self.register("action", action, _Once)
