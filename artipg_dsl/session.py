@@ -142,8 +142,10 @@ class Session:
     @cached_property
     def workspace(self) -> Workspace:
         from .semantics.modules import Workspace
+        from .syntax.trees import shipped_tree
 
-        return Workspace(self.report, [library_dir()], reader=self.read)
+        shipped = shipped_tree if self.texts is None else None  # an editor shows all mistakes of a text that it holds
+        return Workspace(self.report, [library_dir()], reader=self.read, shipped=shipped)
 
     def read(self, path: Path, report: Report, _: str = "") -> Source | None:
         """The text of a file that the program uses; None after reporting why there is none."""
@@ -304,6 +306,9 @@ class Session:
 
     def _keep(self, kind: str, rest: str = "") -> None:
         if self._text is not None and self.texts is None:
+            from .syntax.trees import keep_parsed
+
+            keep_parsed()
             main = self.path.resolve() if self.path else None
             files = {path: source for path, source in self.workspace.read.items() if path != main}
             kept.keep(kind, self._text, self._folder, files, self.workspace.absent, self.report.diagnostics, rest)

@@ -27,7 +27,7 @@ class Workspace:
 
     ``search_path`` holds the folders where ``use`` looks after the importing file's own (default: the shipped
     library). ``loader`` turns a source into a tree, ``reader`` a path and the name to show for it into a source;
-    both report what is wrong and return None.
+    both report what is wrong and return None. ``shipped`` is the loader of what a file uses of the shipped library.
     """
 
     def __init__(
@@ -36,10 +36,12 @@ class Workspace:
         search_path: Sequence[Path] | None = None,
         loader: Loader | None = None,
         reader: Reader | None = None,
+        shipped: Loader | None = None,
     ) -> None:
         self.report = report
         self.search_path = tuple(search_path) if search_path is not None else (library_dir(),)
         self.loader = loader or tree_of
+        self.shipped = shipped or self.loader
         self.reader = reader or load
         self.modules: dict[str, ModuleScope] = {}
         self.read: dict[Path, Source] = {}  # the files that were read
@@ -47,8 +49,9 @@ class Workspace:
         self._trail: list[tuple[str, Span]] = []  # the uses that led to the module being loaded
         self._failed: set[str] = set()
 
-    def load_file(self, path: Path, shown: str | None = None) -> ModuleScope | None:
-        """The scope of a file, named ``shown`` in messages; None after an error in reading or parsing it."""
+    def load_file(self, path: Path, shown: str | None = None, used: bool = False) -> ModuleScope | None:
+        """The scope of a file, named ``shown`` in messages, which another one may have ``used``; None after an error in reading or
+        parsing it."""
         key = str(path.resolve())
         if key in self.modules:
             return self.modules[key]
@@ -57,7 +60,8 @@ class Workspace:
         source = self.reader(path, self.report, shown or str(path))
         if source is not None:
             self.read[path.resolve()] = source
-        scope = self._load(source, key, path.parent) if source is not None else None
+        loader = self.shipped if used and path.parent == library_dir() else self.loader
+        scope = self._load(source, key, path.parent, loader) if source is not None else None
         if scope is None:
             self._failed.add(key)
         return scope
@@ -65,10 +69,10 @@ class Workspace:
     def load_source(self, source: Source) -> ModuleScope | None:
         """The scope of a text at hand; its imports are looked for beside ``source.name``, then on the search path."""
         path = Path(source.name)
-        return self._load(source, str(path.resolve()), path.parent)
+        return self._load(source, str(path.resolve()), path.parent, self.loader)
 
-    def _load(self, source: Source, key: str, folder: Path) -> ModuleScope | None:
-        tree = self.loader(source, self.report)
+    def _load(self, source: Source, key: str, folder: Path, loader: Loader) -> ModuleScope | None:
+        tree = loader(source, self.report)
         if tree is None:
             return None
         scope = ModuleScope(Path(source.name).stem, tree.span.source, tree)
@@ -121,7 +125,7 @@ class Workspace:
                 self._cycle(keys.index(target))
                 scope.lost.update(use.names)
                 return
-            module = self.load_file(path, shown)
+            module = self.load_file(path, shown, used=True)
         finally:
             self._trail.pop()
         if module is not None:

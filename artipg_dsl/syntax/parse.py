@@ -29,6 +29,14 @@ def parse(source: Source, report: Report) -> ast.Module | None:
     return tree if whole else None
 
 
+def parse_piece(source: Source, begin: int, end: int) -> ast.Module | None:
+    """The tree of a part of a source that stands alone, as a declaration does; None where it has a mistake."""
+    with _ONE_AT_A_TIME, uncollected():
+        tools = machine()
+        tree = tools.tree(source, " " * begin + source.text[begin:end])
+        return None if tree is None or tools.builder.problems or too_deep(tree, _DEEPEST) else tree
+
+
 def parse_rest(source: Source) -> ast.Module | None:
     """The tree of a source without the statements that have mistakes; None where nothing sensible is left."""
     with _ONE_AT_A_TIME, uncollected():

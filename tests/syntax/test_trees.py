@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from artipg_dsl import cache
-from artipg_dsl.diagnostics import Report
+from artipg_dsl.diagnostics import CompileError, Report
 from artipg_dsl.resources import library_dir
 from artipg_dsl.source import Source
 from artipg_dsl.syntax import ast, trees
@@ -37,6 +37,8 @@ def test_a_tree_comes_back_as_it_was(path):
     again = from_data(json.loads(json.dumps(to_data(tree))), source, ast.Module)
     assert again == tree and repr(again) == repr(tree) and places(again) == places(tree)
     assert {type(node) for node in walk(again)} == {type(node) for node in walk(tree)}
+    if path is not FORMS:
+        assert trees._scanned(source).whole == tree
 
 
 def test_what_is_no_tree_is_refused():
@@ -97,6 +99,30 @@ def test_of_a_kept_tree_what_is_asked_for_is_made(tmp_path, monkeypatch):
     assert kept.declaration(number) is kept.declaration(number) and len(made) == 2
     assert kept.whole == parsed and kept.whole.declarations[number] is kept.declaration(number)
     assert len(made) == 1 + len(kept.heads)
+
+
+def test_what_is_used_of_a_shipped_file_is_parsed(tmp_path, monkeypatch):
+    monkeypatch.setenv("APGC_CACHE", str(tmp_path))
+    monkeypatch.setattr(trees, "_trees", {})
+    text = "apg 1\n# of wood\n\n## Hard.\nmaterial oak { density 700kg/m3 }  ## brown\n\nlet two = 2\n\nmaterial pine { density 500kg/m3 }\n"
+    source = Source("a.apg", text)
+    parsed = parse(source, Report())
+    tree = trees.shipped_tree(source, Report())
+    assert tree.heads == parsed.heads and tree.declaration(0).doc == parsed.declarations[0].doc == "Hard.\nbrown"
+    trees.keep_parsed()
+    kept = trees._recalled(source)
+    assert not kept.complete and kept.declaration(0) == tree.declaration(0) and not kept.parsed
+    assert trees.tree_of(source, Report()).whole == parsed and trees._recalled(source).complete
+
+    wrong = Source("b.apg", text.replace("let two = 2", "let two = "))
+    tree = trees.shipped_tree(wrong, Report())
+    assert tree.declaration(0).name == "oak" and tree.declaration(2).name == "pine"
+    with pytest.raises(CompileError, match="syntax"):
+        tree.declaration(1)
+    report = Report()
+    assert trees.tree_of(wrong, report) is None and report.failed
+    for unusual in ("  material oak { density 700kg/m3 }\n", "let one = 1\nuse wood { oak }\n"):
+        assert isinstance(trees.shipped_tree(Source("c.apg", unusual), Report()), ast.Module)
 
 
 def test_a_spoilt_declaration_is_parsed(tmp_path, monkeypatch):
