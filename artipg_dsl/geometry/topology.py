@@ -20,7 +20,7 @@ from .errors import PrimitiveError
 from .patches import grid, position_split, surfaces, tangent_split
 from .split import Params
 from .trial import draw_trial, variants
-from .vectors import cross
+from .vectors import cross, dot
 
 _TOLERANCE = 1e-9  # relative to the extent of the instance
 _PROBE = 1e-6  # how far off a surface the inside function is asked, relative too
@@ -331,11 +331,11 @@ def _angles(primitive: Primitive, patch: int) -> tuple[float, float]:
 
 def _turned(tangents: np.ndarray) -> float:
     """The greatest sum of angles between successive tangents: (rows, steps, lines, 3), collapsed lines ignored."""
-    length = np.sqrt((tangents**2).sum(axis=-1))
+    length = np.sqrt(dot(tangents, tangents))
     good = (length > 1e-9 * length.max()).all(axis=1)
     first, second = tangents[:, :-1], tangents[:, 1:]
     turned = cross(first, second)
-    angles = np.arctan2(np.sqrt((turned**2).sum(axis=-1)), (first * second).sum(axis=-1)).sum(axis=1)
+    angles = np.arctan2(np.sqrt(dot(turned, turned)), dot(first, second)).sum(axis=1)
     return float(np.where(good, angles, 0.0).max())
 
 

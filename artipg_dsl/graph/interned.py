@@ -11,7 +11,7 @@ from typing import Generic, TypeVar
 from weakref import ref
 
 T = TypeVar("T")
-_FEWEST = 10_000  # entries that are worth a sweep
+_FEWEST = 50_000  # entries that are worth a sweep
 
 
 class Interned(Generic[T]):

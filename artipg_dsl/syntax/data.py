@@ -23,6 +23,7 @@ KINDS: tuple[type[ast.Node], ...] = tuple(
     held for held in vars(ast).values() if isinstance(held, type) and issubclass(held, ast.Node)
 )
 
+_SIMPLE = frozenset((str, NoneType, bool, int, float))  # what is its own data
 _NUMBERS = {kind: number for number, kind in enumerate(KINDS)}
 
 
@@ -41,7 +42,8 @@ def to_data(tree: ast.Node) -> list[list[Any]]:
             number = numbers.get(id(value))
             if number is None:
                 row = [_NUMBERS[kind], value.span.start, value.span.end]
-                row += [data(getattr(value, name)) for name in _names(kind)]
+                held = [getattr(value, name) for name in _names(kind)]
+                row += [one if type(one) in _SIMPLE else data(one) for one in held]
                 number = numbers[id(value)] = len(rows)
                 rows.append(row)
             return number
@@ -115,6 +117,18 @@ def _shape(kind: type[ast.Node]) -> tuple[Field, ...]:
         hints = get_type_hints(kind)
         _shapes[kind] = tuple(_field(field.name, hints[field.name]) for field in fields(kind) if field.name != "span")
     return _shapes[kind]
+
+
+_inner: dict[type[ast.Node], tuple[str, ...]] = {}
+
+
+def inner(node: ast.Node) -> tuple[str, ...]:
+    """The fields of a node in which nodes stand."""
+    kind = type(node)
+    found = _inner.get(kind)
+    if found is None:
+        found = _inner[kind] = tuple(name for name, what, *_ in _shape(kind) if what == NODE)
+    return found
 
 
 @cache

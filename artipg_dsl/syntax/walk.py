@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from .ast import BinaryExpr, Expr, IndexExpr, MemberExpr, Node, Stmt, VectorExpr, WhenStmt
+from .data import inner
 
 
 def walk(node: object) -> Iterator[Node]:
     """A node, then all nodes in it, in the order of the text; the nodes of a tuple of them."""
     if isinstance(node, Node):
         yield node
-        for name in node.__dataclass_fields__:
-            if name != "span":
-                yield from walk(getattr(node, name))
+        for name in inner(node):
+            yield from walk(getattr(node, name))
     elif isinstance(node, tuple):
         for item in node:
             yield from walk(item)
@@ -21,11 +21,11 @@ def walk(node: object) -> Iterator[Node]:
 
 def children(node: Node) -> Iterator[Node]:
     """The nodes that stand in a node itself."""
-    held = [getattr(node, name) for name in node.__dataclass_fields__ if name != "span"]
+    held = [getattr(node, name) for name in inner(node)]
     while held:
         match held.pop(0):
-            case Node() as inner:
-                yield inner
+            case Node() as below:
+                yield below
             case tuple() as items:
                 held[:0] = items
 
@@ -65,7 +65,7 @@ def too_deep(tree: Node, most: int) -> Node | None:
         node, depth = inside.pop()
         if depth > most:
             return node
-        held = [getattr(node, name) for name in node.__dataclass_fields__]
+        held = [getattr(node, name) for name in inner(node)]
         while held:
             value = held.pop()
             if isinstance(value, tuple):
