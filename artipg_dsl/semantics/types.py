@@ -295,7 +295,7 @@ def sort_of(kind: Type | None) -> object:
 
 def fits(given: Type, wanted: Type) -> bool:
     """Whether a value of ``given`` may stand where ``wanted`` is expected."""
-    if UNKNOWN in (given, wanted) or given == wanted:
+    if given is wanted or given is UNKNOWN or wanted is UNKNOWN or given == wanted:
         return True
     if isinstance(wanted, ScalarType):
         if given == PLANE:
