@@ -18,7 +18,7 @@ from types import CodeType, FunctionType, MemberDescriptorType, MethodType, Simp
 from typing import TYPE_CHECKING, Any
 
 _FEW = 5  # calls of a class that compiling its ``__init__`` takes longer than
-_FIELD = dataclasses._FIELD  # type: ignore[attr-defined]  # what marks a field, to the functions of the standard library
+_FIELD = vars(dataclasses)["_FIELD"]  # what marks a field, to the functions of the standard library
 
 if TYPE_CHECKING:
     from dataclasses import dataclass as dataclass
