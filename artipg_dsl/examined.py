@@ -15,9 +15,14 @@ if TYPE_CHECKING:
     from .lower.elaborate.part import Component
     from .lower.program import Lowering
     from .validity.floating import Solids
+    from .validity.stuck import Stuck
 
 _NAMED = 6  # parts that a warning names
 _APART = 1e-4  # metres: what is farther apart does not touch
+_ROUND = (
+    "turn its axis round, as by `lid.back.bottom` for `lid.bottom.back`, or the signs of its range",
+    "let it slide the other way, as by `along -x` for `along x`",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +177,7 @@ class Examined(Measured):
         from .runtime.tables import plain_name  # start-up
         from .validity.bodies import gather  # start-up
         from .validity.floating import Solids  # start-up
-        from .validity.stuck import find_never, find_stuck  # start-up
+        from .validity.stuck import find_driven, find_meeting, find_never, find_stuck  # start-up
         from .validity.tree import Tree  # start-up
 
         tree = Tree(self.batch)
@@ -181,19 +186,28 @@ class Examined(Measured):
         self.warn_floating(solids)
         self.warn_coincident()
         self.warn_buried()
-        for stuck in find_stuck(tree, body):
+        found = find_meeting(tree, body)
+        for stuck in find_stuck(tree, body, found):
             one, other = (plain_name(part) for part in stuck.parts)
-            on = [
-                f"`{part}` is on the link of `{link}`"
-                for part, link in zip((one, other), stuck.links, strict=True)
-                if part != link and not part.startswith(f"{link}.")
-            ]
             self.report.warning(
                 "colliding-links",
                 self._later(one, other),
                 f"`{stuck.parts[0]}` and `{stuck.parts[1]}` overlap with all joints at rest, in every object examined that has both"
-                + (f" ({' and '.join(on)})" if on else ""),
+                + _on_links(stuck),
                 hint="leave a gap, as in `align lid.bottom = body.top + 1mm`; "
+                f'if the overlap is meant, write `allow overlap {one}, {other} because "..."`',
+            )
+        for driven in find_driven(tree, body, found):
+            one, other = (plain_name(part) for part in driven.parts)
+            joint = self.batch.program.joints[driven.joint]
+            self.report.warning(
+                "colliding-links",
+                self._line(joint.where) or self._later(one, other),
+                f"`{driven.parts[0]}` and `{driven.parts[1]}` collide while `{joint.path}` moves, at {driven.value}, "
+                f"in every object examined that has both{_on_links(driven)}",
+                hint=f"to the other side they would not meet: {_ROUND[joint.kind == 'prismatic']}"
+                if driven.turned
+                else "leave room where it moves, shorten its range, or place its axis elsewhere; "
                 f'if the overlap is meant, write `allow overlap {one}, {other} because "..."`',
             )
         for fault in find_never(solids):
@@ -251,6 +265,15 @@ class Examined(Measured):
         """Where the part of the category is declared that the part with this path is in."""
         parts = (part for part in self.lowering.context.parts if f"{path}.".startswith(f"{part.path}."))
         return min(parts, key=lambda part: len(part.path)).span
+
+
+def _on_links(stuck: Stuck) -> str:
+    """On which links parts are that are not named as these."""
+    from .runtime.tables import plain_name  # start-up
+
+    names = zip(map(plain_name, stuck.parts), stuck.links, strict=True)
+    on = [f"`{part}` is on the link of `{link}`" for part, link in names if not f"{part}.".startswith(f"{link}.")]
+    return f" ({' and '.join(on)})" if on else ""
 
 
 def why_endless(lowering: Lowering, requirement: int) -> str:

@@ -1,5 +1,5 @@
-"""Links that overlap where nothing has moved yet, and what else no object examined is free of: what can be asked of a few objects
-at once, for `check`."""
+"""Links that overlap at rest, or that a joint drives into one another, and what else no object examined is free of: what can be
+asked of a few objects at once, for `check`."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from ..records import dataclass
 from ..runtime.tables import plain_name
 from .apart import find_too_near
 from .bodies import Pieces
-from .contact import describe_contact, meeting_parts
+from .contact import describe_contact, meeting_parts, value_in_words
 from .fault import Fault
 from .floating import Solids, find_inverted
 from .loops import find_open
 from .tree import Tree
-from .validate import Collisions, find_collisions_at_rest
+from .validate import Collisions, find_collisions
+
+_FEW = 3  # objects: that a joint collides in fewer may be bad luck
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,15 +28,82 @@ class Stuck:
     parts: tuple[str, str]
 
 
-def find_stuck(tree: Tree, body: Pieces) -> list[Stuck]:
+@dataclass(frozen=True, slots=True)
+class Driven(Stuck):
+    """The same of links that a joint, by its definition, drives into one another: at a value, in words, of the first object;
+    ``turned``: they would not meet with its range on the other side of its rest value."""
+
+    joint: int
+    value: str
+    turned: bool
+
+
+def find_meeting(tree: Tree, body: Pieces) -> Collisions:
+    """What meets at rest and, in the objects where nothing does, while one joint moves."""
+    return find_collisions(tree.batch, tree, body, np.zeros(0, dtype=np.int64))
+
+
+def _pairs(tree: Tree, found: Collisions) -> np.ndarray:
+    """(m, 2) the definitions of the links of each row, the lower first."""
+    start = tree.first[found.owner]
+    sides = [tree.links.definition[start + side] for side in (found.first, found.second)]
+    return np.sort(np.stack(sides, axis=1), axis=1)
+
+
+def _there(tree: Tree) -> np.ndarray:
+    """(B, definitions) which object has which link."""
+    there = np.zeros((len(tree.first), len(tree.batch.program.links)), dtype=bool)
+    there[tree.links.owner, tree.links.definition] = True
+    return there
+
+
+def find_driven(tree: Tree, body: Pieces, found: Collisions) -> list[Driven]:
+    """The pairs of links that one joint drives into one another in each of the objects that have both, of those that are free at
+    rest and at least three."""
+    still = distinct(found.owner[found.joint < 0])
+    there = _there(tree)
+    there[still] = False
+    moving = _driving(tree, found)
+    turned = None  # what meets on the other side; where loops close there is not known
+    driven = []
+    for key in sorted(set(map(tuple, moving[found.joint >= 0].tolist()))):
+        one, other, joint = key
+        rows = np.flatnonzero((moving == key).all(axis=1))
+        hit = len(distinct(found.owner[rows]))
+        if hit < _FEW or hit < int((there[:, one] & there[:, other]).sum()):
+            continue
+        if turned is None and tree.batch.loops is None:
+            turned = _meeting_beyond(tree, body)
+        contact = describe_contact(tree, body, found, int(rows[0]))
+        assert contact.value is not None
+        first, second = sorted(tree.batch.program.links[link].path for link in (one, other))
+        value = value_in_words(tree.batch.program.joints[joint].kind, contact.value)
+        driven.append(Driven((first, second), contact.parts, joint, value, turned is not None and key not in turned))
+    return driven
+
+
+def _driving(tree: Tree, found: Collisions) -> np.ndarray:
+    """(m, 3) the definitions of the links of each row and that of the joint that brings it about, -1 for none."""
+    joints = np.append(tree.joints.definition, -1)
+    start = np.searchsorted(tree.joints.owner, found.owner)
+    joint = joints[np.where(found.joint >= 0, start + found.joint, len(joints) - 1)]
+    return np.append(_pairs(tree, found), joint[:, None], axis=1)
+
+
+def _meeting_beyond(tree: Tree, body: Pieces) -> set[tuple[int, ...]]:
+    """What meets with the range of every joint on the other side of its rest value: definitions of links and of the joint."""
+    turned = Tree(tree.batch)
+    turned.low, turned.high = 2 * tree.joints.rest - tree.high, 2 * tree.joints.rest - tree.low
+    beyond = find_collisions(tree.batch, turned, body)
+    return set(map(tuple, _driving(turned, beyond).tolist()))
+
+
+def find_stuck(tree: Tree, body: Pieces, found: Collisions) -> list[Stuck]:
     """The pairs of links that overlap with all joints at rest in each of the objects that have both, without those that the text
     allows to; the parts are those of the first object. Of links that overlap in some objects, the pairs of parts that overlap in
     each that has both: a part of a link may be absent where the link is not."""
-    found, links = find_collisions_at_rest(tree, body), tree.links
-    start = tree.first[found.owner]
-    pairs = np.sort(np.stack([links.definition[start + side] for side in (found.first, found.second)], axis=1), axis=1)
-    there = np.zeros((len(tree.first), len(tree.batch.program.links)), dtype=bool)
-    there[links.owner, links.definition] = True
+    found, there = found.at(found.joint < 0), _there(tree)
+    pairs = _pairs(tree, found)
     stuck = []
     for one, other in sorted(set(map(tuple, pairs.tolist()))):
         rows = np.flatnonzero((pairs == (one, other)).all(axis=1))

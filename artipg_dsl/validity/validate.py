@@ -52,6 +52,11 @@ class Collisions:
         """Indices of the objects that have any."""
         return distinct(self.owner)
 
+    def at(self, rows: np.ndarray) -> Collisions:
+        """Some of them."""
+        names = ("owner", "first", "second", "joint", "value", "pieces")
+        return Collisions(*(getattr(self, name)[rows] for name in names))
+
 
 def find_collisions(
     batch: Batch, tree: Tree | None = None, body: Pieces | None = None, lost: np.ndarray | None = None
@@ -75,11 +80,6 @@ def find_meetings(tree: Tree, body: Pieces, lost: np.ndarray | None = None) -> n
 def find_meetings_at_rest(tree: Tree, body: Pieces) -> np.ndarray:
     """As ``find_meetings``, of what meets at rest."""
     return np.concatenate([_nothing(), *(_resting(tree, part) for part in split_blocks(body))])
-
-
-def find_collisions_at_rest(tree: Tree, body: Pieces) -> Collisions:
-    """As ``find_collisions``, of what meets at rest."""
-    return _told(tree, find_meetings_at_rest(tree, body))
 
 
 def _told(tree: Tree, rows: np.ndarray) -> Collisions:

@@ -1,4 +1,4 @@
-"""`check` warns of links that overlap at rest, whatever is drawn."""
+"""`check` warns of links that overlap at rest, or collide while a joint moves, whatever is drawn."""
 
 from __future__ import annotations
 
@@ -110,3 +110,61 @@ category Case {
     session.advise()
     (found,) = [d for d in session.report.diagnostics if d.code == "colliding-links"]
     assert found.message.startswith("`column[1].divider` and `column[1].drawer` overlap with all joints at rest")
+
+
+MOVES = """apg 1
+use primitives {{ Cuboid }}
+category Chest {{
+  param gap : length in 1mm .. 3mm
+  param tall : length in 1cm .. 4cm
+  root part body : Cuboid(size = [9cm, 9cm, 9cm])
+  part lid : Cuboid(size = [9cm, 9cm, 1cm])
+  align lid.center.x = body.center.x
+  align lid.center.y = body.center.y
+  align lid.bottom = body.top + gap
+  joint open : {joint}
+  {more}
+}}
+"""
+POST = """part post : Cuboid(size = [1cm, 1cm, {tall}])
+  connect post.bottom on body.top
+  align post.left = body.left
+  align post.front = body.back"""
+
+
+@pytest.mark.parametrize(
+    ("joint", "more", "told"),
+    [
+        ("revolute body -> lid about lid.back.bottom range 0deg .. 60deg", "", None),
+        (
+            "revolute body -> lid about lid.bottom.back range 0deg .. 60deg",
+            "",
+            "`lid.back.bottom` for `lid.bottom.back`",
+        ),
+        ("revolute body -> lid about lid.back.bottom range -60deg .. 0deg", "", "the signs of its range"),
+        ("prismatic body -> lid along z range -2cm .. 0cm", "", "let it slide the other way"),
+        ("prismatic body -> lid along z range -2cm .. 2cm", "", "leave room where it moves"),
+        (
+            "revolute body -> lid about lid.back.bottom range 0deg .. 60deg",
+            POST.format(tall="4cm"),
+            "leave room where it moves",
+        ),
+        ("prismatic body -> lid along -x range 0cm .. 5cm", POST.format(tall="tall"), "let it slide the other way"),
+        ("prismatic body -> lid along -x range 0cm .. 5cm", POST.format(tall="1mm + 0.3 * (tall - 1cm)"), None),
+        (
+            "revolute body -> lid about lid.bottom.back range 0deg .. 60deg",
+            'allow overlap lid, body because "it is soft"',
+            None,
+        ),
+    ],
+    ids=["opens", "axis", "signs", "slides", "both ways", "post", "always", "now and then", "allowed"],
+)
+def test_links_that_collide_while_a_joint_moves_are_warned_of(joint: str, more: str, told: str | None) -> None:
+    session = Session.of_text(MOVES.format(joint=joint, more=more), "chest.apg")
+    session.advise()
+    assert not session.report.failed, session.report.diagnostics
+    found = [d for d in session.report.diagnostics if d.code == "colliding-links"]
+    assert len(found) == (told is not None)
+    for one in found:
+        assert one.span is not None and one.span.text.startswith("joint open : ")
+        assert " collide while `open` moves, at " in one.message and str(told) in str(one.hint)

@@ -38,7 +38,7 @@ category Stand {
   }
   align back.bottom = shelf.top
   align back.back = shelf.back
-  joint tilt : revolute shelf -> back about back.bottom.back range 0deg .. 10deg
+  joint tilt : revolute shelf -> back about back.bottom.back range -10deg .. 0deg
   material oak on shelf, back, leg
   label semantic.shelf on shelf
   label semantic.panel on back

@@ -33,7 +33,9 @@ EQUATIONS = (
         `apgc check` draws a few objects and compares the solids of their links with all joints at rest. In each of them
         these two links overlap, so no object would be valid and `apgc sample` would stop. Often a face is aligned with
         the wrong one, or nothing places a part, so that it is centred. Leave a gap, or allow the overlap and give the
-        reason. `apgc validate` reports links that collide only when a joint moves.
+        reason. Where nothing overlaps at rest, each joint moves through its range, with the others at rest; links that
+        then collide in every object are told at the joint. Often its axis points the wrong way, or its range has the
+        wrong sign. `apgc validate` reports links that collide in some objects.
         """,
         """
         apg 1
