@@ -230,6 +230,28 @@ VALUES = (
         """,
     ),
     Code(
+        "mixed-units",
+        "the ends of a range have different units, and lie far apart",
+        """
+        The high end is at least eight times the low one, their units differ, and with one unit for both they would be a
+        usual range: one in which the default, or the first value of the distribution, lies. Where there is neither, both
+        ends are 10 or more. Mostly `20cm` stands for `20mm`. Correct the unit. If the range is meant, write both ends in
+        the same unit.
+        """,
+        """
+        apg 1
+        use primitives { Cylinder }
+        use materials { steel }
+        use vocabularies { semantic }
+        category Tube {
+          param radius : length in 14mm .. 20cm = 16mm
+          root part tube : Cylinder(radius = radius, height = 50cm)
+          material steel on tube
+          label semantic.body on tube
+        }
+        """,
+    ),
+    Code(
         "always-true",
         "a requirement or preference has no effect",
         """
