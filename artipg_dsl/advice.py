@@ -28,8 +28,9 @@ Draw = Callable[[np.ndarray, "Statistics"], "Batch"]
 
 
 def advise(typed: TypedProgram, lowering: Lowering | None, draw: Draw, report: Report) -> None:
-    """Report names that nothing reads, ranges in two units, parts that nothing places, float, or collide at rest, what no object is free of, surface
-    without a semantic label, parts without a material, whose mass is a guess, and what makes checks slow or wrong."""
+    """Report names that nothing reads, ranges in two units, parts that nothing places, float, or collide at rest, what no object is
+    free of, surface without a semantic label, parts without a material, whose mass is a guess, and what makes checks slow or
+    wrong."""
     from .lower.elaborate.unlabelled import warn_unlabelled  # start-up
     from .semantics.mixed import warn_mixed  # start-up
     from .semantics.unused import warn_unused  # start-up

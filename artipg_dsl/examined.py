@@ -175,6 +175,7 @@ class Examined(Measured):
         """Report parts that float, links that collide at rest in each of the objects that have both, and other faults that all
         objects have."""
         from .runtime.tables import plain_name  # start-up
+        from .validity.axes import find_far_axes  # start-up
         from .validity.bodies import gather  # start-up
         from .validity.floating import Solids  # start-up
         from .validity.stuck import find_driven, find_meeting, find_never, find_stuck  # start-up
@@ -209,6 +210,16 @@ class Examined(Measured):
                 if driven.turned
                 else "leave room where it moves, shorten its range, or place its axis elsewhere; "
                 f'if the overlap is meant, write `allow overlap {one}, {other} because "..."`',
+            )
+        for axis in find_far_axes(tree, body):
+            joint = self.batch.program.joints[axis.joint]
+            self.report.warning(
+                "far-axis",
+                self._line(joint.where) or self._later(axis.child),
+                f"the axis of `{joint.path}` lies {100 * axis.off:.3g} cm off `{axis.parent}`, which is to hold it, "
+                f"and `{axis.child}` reaches {100 * axis.reach:.3g} cm from it",
+                hint=f"place it where the two meet: is it the right edge, as `{axis.child}.back.bottom` for "
+                f"`{axis.child}.front.bottom`, and is `{axis.parent}` what holds it?",
             )
         for fault in find_never(solids):
             span = self._line(fault.where)

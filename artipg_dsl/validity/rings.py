@@ -38,7 +38,7 @@ class Rings:
 def bound_rings(body: Pieces, piece: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> Rings:
     """The bounds of pieces (k,) about axes (k, 3) through origins (k, 3)."""
     margin = DEPTH / 2  # as far as insetting moves every side
-    along, across = _frame(axis)
+    along, across = find_across(axis)
     height, reach, angle = (np.empty((len(piece), 2)) for _ in range(3))
     for at, corners in body.classes(piece):
         local = corners - origin[at, None]
@@ -60,7 +60,7 @@ def bound_rings(body: Pieces, piece: np.ndarray, axis: np.ndarray, origin: np.nd
     return Rings(height, reach, angle)
 
 
-def _frame(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def find_across(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Two unit vectors (k, 3) each, square to unit axes (k, 3) and to one another, right-handed."""
     other = np.where((np.abs(axis[:, 0]) < 0.6)[:, None], (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     along = cross(other, axis)

@@ -231,6 +231,33 @@ STRUCTURE = (
         """,
     ),
     Code(
+        "far-axis",
+        "a joint turns about an axis that nothing holds",
+        """
+        In each of the few objects that `apgc check` draws, the axis lies outside of the parent link, by more than 0.6 of
+        how far the child reaches from the axis: a lid would turn about its free edge. An axis within a ring, or within
+        the hull of several parts, is held by them, and what moves in a closed loop by others. Often the joint names the
+        wrong edge, or the wrong parent.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Desk {
+          param width : length in 30cm .. 50cm
+          root part case : Cuboid(size = [30cm, width, 80cm])
+          part flap : Cuboid(size = [20cm, case.size.y, 1cm])
+          align flap.back = case.front + 1mm
+          align flap.bottom = case.center.z
+          joint open : revolute case -> flap about flap.front.top range -60deg .. 0deg
+          material oak on case, flap
+          label semantic.body on case
+          label semantic.door on flap
+        }
+        """,
+    ),
+    Code(
         "far-off",
         "a keypoint or a grasp lies far off its object",
         """
