@@ -326,9 +326,8 @@ def _listed(told: Record) -> bytes:
 def _holds(out: Path, job: Job, output: Output) -> bool:
     """Whether a folder has the objects of a job already, perhaps in further formats, which `apgc export` has added."""
     old = manifests.read_manifest(out)
-    if old is None or "counts" not in old or not set(output.formats) <= set(old["identity"]["formats"]):
+    if old is None or "counts" not in old:
         return False
-    new = manifests.build_manifest(job.program, job.request, output, out=out)
-    new["identity"]["formats"] = old["identity"]["formats"]
+    new = manifests.expect_added(old, manifests.build_manifest(job.program, job.request, output, out=out))
     shards = [shard_path(out, entry, k) for entry in output.writers for k in range(len(new["shards"]))]
     return manifests.describe_difference(old, new) is None and all(map(is_there, shards))

@@ -208,6 +208,17 @@ def describe_difference(old: Manifest, new: Manifest) -> str | None:
     return _describe(Identity, old["identity"], new["identity"])
 
 
+def expect_added(old: Manifest, new: Manifest) -> Manifest:
+    """The manifest of a run with the formats that `apgc export` has added to its folder since it ended, if those are all."""
+    there = old["identity"]["formats"]
+    added = [name for name in there if name not in new["identity"]["formats"]]
+    if "counts" not in old or len(there) - len(added) < len(new["identity"]["formats"]):
+        return new
+    if not all(FORMATS[name].per_object for name in added if name in FORMATS):
+        return new
+    return {**new, "identity": {**new["identity"], "formats": there}}
+
+
 def describe_strangers(old: Manifest, request: Request) -> str | None:
     """What sets the objects of a folder apart from those of a request, whichever numbers they have, in words; None if nothing does."""
     asked = request.to_manifest()

@@ -67,7 +67,7 @@ def make_ready(out: Place, manifest: Manifest, force: bool) -> Manifest:
     """
     old = _read_or_replace(out, force)
     if old is not None:
-        changed = manifests.describe_difference(old, manifest)
+        changed = manifests.describe_difference(old, manifests.expect_added(old, manifest))
         if changed and not force:
             raise ExportError(
                 f"{out} holds samples made with other options: {changed}",

@@ -52,6 +52,19 @@ def test_a_folder_of_samples_gets_further_formats(apgc: Apgc, made: Path, tmp_pa
     assert all(after[name] == data for name, data in whole.items() if name.startswith("objects/"))
 
 
+def test_the_command_of_a_folder_still_completes_it_with_further_formats(apgc: Apgc, made: Path) -> None:
+    assert apgc("export", made, "--format", "obj")[0] == 0
+    before = tree(made)
+    (made / "points-00000.npz").unlink()
+    shutil.rmtree(made / "objects/000001")
+    again = ("sample", CHEST, "-n", 3, "--seed", 7, "--points", 16, "-o", made)
+    code, _, err = apgc(*again, "--format", "points,glb")
+    assert code == 1 and "made with other options: the formats" in err
+    assert apgc(*again)[0] == 0
+    assert apgc("export", made, "--format", "obj")[0] == 0
+    assert tree(made) == before
+
+
 def test_folders_without_meshes(apgc: Apgc, made: Path) -> None:
     assert apgc("export", made, "--format", "partnet-mobility", "--no-meshes")[0] == 0
     files = tree(made)
