@@ -36,7 +36,7 @@ class Examined(Measured):
         if not self.follow():
             return
         self.warn_of_measures()
-        for look in (self.warn_of_cost, self.warn_untested, self.warn_invalid):
+        for look in (self.warn_of_cost, self.warn_untested, self.warn_invalid, self.warn_lifting):
             try:
                 look()
             except PrimitiveError:
@@ -150,6 +150,21 @@ class Examined(Measured):
                     hint = "a `mirror` is across the plane through the origin of what it stands in, not through the middle of another part: "
                     hint += "state the half on the positive side, by its distance from that plane"
             self.report.warning("buried", part.span, f"{said} inside `{by}`, in every object examined", hint=hint)
+
+    def warn_lifting(self) -> None:
+        """Report labels of what is pressed on surfaces that their joint can only move outwards from rest."""
+        from .quality.dead import find_lifting  # start-up
+
+        program = self.batch.program
+        pressed = [each for each in program.labels if each.name == "press" and self._line(each.where) is not None]
+        for label, joint in find_lifting(self.batch, pressed) if pressed else ():
+            self.report.warning(
+                "idle-press",
+                self._line(label.where) or self.span,
+                f"no press moves what is labelled `{label.vocabulary}.press` here: from rest, "
+                f"`{program.joints[joint].path}` moves it out of its surface alone",
+                hint="exchange the signs of the range of the joint, turn its axis round, or label the face on the other side",
+            )
 
     def _how_to_hold(self, part: Component, solids: Solids) -> str:
         """What to write so that a part that floats touches its link. Axes along which it reaches what carries it are not to blame."""

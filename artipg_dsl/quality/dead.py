@@ -44,6 +44,7 @@ _HINDERS = {
 }
 _PRESSES = ("press", "push")  # words of what a fingertip does, along the normal
 _ACROSS = 0.45  # the cosine of the widest angle between a normal and a way that it counts as across: 63 degrees
+_GIVES = 0.1  # of the points that are pressed, at least, that give way
 _ACROSS_SHARE = 1 / 3  # of the points of a label, at least, that lie across the way
 _ROUND = (0.37, -0.23, 0.61)  # of its range, how far a value is moved, round and round
 
@@ -280,18 +281,44 @@ def look_across(batch: Batch) -> dict[tuple[tuple[str, str], int], np.ndarray]:
     (k,) where it holds the joint moves across the surface."""
     labels = [label for label in batch.program.labels if label.name in _PRESSES and label.vocabulary != "semantic"]
     joints = batch.joints()
+    found: dict[tuple[tuple[str, str], int], list[np.ndarray]] = {}
+    for label, joint, out, speed in _moved_out(batch, labels):
+        own = joints.definition[joint]
+        for definition in np.unique(own).tolist():
+            across = np.abs(out) > _ACROSS * speed
+            found.setdefault((_statement(label), definition), []).append(across[own == definition])
+    return {key: np.concatenate(across) for key, across in found.items()}
+
+
+def find_lifting(batch: Batch, labels: Sequence[Label]) -> Iterator[tuple[Label, int]]:
+    """Which of some labels of what is pressed hold where the joint that they are for, a definition, moves out of the surface alone, or
+    not at all, from rest: no press moves it."""
+    joints = batch.joints()
+    open_up, open_down = ~(joints.high <= joints.rest), ~(joints.low >= joints.rest)  # what has no ends goes on
+    gives: dict[tuple[tuple[str, str], int], list[np.ndarray]] = {}
+    known: dict[tuple[tuple[str, str], int], Label] = {}
+    for label, joint, out, speed in _moved_out(batch, labels):
+        free = np.where(out < 0.0, open_up[joint], open_down[joint])
+        across, own = np.abs(out) > _ACROSS * speed, joints.definition[joint]
+        for definition in np.unique(own[across]).tolist():
+            key = _statement(label), definition
+            gives.setdefault(key, []).append(free[across & (own == definition)])
+            known.setdefault(key, label)
+    for key, each in gives.items():
+        if np.concatenate(each).mean() < _GIVES:
+            yield known[key], key[1]
+
+
+def _moved_out(batch: Batch, labels: Sequence[Label]) -> Iterator[tuple[Label, np.ndarray, np.ndarray, np.ndarray]]:
+    """For each target of some labels: the joint (k,) that the label is for at each point where it holds, a row of the table, and how fast
+    that moves the point, out of the surface (k,) and whatever way (k,), metres by radian or metre."""
     points = _points_on(batch, {target.site for label in labels for target in label.targets}, _LOOKS[0][1])
     position, normal = points.position.reshape(-1, 3), points.normal.reshape(-1, 3)
-    motion = joint_twist(batch, np.zeros(len(joints.owner)))
-    found: dict[tuple[tuple[str, str], int], list[np.ndarray]] = {}
+    motion = joint_twist(batch, np.zeros(len(batch.joints().owner)))
     for label, at, joint in joints_meant(batch, points, labels):
         at, joint = at[joint >= 0], joint[joint >= 0]
         way = motion.at(joint, position[at])
-        speed, out = np.sqrt((way * way).sum(axis=1)), np.abs((way * normal[at]).sum(axis=1))
-        own = joints.definition[joint]
-        for definition in np.unique(own).tolist():
-            found.setdefault((_statement(label), definition), []).append((out > _ACROSS * speed)[own == definition])
-    return {key: np.concatenate(across) for key, across in found.items()}
+        yield label, joint, (way * normal[at]).sum(axis=1), np.sqrt((way * way).sum(axis=1))
 
 
 def _points_on(batch: Batch, sites: set[int], count: int) -> PointSet:

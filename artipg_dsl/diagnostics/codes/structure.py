@@ -231,6 +231,32 @@ STRUCTURE = (
         """,
     ),
     Code(
+        "idle-press",
+        "what is to be pressed can only move outwards",
+        """
+        In the few objects that `apgc check` draws, the joint rests at one end of its range, and from there it moves the
+        labelled surface outwards: a key that lifts. Mostly the range has the wrong sign, or the label names the wrong
+        face. Exchange the signs of the range, turn the axis round, or label the other face.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic, affordance }
+        category Bell {
+          param width : length in 5cm .. 9cm
+          root part base : Cuboid(size = [9cm, width, 3cm])
+          part button : Cuboid(size = [2cm, 2cm, 1cm])
+          align button.bottom = base.top + 4mm
+          joint ring : prismatic base -> button along z range 0mm .. 3mm
+          material oak on base, button
+          label semantic.base on base
+          label semantic.button on button
+          label affordance.press on button.top
+        }
+        """,
+    ),
+    Code(
         "far-axis",
         "a joint turns about an axis that nothing holds",
         """
