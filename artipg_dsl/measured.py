@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _NAMED = 6  # joints that a warning names
 _SLACK = 1e-6  # radians or metres, by which rounding takes a joint out of its range
 _FAR = 3.0  # times the size of its object: what slides farther than that has perhaps a wrong unit
-_OFF = 0.5  # times the size of its object: what lies farther off than that has perhaps a wrong unit, too
+_OFF = 0.5  # times the size of its link: what lies farther off than that has perhaps a wrong unit, too
 _SMALL, _LARGE = 2e-3, 20.0  # metres: objects across which it is less or more have perhaps a wrong unit
 _SHORT = 1e-3  # metres
 _UNEVEN = 0.01  # of a size: by how much the two sizes of what a quarter turn leaves alike may differ, or more than others must
@@ -179,34 +179,38 @@ class Measured:
             )
 
     def warn_off(self) -> None:
-        """Name the keypoints and grasps that lie far off their object, in every object that has them."""
+        """Name the keypoints and grasps that lie far off their link, in every object that has them."""
         from .annotate.grasps import place_keypoint, sample_grasps  # start-up
-        from .geometry.sites import object_boxes  # start-up
+        from .geometry.sites import boxes_of_links  # start-up
         from .lower.solve.feasible import plain  # start-up
 
         program = self.batch.program
         if not (program.grasps or program.keypoints):
             return
-        low, high = object_boxes(self.batch.sites(), len(self.batch))
-        grasps = sample_grasps(self.batch)
-        placed = [
-            *((f"keypoint `{each.name}`", each.where, *place_keypoint(self.batch, each)) for each in program.keypoints),
-            *(
-                (f"grasp `{each.name}`", each.where, grasps.owner[own], grasps.point[own])
-                for number, each in enumerate(program.grasps)
-                for own in [grasps.family == number]
-            ),
-        ]
-        for name, where, owner, point in placed:
-            gap = np.linalg.norm(np.maximum(np.maximum(low[owner] - point, point - high[owner]), 0.0), axis=1)
-            size = np.linalg.norm(high[owner] - low[owner], axis=1)
-            if not len(owner) or not (gap > _OFF * size).all():
+        links, grasps = self.batch.links(), sample_grasps(self.batch)
+        first = np.searchsorted(links.owner, np.arange(len(self.batch)))
+        low, high = boxes_of_links(self.batch.sites(), first, len(links.owner))
+        placed = []
+        for each in program.keypoints:
+            owner, point = place_keypoint(self.batch, each)
+            number = self.batch.link_numbers(each.scope, each.link)
+            placed.append((f"keypoint `{each.name}`", each.where, first[owner] + number, point))
+        for family, grasp in enumerate(program.grasps):
+            own = grasps.family == family
+            row = first[grasps.owner[own]] + grasps.link[own]
+            placed.append((f"grasp `{grasp.name}`", grasp.where, row, grasps.point[own]))
+        for name, where, row, point in placed:
+            row, point = row[np.isfinite(low[row, 0])], point[np.isfinite(low[row, 0])]
+            gap = np.linalg.norm(np.maximum(np.maximum(low[row] - point, point - high[row]), 0.0), axis=1)
+            size = np.linalg.norm(high[row] - low[row], axis=1)
+            if not len(row) or not (gap > _OFF * size).all():
                 continue
+            link = program.links[links.definition[row[0]]].path
             self.report.warning(
                 "far-off",
                 self._line(where) or self.span,
-                f"the {name} lies {plain(float(f'{gap[0]:.2g}'), 'm')} off its object, "
-                f"which is about {plain(float(f'{size[0]:.2g}'), 'm')} across",
+                f"the {name} lies {plain(float(f'{gap[0]:.2g}'), 'm')} off the link of `{link}`, on which it is, "
+                f"and which is about {plain(float(f'{size[0]:.2g}'), 'm')} across",
                 hint="is the unit right? `at` is measured from the middle of what follows `on`, along its axes",
             )
 

@@ -120,13 +120,22 @@ def join_tables(tables: list[SiteTable]) -> list[SiteTable]:
 
 def object_boxes(tables: list[SiteTable], count: int) -> tuple[np.ndarray, np.ndarray]:
     """Low and high corners (count, 3) of the boxes around objects, of those of their primitives; inf and -inf where there are none."""
+    return _boxes_around(tables, [table.owner for table in tables], count)
+
+
+def boxes_of_links(tables: list[SiteTable], first: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The same of links, at joint values 0; ``first`` (B,) is the row of the first link of each object."""
+    return _boxes_around(tables, [first[table.owner] + table.link for table in tables], count)
+
+
+def _boxes_around(tables: list[SiteTable], rows: list[np.ndarray], count: int) -> tuple[np.ndarray, np.ndarray]:
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    for table in tables:
+    for table, row in zip(tables, rows, strict=True):
         if not len(table):
             continue
         first, last = table.boxes()
-        np.minimum.at(low, table.owner, first)
-        np.maximum.at(high, table.owner, last)
+        np.minimum.at(low, row, first)
+        np.maximum.at(high, row, last)
     return low, high
 
 

@@ -285,10 +285,10 @@ STRUCTURE = (
     ),
     Code(
         "far-off",
-        "a keypoint or a grasp lies far off its object",
+        "a keypoint or a grasp lies far off its link",
         """
-        In each of the few objects that `apgc check` draws, the place is farther from the box of the object than half of
-        its size. Mostly a unit is wrong, as in `at [0, 0, 5m]`, or the place is measured from the wrong origin. `at` is
+        In each of the few objects that `apgc check` draws, the place is farther from the box of the link that it is on
+        than half of its size. Mostly a unit is wrong, as in `at [0, 0, 5m]`, or the place is measured from the wrong origin. `at` is
         measured from the middle of the part, port or slot that follows `on`, along its axes. Correct the place, or name
         what it is near.
         """,
