@@ -75,3 +75,22 @@ def test_arguments_of_roles_and_alternatives() -> None:
 def test_what_the_text_alone_shows_is_told_once() -> None:
     part = "part foot : Foot(high = 20m)\n  connect foot.top on seat.bottom"
     assert warned(part) == [("high = 20m", "`Foot` has `high` in 5mm .. 40mm")]
+
+
+@pytest.mark.parametrize(
+    ("low", "argument", "told"),
+    [
+        ("-6mm", "radius = much, height = some", ["radius = much"]),
+        ("-6mm", "radius = some, height = some, top_radius = much", ["top_radius = much"]),
+        ("0mm", "radius = much, height = some", []),
+        ("-6mm", "radius = 7mm + much, height = some", []),
+    ],
+)
+def test_a_range_below_what_is_above_0(low: str, argument: str, told: list[str]) -> None:
+    text = FEET.replace("{ Cuboid }", "{ Cuboid, Cylinder }")
+    more = f"param much : length in {low} .. 10mm\n  part peg : Cylinder({argument})\n  connect peg.top on seat.bottom"
+    made = Session.of_text(f"apg 1{text}{STOOL}  {more}\n}}\n", "stool.apg")
+    assert made.lowering is not None
+    found = [d for d in made.report.diagnostics if d.code == "argument-outside-range"]
+    assert [d.span.text for d in found if d.span] == told
+    assert all("the range of `much` begins at -6mm" in d.message and d.notes for d in found)

@@ -104,7 +104,8 @@ VALUES = (
         says for which values it is made. Often the unit is wrong, such as `m` for `mm`. Correct the argument. If the
         value is meant, widen the range, and look whether the template still holds together. What is computed is told
         if it lies outside whatever is drawn. If it lies outside in some objects only, it takes effect there, and
-        nothing is said: a `require` in the template says what it cannot be.
+        nothing is said: a `require` in the template says what it cannot be. A value that is drawn in a range which begins
+        below 0 is told where it must be above 0.
         """,
         """
         apg 1

@@ -25,7 +25,7 @@ _NEAR = 1e-6  # of the numbers: rounding takes nothing out of a range
 @dataclass(frozen=True, slots=True, eq=False)
 class Handed:
     """An argument, ``span``, for the parameter ``name`` of ``owner``: its components, and the ``ends`` of the range of each, which is
-    declared at ``declared``."""
+    declared at ``declared``; without ends it is above 0."""
 
     span: Span
     owner: str
@@ -49,12 +49,16 @@ def note(
     Those of the category's own file alone: what stands in a library is its affair.
     """
     domain, context = declaration.domain, env.context
-    if domain is None or argument.name is None or argument.span.source is not context.typed.main.source:
+    if argument.name is None or argument.span.source is not context.typed.main.source:
+        return
+    values: tuple[Expr, ...] = value.items if isinstance(value, Vec) else (value,) if isinstance(value, Expr) else ()
+    if domain is None:
+        if isinstance(declaration, ast.ParamDecl) and declaration.positive:
+            context.handed.append(Handed(argument.span, owner.name, argument.name, values, (), declaration.span, ""))
         return
     if any(isinstance(node, ast.NameExpr) and not _known(context, given, node) for node in walk(domain)):
         return
     home = Env(context, owner.module, owner, env.scope, "", names=dict(given))
-    values: tuple[Expr, ...] = value.items if isinstance(value, Vec) else (value,) if isinstance(value, Expr) else ()
     components = range(len(values)) if isinstance(value, Vec) else (None,)
     ends = tuple((component_of(home, domain.low, k), component_of(home, domain.high, k)) for k in components)
     unit = SI_UNITS.get(declaration.type.name, "") if isinstance(declaration, ast.ParamDecl) else ""
@@ -68,11 +72,28 @@ def _known(context: Draft, given: Mapping[str, Value], node: ast.NameExpr) -> bo
 
 
 def warn(context: Draft) -> None:
-    """Report arguments of which a component lies outside its range, whatever is drawn."""
+    """Report arguments of which a component lies outside its range, whatever is drawn; and values whose own range reaches below 0,
+    where they are handed to what is above 0: the rest of the range is never drawn."""
     intervals = Sharp(context.program.draws, context.program.definitions)
     told = {found.span for found in context.report.diagnostics if found.code == "argument-outside-range"}
+    drawn = {draw.column: draw for draw in context.program.draws}
     for one in context.handed:
-        for value, (low, high) in zip(one.values, one.ends, strict=True):
+        for value in () if one.ends else one.values:
+            draw = drawn.get(value.value) if value.op == "col" else None
+            if draw is None or draw.low is None or draw.high is None or one.span in told:
+                continue
+            least, most = intervals.of(draw.low)[0], intervals.of(draw.high)[1]
+            if least < 0.0 < most:
+                told.add(one.span)
+                context.report.warning(
+                    "argument-outside-range",
+                    one.span,
+                    f"`{one.name}` of `{one.owner}` is above 0, and the range of `{draw.column.name}` begins at "
+                    f"{plain(least, draw.unit)}: what lies below 0 is never drawn",
+                    hint="is the sign right? Begin the range above 0",
+                    notes=((context.spans[draw.column], "its range"),) if draw.column in context.spans else (),
+                )
+        for value, (low, high) in zip(one.values if one.ends else (), one.ends, strict=True):
             (least, most), first, last = intervals.of(value), intervals.of(low)[0], intervals.of(high)[1]
             near = _NEAR * max(abs(first), abs(last))
             if one.span in told or first - near <= most and least <= last + near:
