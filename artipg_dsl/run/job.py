@@ -23,6 +23,7 @@ from ..sampling.statistics import Exhausted, Statistics
 from ..sampling.trace import Replay
 from ..sampling.values import Values
 from ..validity.sound import prove
+from ..version import __version__
 from .compiled import make_sampler, read_compiled
 from .counts import Counts, count_in_words, explain_exhausted, summarize
 from .params import read_values
@@ -41,17 +42,20 @@ _TRIED = 16  # objects that tell whether settings are to blame
 
 
 class ProgramChanged(UserError):
-    """Samples were made by another program than their source now compiles to; ``made`` and ``now`` are the hashes of both."""
+    """Samples were made by another program than their source now compiles to; ``made`` and ``now`` are the hashes of both,
+    ``version`` is the package that made them, where it is another one."""
 
-    def __init__(self, source: str, made: str, now: str):
+    def __init__(self, source: str, made: str, now: str, version: str = ""):
+        by = f": artipg_dsl {version} made them, and this is {__version__}" if version else ""
         super().__init__(
-            f"the program {source} has changed since these samples were made",
-            "make them again, with --force into the same folder",
+            f"the program {source} has changed since these samples were made{by}",
+            (f"go on with them in version {version}, or " if version else "")
+            + "make them again, with --force into the same folder",
         )
-        self.source, self.made, self.now = source, made, now
+        self.source, self.made, self.now, self.version = source, made, now, version
 
     def __reduce__(self) -> tuple[Any, Any]:
-        return type(self), (self.source, self.made, self.now)
+        return type(self), (self.source, self.made, self.now, self.version)
 
 
 @dataclass(slots=True)

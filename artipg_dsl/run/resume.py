@@ -14,8 +14,9 @@ from ..export.objects import OBJECTS
 from ..export.registry import FORMATS, TABLES
 from ..export.remote import Place, Remote, place_of
 from ..export.write import ExportError, ensure_folder, explain, sweep_unfinished, write_bytes
+from ..version import __version__
 from . import manifest as manifests
-from .job import Job, open_job
+from .job import Job, ProgramChanged, open_job
 from .manifest import Manifest
 from .request import Request, is_file
 from .tables import Tables
@@ -45,6 +46,11 @@ def remake(folder: Place | str, manifest: Manifest) -> Job:
     identity = manifest["identity"]
     try:
         job = open_job(Request.from_manifest(identity, manifest["source"], place_of(folder)))
+    except ProgramChanged as error:
+        version = identity["artipg_dsl"]
+        if version == __version__:
+            raise
+        raise ProgramChanged(error.source, error.made, error.now, version) from None
     except CompileError:
         if is_file(manifest["source"]):
             raise

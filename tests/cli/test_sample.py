@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl.cli.arguments import numbers
+from artipg_dsl.version import __version__
 
 from .helpers import CHEST, Apgc, tree
 
@@ -240,6 +241,11 @@ def test_render_of_a_changed_program(apgc: Apgc, tmp_path: Path) -> None:
     program.write_text(program.read_text().replace("0.8 * width", "0.7 * width"))
     code, _, err = apgc("render", tmp_path / "o", "-o", tmp_path / "s.png")
     assert code == 1 and "has changed since" in err and not (tmp_path / "s.png").exists()
+    assert "artipg_dsl" not in err
+    manifest = tmp_path / "o" / "manifest.json"
+    manifest.write_text(manifest.read_text().replace(f'"artipg_dsl": "{__version__}"', '"artipg_dsl": "0.2.0"'))
+    err = apgc("render", tmp_path / "o", "-o", tmp_path / "s.png")[2]
+    assert f"artipg_dsl 0.2.0 made them, and this is {__version__}" in err and "in version 0.2.0, or make" in err
 
 
 def test_wrong_render(apgc: Apgc, tmp_path: Path) -> None:
