@@ -23,7 +23,7 @@ from ...syntax import ast
 from ..expressions.context import Draft
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
-from ..solve.solve import lifted
+from ..solve.guarded import lifted
 from ..values.vectors import cross, dot, inverse, minus, norm, place, plus, times
 from .joints import carried_axis, carried_pitch
 from .links import Links

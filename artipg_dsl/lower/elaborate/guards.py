@@ -7,7 +7,7 @@ from ...graph.expr import Expr, Scope, ScopeError
 from ...graph.formula import row_values
 from ...graph.substitution import substitute
 from ..expressions.env import Env
-from ..solve.solve import lifted
+from ..solve.guarded import lifted
 
 
 def shown(value: Expr, to: Scope) -> Expr:

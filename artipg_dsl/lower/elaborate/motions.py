@@ -14,7 +14,7 @@ from ..expressions.context import where
 from ..expressions.env import Env
 from ..expressions.evaluate import Evaluator
 from ..expressions.rows import has_row
-from ..solve.solve import lifted
+from ..solve.guarded import lifted
 from ..values.kinds import Frame, Line, Vec
 from ..values.vectors import cross, direct, dot, minus, norm, place, plus, times
 from .connect import carriers

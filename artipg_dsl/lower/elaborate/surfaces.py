@@ -20,7 +20,7 @@ from ...syntax import ast
 from ..expressions.builtins import bound
 from ..expressions.context import Abort, where
 from ..expressions.rows import has_row
-from ..solve.solve import lifted
+from ..solve.guarded import lifted
 from ..values.carry import mapped_pose, moved, whichever
 from ..values.faces import frame_of
 from ..values.kinds import Frame, Surface
