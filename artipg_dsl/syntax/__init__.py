@@ -8,9 +8,9 @@ In: the text of a file. Out: a ``Module`` of ``ast``, whose nodes know their pla
     ast, walk                    the nodes
     parse, recover               files and texts to trees, with several syntax errors in a run
     data, trees                  trees as data; each text parsed once, for all processes that share a cache
-    messages, mistakes, foreign  what to say about a syntax error
+    errors                       what to say about a syntax error
     format                       one layout for programs (``apgc fmt``)
 
 A new construct is a rule of the grammar, a node in ``ast``, an action in ``build_*``, the word in ``words`` where it
-begins a statement, an example in ``tests/syntax/design/forms.apg`` and the likely mistakes in ``mistakes``.
+begins a statement, an example in ``tests/syntax/design/forms.apg`` and the likely mistakes in ``errors.mistakes``.
 """

@@ -64,7 +64,7 @@ def _parse(tools: Machine, source: Source, report: Report) -> tuple[ast.Module |
     for _ in range(MOST_ERRORS):
         tree = tools.tree(source, text)
         if tree is None:
-            from .messages import describe  # start-up: for texts with mistakes alone
+            from .errors.messages import describe  # start-up: for texts with mistakes alone
             from .recover import without_statement  # start-up: for texts with mistakes alone
 
             error = tools.mistake(text)

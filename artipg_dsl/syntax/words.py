@@ -14,6 +14,9 @@ OPERATORS = frozenset(
 
 COMPARISONS = frozenset("EQUALS UNEQUAL LESS AT_MOST MORE AT_LEAST".split())
 
+VALUE = frozenset({"NUMBER", "NAME", "LPAR"})
+"""Of what begins a value, enough to know that the parser would take one."""
+
 
 @cache
 def statement_words() -> frozenset[str]:

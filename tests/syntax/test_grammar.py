@@ -9,10 +9,10 @@ from lark import Lark
 
 from artipg_dsl import cache
 from artipg_dsl.syntax import generator
-from artipg_dsl.syntax.examples import stop
+from artipg_dsl.syntax.errors.examples import stop
+from artipg_dsl.syntax.errors.mistakes import MISTAKES
 from artipg_dsl.syntax.grammar import Machine, grammar_path, machine, reserved_words, terminal_words
 from artipg_dsl.syntax.layout import CONTINUES, Layout
-from artipg_dsl.syntax.mistakes import MISTAKES
 from artipg_dsl.syntax.words import OPERATORS, file_words, statement_words
 from artipg_dsl.units import UNITS
 

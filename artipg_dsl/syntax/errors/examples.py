@@ -10,7 +10,7 @@ from functools import cache
 
 from lark import Token, UnexpectedToken
 
-from .grammar import Machine
+from ..grammar import Machine
 from .mistakes import MISTAKES, Mistake
 
 

@@ -1,0 +1,10 @@
+"""What to say about a syntax error. Begin with ``messages``, which asks the others in turn.
+
+found                 an error in words
+characters            what the lexer cannot read
+unclosed              brackets and braces that are never closed
+history               what the tokens before tell
+mistakes, examples    mistakes that people make, by example; the message for an error by these examples
+accepted              what the parser would have taken
+foreign               what other languages call otherwise
+"""
