@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from textwrap import fill
 
+from .codes.advice import ADVICE
 from .codes.base import Code
 from .codes.equations import EQUATIONS
 from .codes.reading import READING
 from .codes.resolving import RESOLVING
+from .codes.solids import SOLIDS
 from .codes.stating import STATING
 from .codes.structure import STRUCTURE
 from .codes.values import VALUES
@@ -17,7 +19,9 @@ _FAMILIES = {
     "Names": (*RESOLVING, *STATING),
     "Values": VALUES,
     "Structure": STRUCTURE,
+    "Primitives and curves": SOLIDS,
     "Equations and repeats": EQUATIONS,
+    "Advice": ADVICE,
 }
 COMMAND = "python -m artipg_dsl.diagnostics.page > docs/diagnostics.md"
 _INTRODUCTION = f"""\

@@ -6,22 +6,28 @@ Out: ``CODES`` by name, and ``explain`` for a terminal. Begin with ``base``.
     reading, resolving    syntax and files; names and what they lead to
     stating               what a statement lacks, and what cannot stand in it
     values, structure     types, units and ranges; parts, roles, joints and labels
+    solids                primitives and curves
     equations             what determines what, and what can never hold
+    advice                what is legal and perhaps not meant
 """
 
 from __future__ import annotations
 
 from textwrap import fill, indent
 
+from .advice import ADVICE
 from .base import Code
 from .equations import EQUATIONS
 from .reading import READING
 from .resolving import RESOLVING
+from .solids import SOLIDS
 from .stating import STATING
 from .structure import STRUCTURE
 from .values import VALUES
 
-CODES: dict[str, Code] = {code.name: code for code in (*READING, *RESOLVING, *STATING, *VALUES, *STRUCTURE, *EQUATIONS)}
+_FAMILIES = (READING, RESOLVING, STATING, VALUES, STRUCTURE, SOLIDS, EQUATIONS, ADVICE)
+
+CODES: dict[str, Code] = {code.name: code for family in _FAMILIES for code in family}
 """All codes by name."""
 
 

@@ -214,24 +214,6 @@ RESOLVING = (
         """,
     ),
     Code(
-        "absolute-tolerance",
-        "a label compares against a fixed length",
-        """
-        A label is a formula that must make sense for every size of a part. A band of 5 mm is half of a small knob but
-        almost nothing of a large one, so the same word would mean two things. Write a fraction of `size`, or use a
-        parameter of the part, which changes with it. This is a warning: the program works.
-        """,
-        """
-        apg 1
-        use primitives { Cuboid }
-        vocabulary affordance { support }
-        category Stool {
-          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
-          label affordance.support on seat where p.z > size.z / 2 - 1mm
-        }
-        """,
-    ),
-    Code(
         "unknown-material",
         "there is no such material",
         """
@@ -244,103 +226,6 @@ RESOLVING = (
         category Stool {
           root part seat : Cuboid(size = [30cm, 30cm, 3cm])
           material oak on seat
-        }
-        """,
-    ),
-    Code(
-        "expensive-check",
-        "checking an object takes long",
-        """
-        Collisions and stability are checked on convex pieces. If a part has thousands of pieces, or its pieces form
-        hundreds of thousands of pairs with pieces of other links, checking each object takes seconds. With `require
-        stable`, ten thousand pairs of primitives that may overlap take as long, because their common volume is counted
-        only once. Typical causes are bars with many short bends, wire meshes and rings with many windings. `apgc
-        profile NAME` lists parts by pieces and pairs. Use fewer pieces, or fewer bends; `--unchecked` skips the check.
-        The program works as it is.
-        """,
-        """
-        apg 1
-        use primitives { Cuboid }
-        use vocabularies { semantic }
-        use materials { oak }
-        category Mat {
-          root part base : Cuboid(size = [1m, 1m, 1cm])
-          repeat row[i] in 0 ..< 40 spread base along x {
-            repeat bristle[j] in 0 ..< 40 spread base along y {
-              part hair : Cuboid(size = [2mm, 2mm, 2cm])
-              connect hair.bottom on base.top
-              align hair.center.x = row.center.x
-              align hair.center.y = bristle.center.y
-            }
-          }
-          label semantic.body on base, row.bristle.hair
-          material oak on base, row.bristle.hair
-        }
-        """,
-    ),
-    Code(
-        "untested-values",
-        "a primitive is used outside its test ranges, where its box is wrong",
-        """
-        The formulas of a solid are made for the values after `test`: these decide, for example, which point of a curve
-        is the highest. Outside the test ranges it may be another point. Then the primitive's box does not contain its
-        surface, so parts placed by its faces end up in the wrong place; or it does not contain its convex pieces, which
-        then collide with distant parts. `apgc check` compares them for a few objects. Widen the test range.
-        """,
-        """
-        apg 1
-        use vocabularies { semantic }
-        use materials { steel }
-        primitive Bow {
-          param radius : length > 0  test 5cm .. 10cm
-          param begin  : angle  test 0deg .. 20deg
-          curve way (t in 0 .. 1) = [radius * cos(begin + 60deg * t), radius * sin(begin + 60deg * t), 0mm]
-          curve section (u in 0turn .. 1turn) = [4mm * cos(u), 2mm * sin(u)]
-          solid = sweep(section) along way up z
-        }
-        category Handle {
-          root part bow : Bow(radius = 7cm, begin = -30deg)
-          label semantic.handle on bow
-          material steel on bow
-        }
-        """,
-    ),
-    Code(
-        "missing-material",
-        "parts have no material",
-        """
-        Nothing says what a part is made of, so its mass, friction and colour are guessed: 700 kg/m3, light grey. Write
-        `material oak on body`; the parts inside take it too. `apgc check` warns about this, but the program works.
-        """,
-        """
-        apg 1
-        use primitives { Cuboid }
-        use vocabularies { semantic }
-        category Stool {
-          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
-          label semantic.seat on seat
-        }
-        """,
-    ),
-    Code(
-        "missing-label",
-        "some surface has no semantic label",
-        """
-        Nothing says what some of the surface is, in all objects or in some, so its points have class 0, `unlabelled`.
-        Write `label semantic.seat on seat`; the parts inside take it too, unless they have labels of their own. `apgc
-        check` warns about this, but the program works.
-        """,
-        """
-        apg 1
-        use primitives { Cuboid }
-        use materials { oak }
-        use vocabularies { semantic }
-        category Stool {
-          root part seat : Cuboid(size = [30cm, 30cm, 3cm])
-          part leg : Cuboid(size = [4cm, 4cm, 40cm])
-          connect leg.top on seat.bottom
-          label semantic.seat on seat
-          material oak on seat, leg
         }
         """,
     ),
