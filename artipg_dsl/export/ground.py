@@ -38,8 +38,7 @@ def find_thrust(batch: Batch, mass: Mass) -> np.ndarray:
     owner = tree.links.owner
     force = _forces(owner[link], place, *_weights(owner, mass, tree, len(batch)))
     for level in range(tree.chain.shape[1]):
-        above = tree.chain[link, level]
-        joint = np.where(above >= 0, tree.joint[np.maximum(above, 0)], -1)
+        joint = tree.joint_above(link, level)
         on = np.flatnonzero(joint >= 0)
         at = joint[on]
         axis = tree.axis[at]

@@ -304,8 +304,7 @@ class Stance:
         carried, first = np.zeros(count), np.zeros((count, 3))
         placed = (apply(tree.turn, self.center) + tree.shift) * self.mass[:, None]
         for level in range(tree.chain.shape[1]):
-            link = tree.chain[:, level]
-            joint = np.where(link >= 0, tree.joint[np.maximum(link, 0)], -1)
+            joint = tree.joint_above(np.arange(len(tree.joint)), level)
             on = np.flatnonzero(joint >= 0)
             carried += np.bincount(joint[on], self.mass[on], count)
             first += np.stack([np.bincount(joint[on], placed[on, k], count) for k in range(3)], axis=-1)
@@ -330,7 +329,6 @@ def _beyond(point: np.ndarray, foot: np.ndarray, normal: np.ndarray, floor: np.n
 
 def _above(tree: Tree, link: np.ndarray, level: int) -> tuple[np.ndarray, np.ndarray]:
     """The joints so many levels above links (n,), and the places of the links that have one."""
-    above = tree.chain[link, level]
-    joint = np.where(above >= 0, tree.joint[np.maximum(above, 0)], -1)
+    joint = tree.joint_above(link, level)
     on = np.flatnonzero(joint >= 0)
     return joint[on], on

@@ -91,8 +91,7 @@ def _reach(tree: Tree, link: np.ndarray, low: np.ndarray, high: np.ndarray) -> _
     """Of the boxes of things on links (k,), at rest."""
     lows, highs, radii = [low], [high], []
     for level in range(tree.chain.shape[1]):
-        above = tree.chain[link, level]
-        joint = np.where(above >= 0, tree.joint[above], -1)
+        joint = tree.joint_above(link, level)
         rows = np.flatnonzero(joint >= 0)
         low, high, radius = lows[-1].copy(), highs[-1].copy(), np.zeros(len(link))
         if len(rows):

@@ -123,11 +123,15 @@ class Tree:
         pairs = find_allowed(self.batch, ("overlap", "free"))
         return pairs[:, 0] * len(self.above) + pairs[:, 1]
 
+    def joint_above(self, link: np.ndarray, level: int) -> np.ndarray:
+        """The joints (n,) so many levels above links (n,): 0 for those that move them; -1 where there is none."""
+        above = self.chain[link, level]
+        return np.where(above >= 0, self.joint[above], -1)
+
     def carried(self, body: Pieces, chosen: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """(pieces, joints): the pieces that each of the joints ``chosen`` (J,) bool moves, level by level of the tree."""
         for level in range(self.chain.shape[1] - 1):
-            link = self.chain[body.link, level]
-            joint = np.where(link >= 0, self.joint[np.maximum(link, 0)], -1)
+            joint = self.joint_above(body.link, level)
             piece = np.flatnonzero((joint >= 0) & np.append(chosen, False)[joint])
             if len(piece):
                 yield piece, joint[piece]
