@@ -12,7 +12,7 @@ from ..graph.program import Draw
 from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import State, TooMany
-from ..runtime.laws import measure
+from ..runtime.laws import Law, Room
 from ..sampling.known import make_batch
 
 _ATTEMPTS = 256  # at as many objects: hardly dearer than at a few, as all are one evaluation
@@ -82,9 +82,8 @@ def _find_shares(draw: Draw, intervals: Intervals) -> dict[float, float]:
         first, last = known[2:] or known[:2]
         levels = ((values >= first) & (values <= last)).astype(np.float64)
     else:
-        levels = np.broadcast_to(
-            measure(values - 0.5, values + 0.5, None, draw.distribution, tuple(known[2:])), values.shape
-        )
+        law, room = Law(draw.distribution, tuple(known[2:])), Room(values - 0.5, values + 0.5)
+        levels = np.broadcast_to(law.measure(room), values.shape)
     total = float(levels.sum())
     return dict(zip(values.tolist(), (levels / total).tolist(), strict=True)) if total > 0.0 else {}
 

@@ -16,24 +16,8 @@ import numpy as np
 from ..graph.program import Draw
 from ..random import key, uniform
 from .kernels import Kept, Rows, State, full
-from .laws import (
-    TOLERANCE,
-    density,
-    fits,
-    gaps_of,
-    in_gap,
-    is_empty,
-    is_listed,
-    measure,
-    move_out_of_gaps,
-    spread,
-    spread_between,
-    step_along,
-    support_of,
-    values_of,
-)
+from .laws import EVEN, TOLERANCE, Law, Room, gaps_of, in_gap, move_out_of_gaps, step_along
 
-Gaps = tuple[np.ndarray, np.ndarray]  # where gaps begin and end: (gaps, rows) each
 LEAST = 1e-300  # a range that holds less of its law than this counts as holding so much
 
 
@@ -68,43 +52,27 @@ def _unmoved(state: State, rows: Rows, number: int) -> np.ndarray | None:
     return kept.value[at] if known.all() else None
 
 
-def _require_value(
-    state: State,
-    rows: Rows,
-    number: int,
-    bad: np.ndarray,
-    ends: tuple[np.ndarray, np.ndarray],
-    gaps: Gaps | None,
-    distribution: str,
-    arguments: tuple[Any, ...],
-) -> None:
+def _require_value(state: State, rows: Rows, number: int, bad: np.ndarray, room: Room, law: Law) -> None:
     """Rows that are left none of the values of their law fail, unless their value is kept and fits."""
-    if not _is_confined(distribution, arguments):
+    if not law.confined:
         return
-    empty = is_empty(*ends, gaps, distribution, arguments)
+    empty = law.is_empty(room)
     if number in state.kept:
         known, at = state.kept[number].find(rows)
         if known.any():
-            empty &= ~(known & fits(state.kept[number].value[at], *ends, gaps))
+            empty &= ~(known & room.holds(state.kept[number].value[at]))
     _no_room(state, rows, number, empty & ~bad)
 
 
-def _is_confined(distribution: str, arguments: tuple[Any, ...]) -> bool:
-    """Whether a law says where its values lie; others have some density everywhere."""
-    return bool(arguments) and distribution not in ("normal", "lognormal")
-
-
-def _given(
-    state: State, rows: Rows, number: int, low: np.ndarray | float, high: np.ndarray | float, gaps: Gaps | None = None
-) -> np.ndarray | None:
+def _given(state: State, rows: Rows, number: int, room: Room) -> np.ndarray | None:
     """The value given for a draw, if any; an object that has no room for it fails (and goes on with a legal value)."""
     value = state.given.get(number)
     if value is None:
         return None
     found = full(rows, value).astype(np.float64)
-    bad = ~((found >= low - TOLERANCE) & (found <= high + TOLERANCE))
-    _no_room(state, rows, number, bad if gaps is None else bad | in_gap(found, gaps))
-    return np.where(bad, low, found)
+    bad = ~((found >= room.low - TOLERANCE) & (found <= room.high + TOLERANCE))
+    _no_room(state, rows, number, bad if room.gaps is None else bad | in_gap(found, room.gaps))
+    return np.where(bad, room.low, found)
 
 
 def _each_its_own(draw: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
@@ -155,111 +123,62 @@ def draw_real(
 
     ``domain``: the ends of the declared range, where it is another one. ``unions`` as ``laws.gaps_of`` has them.
     """
-    gaps = gaps_of(low, unions, False) if unions else None
-    found = _given(state, rows, number, low, high, gaps)
+    law, left = Law(distribution, arguments), Room(low, high, gaps_of(low, unions, False) if unions else None)
+    found = _given(state, rows, number, left)
     if found is None:
         bad = ~(low <= high + TOLERANCE)  # nor is there room between ends that are no numbers
         _no_room(state, rows, number, bad)
-        top = np.maximum(low, high)
+        room = Room(low, np.maximum(low, high), left.gaps)
         if state.defaults and default is not None:
-            found = np.minimum(np.maximum(full(rows, default).astype(np.float64), low), top)
-            found = found if gaps is None else move_out_of_gaps(found, low, top, gaps)
+            found = move_out_of_gaps(room.clip(full(rows, default).astype(np.float64)), room)
         elif (held := _unmoved(state, rows, number)) is not None:
-            found = np.minimum(np.maximum(held, low), top)
-            found = found + 0.0 if gaps is None else move_out_of_gaps(found, low, top, gaps)  # -0.0 is 0.0
-            if _is_confined(distribution, arguments) and (found != held).any():
-                found = _near(state.kept[number], rows, found, low, top, found, gaps, distribution, arguments)
-                _require_value(state, rows, number, bad, (low, top), gaps, distribution, arguments)
+            found = room.clip(held)
+            found = found + 0.0 if room.gaps is None else move_out_of_gaps(found, room)  # -0.0 is 0.0
+            if law.confined and (found != held).any():
+                found = _near(state.kept[number], rows, found, room, found, law)
+                _require_value(state, rows, number, bad, room, law)
         else:
             unit = _lot(state, rows, address)
-            found = _spread(unit, low, top, gaps, distribution, arguments)
-            _require_value(state, rows, number, bad, (low, top), gaps, distribution, arguments)
+            found = law.spread(unit, room)
+            _require_value(state, rows, number, bad, room, law)
             if number in state.kept:
-                found = _near(state.kept[number], rows, unit, low, top, found, gaps, distribution, arguments)
-        if gaps is not None:
-            _no_room(state, rows, number, in_gap(found, gaps) & ~bad)
+                found = _near(state.kept[number], rows, unit, room, found, law)
+        if room.gaps is not None:
+            _no_room(state, rows, number, in_gap(found, room.gaps) & ~bad)
     if state.weigh and domain is not None:
-        _weigh(state, rows, number, found, (low, high), domain, gaps, distribution, arguments)
+        given = number in state.given
+        part = law.density(found) if given else law.measure(left)
+        declared = Room(*(full(rows, end).astype(np.float64) for end in domain))
+        _note(state, rows, part, law.measure(declared), given)
     state.values[number] = found
     return found
 
 
-def _spread(
-    unit: np.ndarray,
-    low: np.ndarray,
-    high: np.ndarray,
-    gaps: Gaps | None,
-    distribution: str,
-    arguments: tuple[Any, ...],
-) -> np.ndarray:
-    if gaps is None:
-        return spread(unit, low, high, distribution, arguments)
-    return spread_between(unit, low, high, gaps, distribution, arguments)
-
-
-def _weigh(
-    state: State,
-    rows: Rows,
-    number: int,
-    value: np.ndarray,
-    ends: tuple[Any, ...],
-    domain: tuple[Any, ...],
-    gaps: Gaps | None,
-    distribution: str,
-    arguments: tuple[Any, ...],
-) -> None:
-    """Note how much of the declared law lies in the range that was left of it, or how likely a value given is by it."""
-    whole = measure(
-        full(rows, domain[0]).astype(np.float64),
-        full(rows, domain[1]).astype(np.float64),
-        None,
-        distribution,
-        arguments,
-    )
-    part = (
-        density(value, distribution, arguments)
-        if number in state.given
-        else measure(ends[0], ends[1], gaps, distribution, arguments)
-    )
-    _note(state, rows, part, whole, number in state.given)
-
-
 def _note(state: State, rows: Rows, part: np.ndarray, whole: np.ndarray, dense: bool = False) -> None:
+    """Note how much of the declared law, of which there is as much as ``whole``, lies in the room that was left of it, or how likely a
+    value given is by it (``dense``)."""
     share = np.where(whole > 0.0, part / np.where(whole > 0.0, whole, 1.0), 1.0)
     share = np.maximum(share if dense else np.minimum(share, 1.0), LEAST)
     state.log_weight += np.bincount(rows.owner, weights=np.log(share), minlength=len(state.objects))
 
 
-def _near(
-    kept: Kept,
-    rows: Rows,
-    unit: np.ndarray,
-    low: np.ndarray,
-    high: np.ndarray,
-    fresh: np.ndarray,
-    gaps: Gaps | None,
-    distribution: str,
-    arguments: tuple[Any, ...],
-) -> np.ndarray:
-    """Within reach of the value kept, as far as the bounds and the law allow; the fresh value for rows that are new."""
+def _near(kept: Kept, rows: Rows, unit: np.ndarray, room: Room, fresh: np.ndarray, law: Law) -> np.ndarray:
+    """Within reach of the value kept, as far as the room and the law allow; the fresh value for rows that are new."""
     known, at = kept.find(rows)
     if not known.any():
         return fresh
     old, reach = kept.value[at], kept.reach[at]
-    if is_listed(distribution):
-        values = values_of(distribution, arguments)
-        return np.where(known, step_along(unit, old, reach, kept.swap[at], low, high, gaps, values), fresh)
-    if _is_confined(distribution, arguments):  # a value that stays may lie elsewhere, as one that was given
-        stays = (reach == 0.0) & fits(old, low, high, gaps)
-        tight = support_of(low, high, distribution, arguments)
-        low, high = np.where(stays, low, tight[0]), np.where(stays, high, tight[1])
-    first = np.minimum(np.maximum(old - reach, low), high)
-    last = np.minimum(np.maximum(old + reach, low), high)
-    if gaps is not None:
-        room = first < last
-        near = np.where(room, spread_between(unit, first, last, gaps, "uniform", ()), first) if room.any() else first
-        return np.where(known, move_out_of_gaps(near, low, high, gaps), fresh)
-    return np.where(known, np.minimum(first + unit * (last - first), last), fresh)
+    if law.listed:
+        return np.where(known, step_along(unit, old, reach, kept.swap[at], room, law.values), fresh)
+    if law.confined:  # a value that stays may lie elsewhere, as one that was given
+        room = room.but((reach == 0.0) & room.holds(old), law.support(room))
+    near = Room(room.clip(old - reach), room.clip(old + reach), room.gaps)
+    wide = near.low < near.high
+    if room.gaps is None:
+        found = np.minimum(near.low + unit * (near.high - near.low), near.high)
+    else:
+        found = np.where(wide, EVEN.spread(unit, near), near.low) if wide.any() else near.low
+    return np.where(known, move_out_of_gaps(found, room), fresh)
 
 
 @_each_its_own
@@ -277,93 +196,72 @@ def draw_count(
     unions: tuple[Any, ...] = (),
 ) -> np.ndarray:
     """A whole number between ``low`` and ``high`` per row; ``domain`` and ``unions`` as of ``draw_real``."""
-    gaps = gaps_of(low, unions, True) if unions else None
-    first, last = np.ceil(low - TOLERANCE), np.floor(high + TOLERANCE)
-    found = _given(state, rows, number, first, last, gaps)
+    law = Law(distribution, arguments)
+    levels = EVEN if distribution == "uniform" else law  # of all that is rounded to a whole number
+    room = Room(np.ceil(low - TOLERANCE), np.floor(high + TOLERANCE), gaps_of(low, unions, True) if unions else None)
+    found = _given(state, rows, number, room)
     if found is None:
-        bad, moved = ~(first <= last), False
+        bad, moved = ~(room.low <= room.high), False
         _no_room(state, rows, number, bad)
-        last = np.maximum(first, last)
+        room = Room(room.low, np.maximum(room.low, room.high), room.gaps)
+        usual = state.defaults and default is not None
         if (held := _unmoved(state, rows, number)) is not None:
-            found = np.minimum(np.maximum(held, first), last)
-            moved = _is_confined(distribution, arguments) and bool((found != held).any())
+            found = room.clip(held)
+            moved = law.confined and bool((found != held).any())
         elif state.defaults and default is not None:
-            found = np.minimum(np.maximum(full(rows, default).astype(np.float64), first), last)
-        elif distribution == "uniform" and gaps is None:
-            unit = _lot(state, rows, address)
-            one, two = _whole(first, last, distribution, arguments)
-            found = np.minimum(one + np.floor(unit * (two - one + 1.0)), two)
+            found = room.clip(full(rows, default).astype(np.float64))
         else:
-            one, two = _whole(first, last, distribution, arguments)
-            law = () if distribution == "uniform" else arguments
-            wide = _spread(_lot(state, rows, address), one - 0.5, two + 0.5, gaps, distribution, law)
-            found = np.floor(wide + 0.5)
-            found = found if is_listed(distribution) else np.minimum(np.maximum(found, one), two)
-        if moved or (held is None and not (state.defaults and default is not None)):
-            _require_value(
-                state, rows, number, bad, (first, last), gaps, distribution, _rounded(distribution, arguments)
-            )
+            found = _whole_number(levels, _lot(state, rows, address), _whole(law, room))
+        if moved or (held is None and not usual):
+            _require_value(state, rows, number, bad, room, _rounded(law))
         if moved or (held is None and number in state.kept):
-            unit = _lot(state, rows, address)
-            found = _other_count(state.kept[number], rows, unit, first, last, found, gaps, distribution, arguments)
-        if gaps is not None:
-            found = (
-                np.floor(move_out_of_gaps(found, first - 0.5, last + 0.5, gaps) + 0.5)
-                if state.defaults or (state.kept and not is_listed(distribution))
-                else found
-            )
-            _no_room(state, rows, number, in_gap(found, gaps) & ~bad)
+            found = _other_count(state.kept[number], rows, _lot(state, rows, address), room, found, law)
+        if room.gaps is not None:
+            if state.defaults or (state.kept and not law.listed):
+                found = np.floor(move_out_of_gaps(found, room.widened(0.5)) + 0.5)
+            _no_room(state, rows, number, in_gap(found, room.gaps) & ~bad)
     if state.weigh and domain is not None:
-        one, two = _whole(first, last, distribution, arguments)
         least, most = (full(rows, end).astype(np.float64) for end in domain)
-        least, most = _whole(np.ceil(least - TOLERANCE), np.floor(most + TOLERANCE), distribution, arguments)
-        law = () if distribution == "uniform" else arguments
-        ends = (found, found) if number in state.given else (one, two)
-        part = measure(ends[0] - 0.5, ends[1] + 0.5, gaps, distribution, law)
-        _note(state, rows, part, measure(least - 0.5, most + 0.5, None, distribution, law))
+        declared = _whole(law, Room(np.ceil(least - TOLERANCE), np.floor(most + TOLERANCE)))
+        left = Room(found, found, room.gaps) if number in state.given else _whole(law, room)
+        _note(state, rows, levels.measure(left.widened(0.5)), levels.measure(declared.widened(0.5)))
     state.values[number] = found
     return found
 
 
-def _whole(
-    first: np.ndarray, last: np.ndarray, distribution: str, arguments: tuple[Any, ...]
-) -> tuple[np.ndarray, np.ndarray]:
-    """The whole numbers of a range in which a law lies."""
-    first, last = support_of(first, last, distribution, arguments)
-    return np.ceil(first - TOLERANCE), np.floor(last + TOLERANCE)
+def _whole_number(law: Law, unit: np.ndarray, room: Room) -> np.ndarray:
+    """Uniform numbers to whole ones of a law within a room."""
+    if law is EVEN and room.gaps is None:
+        return np.minimum(room.low + np.floor(unit * (room.high - room.low + 1.0)), room.high)
+    found = np.floor(law.spread(unit, room.widened(0.5)) + 0.5)
+    return found if law.listed else room.clip(found)
 
 
-def _rounded(distribution: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-    """The arguments of a law for whole numbers: ``uniform(a, b)`` from the first to the last of them."""
-    if distribution != "uniform" or not arguments:
-        return arguments
-    return np.ceil(arguments[0] - TOLERANCE), np.floor(arguments[1] + TOLERANCE)
+def _whole(law: Law, room: Room) -> Room:
+    """The whole numbers of a room in which a law lies."""
+    tight = law.support(room)
+    return Room(np.ceil(tight.low - TOLERANCE), np.floor(tight.high + TOLERANCE), room.gaps)
 
 
-def _other_count(
-    kept: Kept,
-    rows: Rows,
-    unit: np.ndarray,
-    first: np.ndarray,
-    last: np.ndarray,
-    fresh: np.ndarray,
-    gaps: Gaps | None,
-    distribution: str,
-    arguments: tuple[Any, ...],
-) -> np.ndarray:
-    """The count kept, moved into the range; another one of its law where that is asked for and there is one."""
+def _rounded(law: Law) -> Law:
+    """A law for whole numbers: ``uniform(a, b)`` from the first to the last of them."""
+    if law.name != "uniform" or not law.arguments:
+        return law
+    return Law("uniform", (np.ceil(law.arguments[0] - TOLERANCE), np.floor(law.arguments[1] + TOLERANCE)))
+
+
+def _other_count(kept: Kept, rows: Rows, unit: np.ndarray, room: Room, fresh: np.ndarray, law: Law) -> np.ndarray:
+    """The count kept, moved into the room; another one of its law where that is asked for and there is one."""
     known, at = kept.find(rows)
     if not known.any():
         return fresh
     value, swap = kept.value[at], kept.swap[at]
-    if is_listed(distribution):
-        reach, values = np.where(swap, np.inf, 0.0), values_of(distribution, arguments)
-        return np.where(known, step_along(unit, value, reach, swap, first, last, gaps, values), fresh)
-    if _is_confined(distribution, arguments):
-        stays = ~swap & fits(value, first, last, None)
-        tight = _whole(first, last, distribution, arguments)
-        first, last = np.where(stays, first, tight[0]), np.where(stays, last, tight[1])
-    old = np.minimum(np.maximum(value, first), last)
+    if law.listed:
+        return np.where(known, step_along(unit, value, np.where(swap, np.inf, 0.0), swap, room, law.values), fresh)
+    if law.confined:
+        room = room.but(~swap & Room(room.low, room.high).holds(value), _whole(law, room))
+    first, last = room.low, room.high
+    old = room.clip(value)
     other = np.minimum(first + np.floor(unit * (last - first)), last)
     other = np.where(other >= old, np.minimum(other + 1.0, last), other)
     return np.where(known, np.where(swap & (last > first), other, old), fresh)
@@ -382,7 +280,7 @@ def draw_choice(
     """The index of one of the options, by weight; ``declared`` are the weights before requirements removed some."""
     table = np.stack([np.broadcast_to(np.asarray(w, dtype=np.float64), (rows.size,)) for w in weights])
     table = np.where(table < np.inf, table, 0.0)  # a weight that is no number is for a requirement to refuse
-    found = _given(state, rows, number, 0.0, len(weights) - 1.0)
+    found = _given(state, rows, number, Room(np.zeros(rows.size), np.full(rows.size, len(weights) - 1.0)))
     if found is not None:
         _no_room(state, rows, number, table[found.astype(np.int64), np.arange(rows.size)] <= 0.0)
     else:

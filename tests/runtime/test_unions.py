@@ -155,7 +155,8 @@ def test_gaps_of_unions_overlap_and_nest():
     unit = (np.arange(4000) + 0.5) / 4000
     for row, allowed in ((0, [(0, 1), (6, 10)]), (1, [(0, 1), (4, 10)])):
         mine = gaps[0][:, row : row + 1], gaps[1][:, row : row + 1]
-        found = laws.spread_between(unit, np.zeros(4000), np.full(4000, 10.0), mine, "uniform", ())
+        room = laws.Room(low[:1], low[:1] + 10, mine)
+        found = laws.EVEN.spread(unit, laws.Room(np.zeros(4000), np.full(4000, 10.0), mine))
         assert (
             ((found[:, None] >= np.array(allowed)[:, 0]) & (found[:, None] <= np.array(allowed)[:, 1]))
             .any(axis=1)
@@ -163,6 +164,6 @@ def test_gaps_of_unions_overlap_and_nest():
         )
         share = (found <= 1).mean()
         assert abs(share - 1 / sum(b - a for a, b in allowed)) < 1e-3
-        assert np.allclose(laws.measure(low[:1], low[:1] + 10, mine, "uniform", ()), sum(b - a for a, b in allowed))
-        moved = laws.move_out_of_gaps(np.full(1, 1.2), low[:1], low[:1] + 10, mine)
+        assert np.allclose(laws.EVEN.measure(room), sum(b - a for a, b in allowed))
+        moved = laws.move_out_of_gaps(np.full(1, 1.2), room)
         assert np.allclose(moved, 1.0)
