@@ -72,7 +72,7 @@ def _columns(
         "grasps": _grasps(batch, grasps, reached),
         "dropped": PerObject(dropped),
         "keypoints": _keypoints(batch),
-        "interactions": _interactions(batch, acting, None),
+        "interactions": _interactions(batch, acting),
         **({} if states is None else {"states": _states(batch, states, grasps, reached, acting)}),
         "drawn": PerObject([_drawn(batch, i) for i in range(n)]),
         # draws before this one that broke a requirement
@@ -312,13 +312,13 @@ def _keypoints(batch: Batch) -> Rows:
     return Rows(keypoints.owner, columns)
 
 
-def _interactions(batch: Batch, acting: Interactions, states: np.ndarray | None) -> Rows:
+def _interactions(batch: Batch, acting: Interactions) -> Rows:
     links, joints = batch.links(), batch.joints()
     columns: dict[str, Column] = {
         "affordance": list(acting.name),
         "link": [links.name[k] for k in acting.link],
         "joint": [joints.name[k] for k in acting.joint],
-        **_acts(batch, acting, states),
+        **_acts(batch, acting, None),
     }
     return Rows(acting.owner, columns)
 

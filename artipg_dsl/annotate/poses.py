@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..records import dataclass
-from .frames import compose, quaternion, rotate, unrotate
+from .frames import compose, quaternion, rotate
 
 if TYPE_CHECKING:
     from ..runtime.batch import Batch
@@ -50,12 +50,6 @@ def centers_of(parts: PartTable) -> np.ndarray:
 
 def diagonal(size: np.ndarray) -> np.ndarray:
     return np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2 + size[:, 2] ** 2)
-
-
-def normalise(poses: PartPoses, part: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Normalised part coordinates of points (..., 3), each of the part ``part`` (...), a row of ``poses``."""
-    scale = np.where(poses.scale > 0, poses.scale, 1.0)[part]
-    return unrotate(poses.rotation[part], points - poses.center[part]) / scale[..., None]
 
 
 def symmetry_words(symmetry: np.ndarray) -> list[str | None]:

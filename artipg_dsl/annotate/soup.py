@@ -35,15 +35,15 @@ class Soup:
     part: np.ndarray
 
 
-def make_soup(batch: Batch, first: int, stop: int, steps: int = _STEPS) -> Soup:
-    """The triangles of the objects ``first .. stop - 1`` of a batch, ``steps`` per full turn."""
+def make_soup(batch: Batch, first: int, stop: int) -> Soup:
+    """The triangles of the objects ``first .. stop - 1`` of a batch."""
     tables = batch.sites()
     rows = block_of(tables, first, stop)
     rotation, translation = rows.rotation.T.reshape(-1, 3, 3), rows.translation.T
     corners, fractions = [np.empty((0, 3, 3))], [np.empty((0, 3, 2))]
     owners, patches = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
     for shelf in rows.shelves:
-        for made in mesh.build(shelf.primitive, shelf.params, steps):
+        for made in mesh.build(shelf.primitive, shelf.params, _STEPS):
             own = shelf.start + made.rows
             vertices = place(rotation[own], translation[own], made.vertices, rows.mirror[own])
             corner, uv = vertices[:, made.faces], np.broadcast_to(made.face_uv, (len(own), *made.face_uv.shape))

@@ -73,7 +73,7 @@ def write_objects(
             progress(i + 1, len(batch))
 
 
-def _write_object(robots: Robots, i: int, folder: Place, formats: Sequence[Format], *, force: bool = False) -> None:
+def _write_object(robots: Robots, i: int, folder: Place, formats: Sequence[Format], *, force: bool) -> None:
     """The files of all formats into the folder of object ``i``, all at once or not at all. Its other files stay."""
     for entry in formats:
         refuse_existing(folder / entry.mark, force)

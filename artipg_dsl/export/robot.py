@@ -408,10 +408,10 @@ class Robots:
                     mimic=None
                     if leader < 0
                     else (joints.name[first + leader], float(joints.multiplier[j]), float(joints.offset[j])),
-                    pitch=_number_or(joints.pitch[j], 0.0),
-                    positions=int(_number_or(joints.positions[j], 0.0)),
+                    pitch=_number(joints.pitch[j]),
+                    positions=int(_number(joints.positions[j])),
                     armature=float(self.dynamics.armature[j]),
-                    stiffness=_number_or(joints.stiffness[j], 0.0),
+                    stiffness=_number(joints.stiffness[j]),
                     unsprung=self._unsprung(j),
                     gates=self._gates(j),
                     curve=self.curves.get(j),
@@ -437,5 +437,5 @@ def _number_or_none(value: float) -> float | None:
     return None if np.isnan(value) else float(value)
 
 
-def _number_or(value: float, default: float) -> float:
-    return default if np.isnan(value) else float(value)
+def _number(value: float) -> float:
+    return 0.0 if np.isnan(value) else float(value)

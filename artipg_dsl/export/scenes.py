@@ -9,7 +9,7 @@ import numpy as np
 import trimesh
 
 from ..annotate.frames import rotate
-from ..geometry.resolution import STANDARD, Resolution
+from ..geometry.resolution import Resolution
 from .robot import Robots
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def make_scenes(
-    batch: Batch, states: np.ndarray | None = None, resolution: Resolution = STANDARD, details: Dressing | None = None
+    batch: Batch, states: np.ndarray | None, resolution: Resolution, details: Dressing | None
 ) -> list[trimesh.Scene]:
     """One scene per object with the joints at ``states`` (J,), at rest by default: a closed mesh per primitive, in ``details`` if given.
 

@@ -161,7 +161,7 @@ def write_bytes(path: Place | str, data: bytes, *, force: bool = False) -> None:
         stream.write(data)
 
 
-def write_remote(path: Remote, data: bytes, *, force: bool = False) -> None:
+def write_remote(path: Remote, data: bytes, *, force: bool) -> None:
     """The same elsewhere."""
     refuse_existing(path, force)
     try:

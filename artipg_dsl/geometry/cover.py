@@ -105,7 +105,7 @@ class Cover(Insides):
         return point, other, to_local(self.poses, other, place.take(point, axis=1))
 
 
-def meeting_rows(rows: Block, off: np.ndarray, asked: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+def meeting_rows(rows: Block, off: np.ndarray, asked: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of different rows of one object whose boxes meet; the first of each is one of those that are ``asked`` (R,) bool."""
     if not len(rows.rank):
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)

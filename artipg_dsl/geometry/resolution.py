@@ -206,7 +206,7 @@ def _twist(points: np.ndarray) -> np.ndarray:
 
 
 def within_budget(
-    parts: Sequence[tuple[Bends | Spans, np.ndarray]], objects: int, triangles: int, start: float | np.ndarray = FINEST
+    parts: Sequence[tuple[Bends | Spans, np.ndarray]], objects: int, triangles: int, start: float | np.ndarray
 ) -> np.ndarray:
     """(objects,): the finest tolerance, or the shortest edge, from ``start`` on at which an object keeps to its triangles.
 

@@ -149,6 +149,6 @@ class Intervals:
         return (0.0, 0.0) if apart else (0.0, 1.0)
 
 
-def holds_always(condition: Expr, draws: Iterable[Draw], definitions: Mapping[Column, Expr] | None = None) -> bool:
+def holds_always(condition: Expr, draws: Iterable[Draw]) -> bool:
     """Whether a predicate holds for all values of the draws."""
-    return Intervals(draws, definitions or {}).of(condition)[0] >= 1.0
+    return Intervals(draws, {}).of(condition)[0] >= 1.0

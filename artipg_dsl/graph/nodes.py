@@ -100,7 +100,7 @@ class Nodes:
         """Whether an expression has a value in the rows of ``scope``."""
         return not self.facts[expr][0] and (expr.scope is None or scope is not None and scope.within(expr.scope))
 
-    def computes(self, expr: Expr, known: frozenset[str], scope: Scope | None = None) -> str | None:
+    def computes(self, expr: Expr, known: frozenset[str], scope: Scope | None) -> str | None:
         """What keeps an expression from being a formula over the variables ``known`` and values in the rows of ``scope``."""
         strange = self.facts[expr][0] - known
         if strange:

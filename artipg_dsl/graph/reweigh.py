@@ -76,7 +76,7 @@ def share_options(draw: Draw, shares: Sequence[tuple[Group, float]], otherwise: 
     return _chosen(draw, weights)
 
 
-def keep_options(draw: Draw, group: Group, where: Expr = E.TRUE) -> Draw:
+def keep_options(draw: Draw, group: Group, where: Expr) -> Draw:
     """A choice that is one of some options, by the weights that these have, in the rows in which a condition holds. Raises
     NothingLeft."""
     _require_possible(draw, group, 1.0)

@@ -14,7 +14,7 @@ unknown to all of them. Begin with ``functions``.
 from .functions import FORMS, FUNCTIONS, METHODS, Form, Parameter
 from .kinds import DISTRIBUTIONS, JOINTS, OPERATORS, REPEATS, WEIGHTED, Kind
 from .members import FACES, MEMBERS, OWN, Member
-from .words import DIRECTIONS, NUMBERS, SCALAR_TYPES, TYPES, WORDS, Word, reserved_name
+from .words import DIRECTIONS, NUMBERS, TYPES, WORDS, Word, reserved_name
 
 __all__ = [
     "DIRECTIONS",
@@ -29,7 +29,6 @@ __all__ = [
     "OPERATORS",
     "OWN",
     "REPEATS",
-    "SCALAR_TYPES",
     "TYPES",
     "WEIGHTED",
     "WORDS",

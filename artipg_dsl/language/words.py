@@ -72,7 +72,6 @@ NUMBERS = {name: word.value for name, word in WORDS.items() if isinstance(word.v
 TYPES: dict[str, Word] = {word.name: word for word in _TABLE if word.name not in WORDS}
 """By name: the types."""
 
-SCALAR_TYPES = tuple(name for name, word in TYPES.items() if word.kind == "number")
 DIRECTIONS = tuple(name for name, word in WORDS.items() if word.kind == "axis")
 
 

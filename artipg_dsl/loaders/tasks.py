@@ -78,7 +78,7 @@ def make_arrays(
     states: np.ndarray,
     words: Mapping[str, Sequence[str]],
     views: Mapping[str, object],
-    dress: Dress | None = None,
+    dress: Dress | None,
 ) -> Arrays:
     """The arrays of a task for B objects with their joints at ``states`` (J,), in the object's frame, metres.
 

@@ -192,12 +192,12 @@ def make_card(
     valid: Valid,
     *,
     checked: bool,
-    real: Real | None = None,
-    lines: int | None = None,
-    meshes: Strict | None = None,
-    variants: Given | None = None,
-    prior: str = "",
-    progress: Callable[[str, int, int], None] | None = None,
+    real: Real | None,
+    lines: int | None,
+    meshes: Strict | None,
+    variants: Given | None,
+    prior: str,
+    progress: Callable[[str, int, int], None] | None,
 ) -> Card:
     """The card of a program over the objects of a batch; ``valid``: how often the sampling of these succeeded at first.
 

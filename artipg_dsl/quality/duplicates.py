@@ -17,9 +17,7 @@ _LEAST = 1e-12  # the width of a range that is a point, or unknown: only equal v
 Ranges = tuple[tuple[float, float], ...]
 
 
-def find_near_duplicates(
-    batch: Batch, kind: np.ndarray | None = None, close: float = CLOSE, ranges: Ranges | None = None
-) -> np.ndarray:
+def find_near_duplicates(batch: Batch, kind: np.ndarray | None = None, ranges: Ranges | None = None) -> np.ndarray:
     """(B,) whether an object is nearly the same as one before it in the batch.
 
     ``kind`` (B,) sets objects apart beforehand (their kinematic graphs). ``ranges`` of the values are by default those
@@ -40,7 +38,7 @@ def find_near_duplicates(
             found[group[1:]] = True
             continue
         cells = value[start[group][:, None] + np.arange(count[group[0]])]
-        pairs = cKDTree(cells).query_pairs(close, p=np.inf, output_type="ndarray")
+        pairs = cKDTree(cells).query_pairs(CLOSE, p=np.inf, output_type="ndarray")
         found[group[pairs.max(axis=1)]] = True
     return found
 

@@ -102,11 +102,7 @@ def _bind_theirs(one: Fit) -> tuple[Record, Arrays | None]:
 
 
 def bind_all(
-    job: Job,
-    asked: Binding,
-    fits: Sequence[Fit],
-    workers: int = 1,
-    progress: Callable[[int, int], None] = lambda *_: None,
+    job: Job, asked: Binding, fits: Sequence[Fit], workers: int, progress: Callable[[int, int], None]
 ) -> list[tuple[Record, Arrays | None]]:
     """The records and details of all objects, in their order. ``progress(done, total)`` hears of each that is finished."""
 

@@ -62,8 +62,8 @@ def bind_into(
     fitted: Record,
     *,
     force: bool = False,
-    workers: int = 1,
-    progress: Callable[[int, int], None] | None = None,
+    workers: int,
+    progress: Callable[[int, int], None] | None,
 ) -> tuple[Record, list[Record]]:
     """Bind what the folder ``out`` does not have yet, and write it; what its summary says, and the records of all objects. ``fitted``: the
     summary of their fit. ``progress(done, total)`` hears of each that is finished. Raises UserError."""
@@ -136,7 +136,7 @@ def _read_summary(fitted: Path) -> Record:
     return summary
 
 
-def open_fits(fitted: Path, real: Sequence[Path] = ()) -> tuple[Job, list[Record], list[Item]]:
+def open_fits(fitted: Path, real: Sequence[Path]) -> tuple[Job, list[Record], list[Item]]:
     """The job of the objects of a folder of fits, the records of all files, and what these are. ``real``: the files that were fitted, where
     they are not where they were. Raises UserError."""
     summary = _read_summary(fitted)
@@ -154,7 +154,7 @@ def open_fits(fitted: Path, real: Sequence[Path] = ()) -> tuple[Job, list[Record
     return job, records, [Item(record["name"], found.get(record["name"], folder.real(record))) for record in records]
 
 
-def _open_fits(fitted: Path, summary: Record, real: Sequence[Path] = ()) -> tuple[Job, list[Fit]]:
+def _open_fits(fitted: Path, summary: Record, real: Sequence[Path]) -> tuple[Job, list[Fit]]:
     good = [one for one in summary["objects"] if one["object"] is not None]
     try:
         job = reopen(fitted)

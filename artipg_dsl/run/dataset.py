@@ -177,13 +177,13 @@ def add_formats(
     out: Place,
     formats: Sequence[Format],
     *,
-    resolution: Resolution | None = None,
-    details: Dressing | None = None,
-    force: bool = False,
-    progress: ReportProgress | None = None,
-    workers: int = 1,
-    memory: int | None = None,
-    cluster: str = "",
+    resolution: Resolution | None,
+    details: Dressing | None,
+    force: bool,
+    progress: ReportProgress | None,
+    workers: int,
+    memory: int | None,
+    cluster: str,
 ) -> None:
     """Further files for the objects of a job in their folder; formats that it has are refused, or written again by ``force``.
 

@@ -21,9 +21,7 @@ _TOGETHER = 256  # objects at a time, as far as the mutants of one original go
 _DRAWN = 256  # objects that tell the ranges of values
 
 
-def leave_out_near_duplicates(
-    job: Job, workers: int = 1, progress: Callable[[int, int], None] | None = None
-) -> tuple[Job, int]:
+def leave_out_near_duplicates(job: Job, workers: int, progress: Callable[[int, int], None] | None) -> tuple[Job, int]:
     """The job of the mutants of a job but for near-duplicates, and how many these are; its last mutation numbers them by original.
 
     Every mutant is made for it. Raises NoObject.

@@ -135,9 +135,7 @@ def write_fits(
     return summary, records, job
 
 
-def save_fits(
-    job: Job, out: Path, records: Sequence[Record], items: Mapping[str, Item], *, force: bool = False
-) -> None:
+def save_fits(job: Job, out: Path, records: Sequence[Record], items: Mapping[str, Item], *, force: bool) -> None:
     """Write the folder of objects that are fitted already, which are those of a job; ``items``: the real ones by name. Raises UserError."""
     summary = summarize(job.program.name, records[0]["options"], records)
     refuse_other(out / SUMMARY, summary, force)

@@ -148,8 +148,8 @@ def draw_real(
     if state.weigh and domain is not None:
         given = number in state.given
         part = law.density(found) if given else law.measure(left)
-        declared = Room(*(full(rows, end).astype(np.float64) for end in domain))
-        _note(state, rows, part, law.measure(declared), given)
+        least, most = (full(rows, end).astype(np.float64) for end in domain)
+        _note(state, rows, part, law.measure(Room(least, most)), given)
     state.values[number] = found
     return found
 

@@ -63,7 +63,6 @@ def evaluate_again(
     batch: Batch,
     objects: np.ndarray,
     *,
-    numbers: np.ndarray | None = None,
     attempt: np.ndarray | None = None,
     lane: np.ndarray | None = None,
     salt: str | None = None,
@@ -72,7 +71,7 @@ def evaluate_again(
 ) -> Batch:
     """The objects at the given places of a batch with all the values they have, or with ``values`` (one per draw).
 
-    ``numbers`` are their new numbers; ``attempt``, ``lane`` and ``salt`` what they are said to be drawn with; ``plan``
+    ``attempt``, ``lane`` and ``salt`` what they are said to be drawn with; ``plan``
     another one of the program.
     """
     old = batch.state
@@ -87,7 +86,7 @@ def evaluate_again(
     )
     draws = range(len(batch.program.draws))
     state.kept = dict(enumerate(values)) if values is not None else {k: keep_draw(batch, k, objects) for k in draws}
-    return make_batch(batch.program, plan or batch.plan, state, batch.numbers[objects] if numbers is None else numbers)
+    return make_batch(batch.program, plan or batch.plan, state, batch.numbers[objects])
 
 
 def make_batch(program: Program, plan: Plan, state: State, numbers: np.ndarray | None = None) -> Batch:
@@ -95,9 +94,7 @@ def make_batch(program: Program, plan: Plan, state: State, numbers: np.ndarray |
     return Batch(program, plan, state, tables, values, numbers, ends=limit_joints)
 
 
-def find_differing(
-    before: Batch, objects: np.ndarray, after: Batch, numbers: Sequence[int] | None = None
-) -> np.ndarray:
+def find_differing(before: Batch, objects: np.ndarray, after: Batch, numbers: Sequence[int] | None) -> np.ndarray:
     """Which objects of ``after`` differ in a draw from those at the given places of ``before``: (len(after),) bool."""
     found = np.zeros(len(after), dtype=bool)
     everything = np.arange(len(after))

@@ -210,7 +210,7 @@ def is_examined(program: Program, checked: bool) -> bool:
     return checked or bool(find_fallible(program))
 
 
-def find_faulty(batch: Batch, statistics: Statistics, checked: bool = True) -> np.ndarray:
+def find_faulty(batch: Batch, statistics: Statistics, checked: bool) -> np.ndarray:
     """Indices of the objects of a batch at fault beyond the requirements: labels without a value, and where they are
     ``checked`` solids that collide, tip over, ...; counted."""
     if not checked:

@@ -120,7 +120,7 @@ class Checker:
             self.report.error(code, span, message, hint=hint, notes=notes)
         return UNKNOWN
 
-    def unfit(self, expr: ast.Node, kind: Type, need: str, hint: str | None = None) -> Type:
+    def unfit(self, expr: ast.Node, kind: Type, need: str, hint: str | None) -> Type:
         """Reports that ``expr`` is of a kind that its place has no use for; ``need`` says what it needs."""
         return self.error("wrong-type", expr.span, f"{need}, but this is {kind}", hint=hint)
 

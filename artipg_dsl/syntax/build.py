@@ -108,7 +108,7 @@ class BuilderBase:
     def problem(self, child: Any, message: str, hint: str | None = None) -> None:
         self.trouble(self.at(child), message, hint)
 
-    def trouble(self, place: Span, message: str, hint: str | None = None) -> None:
+    def trouble(self, place: Span, message: str, hint: str | None) -> None:
         self.problems.append(Problem(place, message, hint))
 
     def pieces(self, children: Sequence[Any]) -> dict[str, Any]:

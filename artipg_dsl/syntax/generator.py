@@ -27,7 +27,7 @@ OPTIONS: dict[str, Any] = {
 }
 
 
-def generate(text: str, layout: Layout, use_cache: bool = True) -> Lark:
+def generate(text: str, layout: Layout, use_cache: bool) -> Lark:
     """The parser of a grammar, its tokens through a layout."""
     live = {"postlex": layout, "lexer_callbacks": {"COMMENT": layout.comment, "DOC": layout.comment}}
     if not use_cache or cache.folder() is None:

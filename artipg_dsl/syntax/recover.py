@@ -24,7 +24,7 @@ def _quiet(text: str) -> str:
     return _QUIET.sub(lambda m: " " * len(m.group()), text)
 
 
-def without_statement(text: str, place: int, line_alone: bool = False) -> str | None:
+def without_statement(text: str, place: int, line_alone: bool) -> str | None:
     """``text`` with the statement around ``place`` blanked; None where there is nothing sensible left to parse.
 
     A statement runs from the last line that begins like one to the next; with ``line_alone`` it is just its line.

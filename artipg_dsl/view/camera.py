@@ -8,6 +8,7 @@ from ..geometry.vectors import unit
 from ..records import dataclass
 
 _FIELD = np.radians(24.0)  # a long lens: little distortion
+_MARGIN = 1.1  # of what is seen to what is to be seen
 SUN, SKY = np.array([[1.0, 0.985, 0.95], [0.96, 0.985, 1.0]], dtype=np.float32)  # colours of light
 
 
@@ -67,7 +68,7 @@ class Lights:
         return self.strength[:, None] * np.where(self.sun[:, None], SUN, SKY)
 
 
-def look_at(points: np.ndarray, azimuth: float = 33.0, elevation: float = 24.0, margin: float = 1.1) -> Camera:
+def look_at(points: np.ndarray, azimuth: float = 33.0, elevation: float = 24.0) -> Camera:
     """A camera ``azimuth`` degrees to the left of the front, ``elevation`` above, that sees all ``points`` (n, 3)."""
     a, e = np.radians(azimuth), np.radians(elevation)
     back = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
@@ -78,7 +79,7 @@ def look_at(points: np.ndarray, azimuth: float = 33.0, elevation: float = 24.0, 
     middle = (seen.min(axis=1) + seen.max(axis=1)) / 2
     for _ in range(8):  # put the projected box into the middle: perspective makes near things larger
         across, behind = seen[:2] - middle[:2, None], seen[2] - middle[2]
-        distance = (np.abs(across) * (scale * margin) + behind).max()
+        distance = (np.abs(across) * (scale * _MARGIN) + behind).max()
         projected = across / (distance - behind)
         middle[:2] += (projected.min(axis=1) + projected.max(axis=1)) / 2 * distance
     eye = axes.T @ middle + back * distance

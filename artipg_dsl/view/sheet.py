@@ -37,6 +37,7 @@ VIEWS = {  # degrees to the left of the front, and above
 _STATES = ("rest", "open", "alternate")
 _TILES = 16, 4096  # pixels: a number below an object has to go into the least
 _CORNER = 0.125  # pixels: how far a corner of an outline may lie off the true surface
+_DOT = 2  # pixels: of the letters of a legend
 BACKDROP = "eaedf1"
 
 
@@ -200,16 +201,16 @@ def read_direction(view: str | tuple[float, float] | None) -> tuple[float, float
     return azimuth, elevation
 
 
-def draw_legend(tints: dict[str, np.ndarray], width: int, size: int = 2) -> np.ndarray:
-    """Rows of words beside their colours (3,) uint8, for below a picture of some width; a dot is ``size`` pixels."""
-    wide, high = 6 * size * (max(map(len, tints), default=0) + 3), 14 * size
+def draw_legend(tints: dict[str, np.ndarray], width: int) -> np.ndarray:
+    """Rows of words beside their colours (3,) uint8, for below a picture of some width."""
+    wide, high = 6 * _DOT * (max(map(len, tints), default=0) + 3), 14 * _DOT
     columns = max(1, width // wide)
     strip = np.empty((-(-len(tints) // columns) * high, width, 3), dtype=np.uint8)
     strip[:] = srgb(hex_colour(BACKDROP))
     for k, (word, tint) in enumerate(tints.items()):
         y, x = k // columns * high, k % columns * wide
-        strip[y + 2 * size : y + 11 * size, x + 3 * size : x + 12 * size] = tint
-        write_text(strip[y : y + 10 * size, x + 14 * size :], word, (60, 66, 74), size)
+        strip[y + 2 * _DOT : y + 11 * _DOT, x + 3 * _DOT : x + 12 * _DOT] = tint
+        write_text(strip[y : y + 10 * _DOT, x + 14 * _DOT :], word, (60, 66, 74), _DOT)
     return strip
 
 

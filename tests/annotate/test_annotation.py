@@ -15,7 +15,7 @@ from artipg_dsl.annotate.frames import axis_angle, compose, euler, quaternion, r
 from artipg_dsl.annotate.grasps import grasp_frame, sample_grasps
 from artipg_dsl.annotate.gripper import STANDARD
 from artipg_dsl.annotate.points import field_kinds, label_points
-from artipg_dsl.annotate.poses import normalise, part_poses, symmetry_words
+from artipg_dsl.annotate.poses import part_poses, symmetry_words
 from artipg_dsl.annotate.rows import to_text
 from artipg_dsl.annotate.states import joint_values, read_states
 from artipg_dsl.graph import expr as e
@@ -145,14 +145,6 @@ def test_poses_are_boxes_and_move_with_their_link() -> None:
     assert opened.quaternion[door] == pytest.approx([np.sqrt(0.5), 0, 0, np.sqrt(0.5)])
     assert opened.center[0].tolist() == rest.center[0].tolist()
     assert rest.scale[door] == pytest.approx(np.sqrt((rest.size[door] ** 2).sum()))
-
-
-def test_normalised_coordinates_have_a_unit_diagonal() -> None:
-    poses = part_poses(FakeBatch(1))
-    for part in range(8):
-        corner = poses.center[part] + rotate(poses.rotation[part], poses.size[part] / 2)
-        found = normalise(poses, np.array([part]), corner[None])[0]
-        assert 2 * np.sqrt((found**2).sum()) == pytest.approx(1.0) and (found > 0).all()
 
 
 def test_grasps_lie_on_the_handle_at_even_steps() -> None:

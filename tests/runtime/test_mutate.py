@@ -253,9 +253,9 @@ def test_variants_side_by_side_are_those_made_alone(microwave, batch):
 
 
 def test_a_mutant_has_the_colours_of_its_original(microwave, batch):
-    mutant = mutate(
-        microwave, evaluate_again(batch, np.array([7, 7, 9]), numbers=np.array([0, 1, 2])), variant=np.array([-1, 0, 0])
-    )
+    originals = evaluate_again(batch, np.array([7, 7, 9]))
+    originals.numbers = np.array([0, 1, 2])
+    mutant = mutate(microwave, originals, variant=np.array([-1, 0, 0]))
     for material in microwave.program.materials.values():
         np.testing.assert_array_equal(draw_colours(mutant, material), draw_colours(batch, material)[[7, 7, 9]])
 

@@ -62,7 +62,7 @@ def read_by(env: Env, declaration: ast.ParamDecl | ast.CountDecl, component: int
     return found if vary is None else (*found, component_of(env, vary, None))
 
 
-def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, component: int | None = None) -> Draw:
+def make_draw(env: Env, declaration: ast.ParamDecl | ast.CountDecl, path: str, component: int | None) -> Draw:
     counted = isinstance(declaration, ast.CountDecl) or declaration.type.name == "count"
     column = env.context.column(env.scope, path, "count" if counted else "real", declaration.span)
     domain = declaration.domain

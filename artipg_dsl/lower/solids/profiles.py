@@ -362,7 +362,7 @@ def tops(probe: Probe, height: Expr, windows: int = 1) -> list[Expr]:
     return [substitute(height, {V: v}) for v in (*steps(windows), *summits(probe, height, windows))]
 
 
-def crests(probe: Probe, height: Expr, windows: int = 1) -> list[Expr]:
+def crests(probe: Probe, height: Expr, windows: int) -> list[Expr]:
     """The summit of a function of v in each of equal windows where it has one for some test value."""
     return [substitute(height, {V: v}) for v in summits(probe, height, windows)]
 
@@ -372,7 +372,7 @@ def steps(windows: int) -> list[Expr]:
     return [E.const(k / windows) for k in range(windows + 1)]
 
 
-def summits(probe: Probe, height: Expr, windows: int = 1) -> list[Expr]:
+def summits(probe: Probe, height: Expr, windows: int) -> list[Expr]:
     """Where in each of equal windows a function of v has its summit, if it has one there for some test value."""
     found = []
     for k in range(windows):

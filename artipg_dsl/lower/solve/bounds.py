@@ -24,7 +24,7 @@ _MOST_DERIVED = 400
 DEPTH = 24
 
 
-def attach_bounds(program: Program, strict: Collection[int] = ()) -> list[tuple[Scope, tuple[int, ...]]]:
+def attach_bounds(program: Program, strict: Collection[int]) -> list[tuple[Scope, tuple[int, ...]]]:
     """Fill ``bounds`` of the draws and ``limits`` of the choices from the requirements.
 
     The sides of the requirements ``strict`` must differ, if only a little. Returns the requirements that contradict one another
