@@ -69,5 +69,5 @@ def read_arrays(source: BinaryIO, wanted: Callable[[str], bool] = lambda name: T
             return {name: held[name] for name in held.files if wanted(name)}
     except OSError:
         raise
-    except Exception as wrong:  # noqa: BLE001 - a spoilt byte makes the libraries raise whatever they please
+    except Exception as wrong:  # a spoilt byte makes the libraries raise whatever they please
         raise ValueError(str(wrong) or type(wrong).__name__) from None

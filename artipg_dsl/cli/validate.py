@@ -61,11 +61,11 @@ def _text(found: dict[str, Any]) -> str:
         f"in every state        {100 * (found['objects'] - delivered['blocked']) / found['objects']:.1f}%   (the pieces that collide)"
     )
     if found["meshes"] is not None:
-        lines += _meshes_text(found["meshes"], kinds)
+        lines += _meshes_text(found["meshes"])
     return "\n".join(lines)
 
 
-def _meshes_text(seen: dict[str, Any], kinds: dict[str, str]) -> list[str]:
+def _meshes_text(seen: dict[str, Any]) -> list[str]:
     """What the meshes share, in lines: the deepest first."""
     shares = [f"{100 * seen[key] / seen['objects']:.1f}%" for key in ("rest", "sweeps", "all")]
     lines = [

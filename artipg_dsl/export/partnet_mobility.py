@@ -88,7 +88,7 @@ def partnet_files(robots: Robots, i: int, points: bool = True) -> dict[str, byte
     word."""
     folder = _Folder.of(robots, i)
     files: dict[str, bytes] = {}
-    drawn = _meshes(robots, i, folder.robot, folder.members, folder.frame, files)
+    drawn = _meshes(folder.robot, folder.members, folder.frame, files)
     urdf = folder.urdf(drawn)
     return files | dict.fromkeys(_URDFS, urdf) | folder.described({}) | (folder.points() if points else {})
 
@@ -244,7 +244,7 @@ def _leaf_name(robots: Robots, i: int, instance: int) -> tuple[str, str]:
 
 
 def _meshes(
-    robots: Robots, i: int, robot: Robot, members: list[FolderLink], frame: DatasetFrame, files: dict[str, bytes]
+    robot: Robot, members: list[FolderLink], frame: DatasetFrame, files: dict[str, bytes]
 ) -> dict[int, tuple[list[dict[str, str]], list[str]]]:
     """Write the meshes; for each member's id, its visuals (name and file) and the files of its colliders.
 

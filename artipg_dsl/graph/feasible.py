@@ -91,7 +91,7 @@ def _narrow(
     for _ in range(_ROUNDS):
         intervals = _Narrowed(program, box)
         moved = False
-        found |= {k: c for k, d in enumerate(program.draws) if (c := _without_option(k, d, intervals)) is not None}
+        found |= {k: c for k, d in enumerate(program.draws) if (c := _without_option(d, intervals)) is not None}
         for k, draw in enumerate(program.draws):
             if k in found or draw.kind == "choice" or draw.low is None or draw.high is None:
                 continue
@@ -117,7 +117,7 @@ def _narrow(
     return found, box, causes
 
 
-def _without_option(number: int, draw: Draw, intervals: _Narrowed) -> Conflict | None:
+def _without_option(draw: Draw, intervals: _Narrowed) -> Conflict | None:
     """That requirements leave none of the options of a choice."""
     shut: dict[int, int] = {}
     for limit in draw.limits:
@@ -158,12 +158,11 @@ def _range(draw: Draw, intervals: _Narrowed, reader: Linear) -> tuple[float, flo
             why[bound.side] = [bound.requirement, *bound.also]
             read[bound.side] = [*_sorted_columns(reader, bound.value), *intervals.decide(reader, bound.guard)]
     for union in draw.unions:
-        low, high = _hull(draw, union, intervals, low, high, why, read, reader)
+        low, high = _hull(union, intervals, low, high, why, read, reader)
     return low, high, why["low"] + why["high"], read["low"] + read["high"]
 
 
 def _hull(
-    draw: Draw,
     union: Union,
     intervals: _Narrowed,
     low: float,

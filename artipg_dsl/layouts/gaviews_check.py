@@ -122,12 +122,11 @@ def _check_view(folder: Path, view: View, links: Any, found: Findings) -> None:
     turn, shift = np.array(meta["world2camera_rotation"]).reshape(3, 3), np.array(meta["camera2world_translation"])
     for link, box in boxes.items():
         found.of(name, link in links, f"{link} is not in the URDF")
-        _check_part(f"{name} {link}", link, box, read, matrix, turn, shift, found)
+        _check_part(f"{name} {link}", box, read, matrix, turn, shift, found)
 
 
 def _check_part(
     place: str,
-    link: str,
     box: dict[str, Any],
     read: dict[str, np.ndarray],
     matrix: np.ndarray,

@@ -44,7 +44,7 @@ def check(folder: Path, entry: Entry, batch: Batch, shard: int, found: Findings)
             _check_attributes(place, attributes[number], shot, found)
         held = {part: told["value"] for part, told in states.get(shot.name, {}).items()}
         found.of(place, held == shot.told["open"], f"how far parts are open in {STATES_FILE} is not as in the model")
-        turn = _check_camera(place, folder, split, image, shot, found)
+        turn = _check_camera(place, folder, image, shot, found)
         if not found.of(
             place, len(parts) == len(others) == len(shot.masks), f"{len(parts)} parts, not {len(shot.masks)}"
         ):
@@ -126,9 +126,7 @@ def _check_attributes(place: str, read: dict[str, Any], shot: Shot, found: Findi
     )
 
 
-def _check_camera(
-    place: str, folder: Path, split: str, image: dict[str, Any], shot: Shot, found: Findings
-) -> np.ndarray:
+def _check_camera(place: str, folder: Path, image: dict[str, Any], shot: Shot, found: Findings) -> np.ndarray:
     """The matrix to the object's frame, as the loader reads it; depths by it are where the model has its surface."""
     turn = np.reshape(image["camera"]["extrinsic"]["matrix"], (4, 4)).T
     lens = np.reshape(image["camera"]["intrinsic"]["matrix"], (3, 3), order="F")

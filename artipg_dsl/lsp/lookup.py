@@ -116,7 +116,7 @@ def _in_node(typed: TypedProgram, owner: Symbol, scope: BodyScope | None, node: 
         case ast.TypeRef(name=name, span=span):
             return _named(owner, scope, name, span) or _language(name, span)
         case ast.NameExpr(span=span):
-            return _name(typed, owner, scope, node)
+            return _name(typed, scope, node)
         case ast.MemberExpr(name_span=span) if span.holds(offset):
             return _member(typed, node)
         case ast.Stmt():
@@ -161,7 +161,7 @@ def _word(typed: TypedProgram, vocabulary: str, word: str, span: Span) -> Found 
     return None
 
 
-def _name(typed: TypedProgram, owner: Symbol, scope: BodyScope | None, node: ast.NameExpr) -> Found | None:
+def _name(typed: TypedProgram, scope: BodyScope | None, node: ast.NameExpr) -> Found | None:
     meaning, span = typed.meanings.get(id(node)), node.span
     if isinstance(meaning, Global):
         return _of_symbol(meaning.symbol, span)

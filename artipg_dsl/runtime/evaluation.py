@@ -53,7 +53,7 @@ class Evaluation:
         bare = (line.bare() if type(line) is Step else line for line in self._lines)
         namespace = dict(self._known)
         code = compile(whole(bare, self._tables, self._values), "<plan>", "exec")
-        exec(code, namespace)  # noqa: S102 - no text of a program but literals
+        exec(code, namespace)  # no text of a program but literals
         found: Callable[[State], Values] = namespace["evaluate"]
         return found
 

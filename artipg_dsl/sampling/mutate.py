@@ -166,7 +166,7 @@ class _Step:
         names: Names,
     ):
         self.sampler, self.batch, self.operation = sampler, batch, operation
-        self.salt, self.lane, self.able, self.strength, self.share = salt, lane, able, strength, share
+        self.salt, self.lane, self.strength, self.share = salt, lane, strength, share
         draws = batch.program.draws
         parts = find_structural(batch.program)
         self.meant = [np.zeros(batch.rowmap.rows(d.column.scope).size, dtype=bool) for d in draws]

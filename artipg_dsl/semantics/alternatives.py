@@ -49,7 +49,7 @@ def check_part(ck: Checker, ctx: Context, node: ast.PartDecl) -> None:
     _alternatives(ck, ctx, node.alternatives, role, node.role, node.arguments)
     if node.role is not None or len(node.alternatives) > 1:
         alone = f"write `part {node.name} : STYLE`; other alternatives, and `none`, go into the style"
-        _no_style(ck, ctx, node.alternatives, alone)
+        _no_style(ck, node.alternatives, alone)
     if all(alternative.name is None for alternative in node.alternatives):
         ck.error(
             "wrong-kind",
@@ -81,7 +81,7 @@ def check_style(ck: Checker, ctx: Context, node: ast.StyleDecl) -> None:
         _unweighed(ck, node.alternatives)
         return
     _alternatives(ck, ctx, node.alternatives, _role(ck, ctx, node, node.role, node.role_span), node.role)
-    _no_style(ck, ctx, node.alternatives, "name its templates here, one by one")
+    _no_style(ck, node.alternatives, "name its templates here, one by one")
 
 
 def unknown_material(ck: Checker, ctx: Context, name: str, span: Span) -> None:
@@ -126,7 +126,7 @@ def _no_role(symbol: Symbol | None, node: ast.Stmt, name: str) -> tuple[str, str
     )
 
 
-def _no_style(ck: Checker, ctx: Context, alternatives: tuple[ast.Alternative, ...], hint: str) -> None:
+def _no_style(ck: Checker, alternatives: tuple[ast.Alternative, ...], hint: str) -> None:
     """A style is no alternative among others."""
     for alternative in alternatives:
         if isinstance(ck.meanings.get(id(alternative)), Declared):

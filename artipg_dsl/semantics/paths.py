@@ -77,7 +77,7 @@ def name(ck: Checker, ctx: Context, expr: ast.NameExpr) -> Type:
             "wrong-type",
             expr.span,
             f"`{word}` is a function: it needs arguments in parentheses",
-            hint=_option(ck, ctx, word) or f"write `{FUNCTIONS[word][-1].call}`",
+            hint=_option(ctx, word) or f"write `{FUNCTIONS[word][-1].call}`",
         )
     return _unknown_name(ck, ctx, word, expr.span)
 
@@ -108,7 +108,7 @@ def _unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     parts = _within_parts(ck, ctx, word)
     owned = f"a part has it: write {any_of(parts[:_NAMED])}" if parts else None
     hint = (
-        _option(ck, ctx, word)
+        _option(ctx, word)
         or _within_repeat(ctx, word)
         or _within_role(ck, ctx, word)
         or " ".join(filter(None, (near, owned)))
@@ -119,7 +119,7 @@ def _unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
     return ck.unknown(ctx.module, word, "unknown-name", span, f"there is no `{word}` here", hint)
 
 
-def _option(ck: Checker, ctx: Context, word: str) -> str | None:
+def _option(ctx: Context, word: str) -> str | None:
     """What to write for an option of a choice, which is a value only beside its choice."""
     for entry in (e for scope in ctx.scope.chain() for e in scope.entries) if ctx.scope is not None else ():
         if isinstance(entry.node, ast.ParamDecl) and word in entry.node.type.values:

@@ -49,7 +49,7 @@ def make_renderer(name: str, size: int) -> Any:
     for candidate in RENDERERS if name == "auto" else (name,):
         try:
             return _make(candidate, size)
-        except Exception as error:  # noqa: BLE001 - a missing library, driver or display, each with its own exception
+        except Exception as error:  # a missing library, driver or display, each with its own exception
             reasons.append(f"{candidate}: {error}")
     raise ExportError(f"cannot draw with {'; '.join(reasons)}", "leave the choice of the renderer to the program")
 

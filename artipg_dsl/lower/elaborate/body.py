@@ -43,7 +43,7 @@ def _lower_body(instance: Instance, option: Option, scope: Scope, given: dict[st
     env = Env(context, symbol.module, symbol, scope, part.path + ".", instance=instance)
     instance.env = env
     env.names.update(given)
-    for owner, declaration, name, _ in parameters_of(symbol):
+    for owner, declaration, name in parameters_of(symbol):
         if name in given or declaration.keyword == "out":
             continue
         env.module = owner.module

@@ -96,9 +96,9 @@ def _make_inputs(part: Component, interface: Symbol, arguments: tuple[ast.Argume
     asked = parameters_of(interface)
     needless = set() if part.role is None else _said_by_all(part) - set(given)
     needless -= {
-        node.name for _, declaration, *_ in asked for node in walk(declaration) if isinstance(node, ast.NameExpr)
+        node.name for _, declaration, _ in asked for node in walk(declaration) if isinstance(node, ast.NameExpr)
     }
-    for symbol, declaration, name, span in asked:
+    for symbol, declaration, name in asked:
         if declaration.keyword == "out" or name in needless:
             continue
         local.module = symbol.module
@@ -109,7 +109,7 @@ def _make_inputs(part: Component, interface: Symbol, arguments: tuple[ast.Argume
         elif declaration.type.name == "material" and declaration.default is not None:
             value = look_of(local, declaration.default)
         else:
-            value = open_parameter(part, local, declaration, name, span, stated)
+            value = open_parameter(part, local, declaration, name, stated)
         part.inputs[name] = value
         local.names[name] = value
     part.more = tuple(argument for name, argument in given.items() if name not in part.inputs)
@@ -184,9 +184,7 @@ def _instantiate(part: Component, option: Option, lower_body: LowerBody) -> Inst
     try:
         own, home = dict(part.inputs), part.env if part.style is None else part.style.env
         arguments = option.source.arguments if part.role is not None or len(part.options) > 1 else ()
-        declared = {name: declaration for _, declaration, name, _ in parameters_of(option.symbol)} | within(
-            option.symbol
-        )
+        declared = {name: declaration for _, declaration, name in parameters_of(option.symbol)} | within(option.symbol)
         for argument in arguments:
             name = argument.name or ""
             if name in part.given:
@@ -227,7 +225,7 @@ def complete(instance: Instance) -> None:
     """Parameters of a primitive that one alternative among several leaves out: drawn, or their defaults."""
     part, symbol = instance.part, instance.symbol
     local = Env(part.context, symbol.module, symbol, instance.scope, instance.path, names=dict(instance.values))
-    for _, declaration, name, _ in parameters_of(symbol):
+    for _, declaration, name in parameters_of(symbol):
         if name in instance.values:
             continue
         if declaration.default is None and declaration.domain is None:

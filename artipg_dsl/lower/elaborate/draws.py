@@ -184,7 +184,7 @@ def draw_option(env: Env, declaration: ast.ParamDecl, path: str) -> Choice:
 
 
 def open_parameter(
-    part: Component, local: Env, declaration: ast.ParamDecl, name: str, span: Span, argument: ast.Argument | None
+    part: Component, local: Env, declaration: ast.ParamDecl, name: str, argument: ast.Argument | None
 ) -> Value:
     """Columns for a parameter that no argument gives: unknowns that equations may determine."""
     kind = declaration.type
@@ -203,7 +203,7 @@ def open_parameter(
         hint = f"give it a path, `{name} = way`, made by `curve way = from(point, direction) line(length)`"
         raise part.context.error("missing-argument", part.span, f"`{part.name}` needs `{name}`", hint=hint)
     if kind.size is None:
-        return _open_scalar(part, local, declaration, name, span, None)
+        return _open_scalar(part, local, declaration, name, None)
     stated: tuple[ast.Expr | None, ...] = (None,) * kind.size
     if argument is not None and isinstance(argument.value, ast.VectorExpr):
         stated = argument.value.items
@@ -212,13 +212,11 @@ def open_parameter(
         if item is not None and not isinstance(item, ast.HoleExpr):
             items.append(Evaluator(part.env).scalar(item))
         else:
-            items.append(_open_scalar(part, local, declaration, f"{name}.{'xyz'[k]}", span, k))
+            items.append(_open_scalar(part, local, declaration, f"{name}.{'xyz'[k]}", k))
     return Vec(tuple(items))
 
 
-def _open_scalar(
-    part: Component, local: Env, declaration: ast.ParamDecl, name: str, span: Span, component: int | None
-) -> Expr:
+def _open_scalar(part: Component, local: Env, declaration: ast.ParamDecl, name: str, component: int | None) -> Expr:
     path = f"{part.path}.{name}"
     shown = f"`{part.name}.{name}`"
     if declaration.domain is not None:

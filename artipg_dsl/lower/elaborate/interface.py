@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from ...graph import expr as E
 from ...semantics.symbols import Symbol, lineage
-from ...source import Span
 from ...syntax import ast
 from ...syntax.walk import in_branches
 from ..expressions.context import Unknown
@@ -15,14 +14,14 @@ from .looks import look_of
 from .style import Style
 
 
-def parameters_of(symbol: Symbol) -> list[tuple[Symbol, ast.ParamDecl, str, Span]]:
-    """The interface of a role, template or primitive: (declaring symbol, declaration, name, span), outermost role first."""
-    found: dict[str, tuple[Symbol, ast.ParamDecl, str, Span]] = {}
+def parameters_of(symbol: Symbol) -> list[tuple[Symbol, ast.ParamDecl, str]]:
+    """The interface of a role, template or primitive: (declaring symbol, declaration, name), outermost role first."""
+    found: dict[str, tuple[Symbol, ast.ParamDecl, str]] = {}
     for owner in reversed(lineage(symbol)):
         for statement in owner.body:
             if isinstance(statement, ast.ParamDecl):
-                for name, span in zip(statement.names, statement.name_spans, strict=True):
-                    found[name] = (owner, statement, name, span)
+                for name in statement.names:
+                    found[name] = (owner, statement, name)
     return list(found.values())
 
 

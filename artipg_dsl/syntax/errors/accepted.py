@@ -8,7 +8,7 @@ from lark import Token, UnexpectedToken
 
 from ...diagnostics.suggest import suggest
 from ...source import Span
-from ..grammar import Machine, terminal_words
+from ..grammar import terminal_words
 from ..words import OPERATORS, VALUE, file_words, statement_words
 from .foreign import CLAUSES_ELSEWHERE
 from .found import Found, quoted
@@ -45,7 +45,7 @@ _SIGNS = {
 }
 
 
-def by_accepts(error: UnexpectedToken, history: list[Token], tools: Machine, span: Span) -> Found:
+def by_accepts(error: UnexpectedToken, history: list[Token], span: Span) -> Found:
     """What the parser would have taken, if that is short; else what is plain from it."""
     token: Token = error.token
     accepted = (error.accepts or set()) - {"_NL"}

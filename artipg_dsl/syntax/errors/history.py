@@ -42,7 +42,7 @@ def by_history(error: UnexpectedToken, history: list[Token], tools: Machine, sou
     if token.type == "LBRACE" and [t.type for t in history[-2:]] == ["MATERIAL", "NAME"] and accepted == {"ON"}:
         return _misplaced(history[-2], history[:-2], False, source, text)  # the declaration within a body
     if last is None or last.type in ("_NL", "LBRACE", "RBRACE"):
-        beginning = _at_beginning(token, history, accepted, tools, found, source, text)
+        beginning = _at_beginning(token, history, accepted, found, source, text)
         return beginning._replace(line_alone=True) if beginning is not None else None
     values = accepted >= VALUE
     if values and token.type in statement_words() | file_words() and first_on_line(token, source):
@@ -117,7 +117,7 @@ def by_history(error: UnexpectedToken, history: list[Token], tools: Machine, sou
             return found(f"`={sign}` is no comparison", f"write `{sign}=`")
         return found("`=` gives a name its value; it does not compare", "to compare, write `==`")
     if last.type in _ENDS_VALUE and token.type in _BEGINS_VALUE:
-        return _two_values(token, last, history, accepted, found)
+        return _two_values(token, last, history, found)
     return None
 
 
@@ -130,7 +130,7 @@ def _compared(sign: Token, source: Source) -> Found:
 
 
 def _at_beginning(
-    token: Token, before: list[Token], accepted: set[str], tools: Machine, found: _Maker, source: Source, text: str
+    token: Token, before: list[Token], accepted: set[str], found: _Maker, source: Source, text: str
 ) -> Found | None:
     """The token stands where a statement begins, behind the tokens ``before``."""
     last = before[-1] if before else None
@@ -199,7 +199,7 @@ def _misplaced(token: Token, before: list[Token], top: bool, source: Source, tex
     return Found("syntax", span, message, at, hint, notes, fatal=True, told=told)
 
 
-def _two_values(token: Token, last: Token, history: list[Token], accepted: set[str], found: _Maker) -> Found | None:
+def _two_values(token: Token, last: Token, history: list[Token], found: _Maker) -> Found | None:
     """Two values in a row."""
     if last.type == "NUMBER" and last.value[-1].isdigit() and token.value in UNITS:
         return found("a unit must directly follow its number", f"write `{last.value}{token.value}`")

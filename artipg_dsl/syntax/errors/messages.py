@@ -44,4 +44,4 @@ def describe(error: UnexpectedInput, tools: Machine, source: Source, text: str) 
     mistake = table(tools).get(key(error))
     if mistake is not None:
         return Found("syntax", span, mistake.message.replace("`{}`", quoted(token)), span.start, mistake.hint)
-    return by_accepts(error, history, tools, span)
+    return by_accepts(error, history, span)
