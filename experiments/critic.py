@@ -15,7 +15,7 @@ import torch
 from torch import nn
 
 from artipg_dsl.errors import UserError
-from artipg_dsl.layouts.hand import ALONG
+from artipg_dsl.layouts.where2act.hand import ALONG
 
 from .clouds import Arrays, Clouds, unit
 from .network import PointActions

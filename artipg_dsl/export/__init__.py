@@ -13,7 +13,7 @@ In: a batch and what its files are to hold (``content``). Out: bytes by path; th
     template                            files of text from their templates
     urdf, mjcf, sdf, usd                formats for simulators
     glb, mesh_obj, scenes               formats for viewing
-    partnet_mobility, partnet_frame, partnet_tree, partnet_words   the folder of PartNet-Mobility
+    partnet                           the folder of PartNet-Mobility
     shards, mutants, meanings           arrays and JSON lines of many objects, and what they mean
     objects, write, ends                files and folders, written completely or not at all; whether one has its end
     strict                              whether exported meshes overlap in any of many states

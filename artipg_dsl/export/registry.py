@@ -172,7 +172,7 @@ FORMATS: dict[str, Format] = {
         Format(
             "partnet-mobility",
             "the folder of PartNet-Mobility",
-            member="partnet_mobility:partnet_files",
+            member="partnet.mobility:partnet_files",
             file="mobility.urdf",
             tells="mobility_cvx.urdf",
             weighs=False,
@@ -181,7 +181,7 @@ FORMATS: dict[str, Format] = {
         Format(
             f"partnet-mobility{_BARE}",
             "the same without meshes",
-            member="partnet_mobility:bare_files",
+            member="partnet.mobility:bare_files",
             file="mobility.urdf",
             clears=("mobility_cvx.urdf", "mobility_vhacd.urdf", "textured_objs"),
             seen=True,

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..errors import UserError
 from ..export.mesh_obj import Shape
-from ..export.partnet_frame import DatasetFrame
+from ..export.partnet.frame import DatasetFrame
 from ..export.robot import RobotJoint, Robots
 from ..records import dataclass
 from .clouds import partnet_axes

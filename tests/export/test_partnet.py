@@ -14,8 +14,8 @@ import pytest
 import trimesh
 
 from artipg_dsl import Samples, load, sample
-from artipg_dsl.export.partnet_mobility import partnet_files
-from artipg_dsl.export.partnet_words import CATEGORIES, link_label, spell_category, to_snake_case
+from artipg_dsl.export.partnet.mobility import partnet_files
+from artipg_dsl.export.partnet.words import CATEGORIES, link_label, spell_category, to_snake_case
 from artipg_dsl.export.registry import FORMATS
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.write import ExportError

@@ -14,7 +14,7 @@ import pytest
 from artipg_dsl import sample
 from artipg_dsl.errors import UserError
 from artipg_dsl.layouts.entry import Entry
-from artipg_dsl.layouts.maniskill import subjects
+from artipg_dsl.layouts.maniskill.files import subjects
 from artipg_dsl.layouts.registry import LAYOUTS
 
 from .conftest import Lay, faults, unlike

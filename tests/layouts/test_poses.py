@@ -10,8 +10,8 @@ import pytest
 
 from artipg_dsl import sample
 from artipg_dsl.errors import UserError
-from artipg_dsl.layouts.gapartnet import similarity_error
-from artipg_dsl.layouts.gaparts import CLASSES, gaparts
+from artipg_dsl.layouts.gapartnet.parts import CLASSES, gaparts
+from artipg_dsl.layouts.gapartnet.points import similarity_error
 from artipg_dsl.layouts.pth import pth_bytes, read_pth
 from artipg_dsl.layouts.registry import LAYOUTS
 

@@ -12,7 +12,7 @@ from artipg_dsl import sample
 from artipg_dsl.errors import UserError
 from artipg_dsl.export.write import ExportError
 from artipg_dsl.layouts.clouds import draw
-from artipg_dsl.layouts.partnet_parts import Levels, object_parts
+from artipg_dsl.layouts.partnet.parts import Levels, object_parts
 from artipg_dsl.layouts.registry import LAYOUTS
 from artipg_dsl.layouts.words import vocabulary
 
@@ -140,7 +140,7 @@ def test_what_is_missing_of_another_category_is_told(lay: Lay) -> None:
 
 def test_shapes_of_partnet_are_together(lay: Lay, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its instance segmentation takes whole batches of each file, whatever is listed; rows of all files are the same shapes."""
-    monkeypatch.setattr("artipg_dsl.layouts.partnet_seg.MOST", 5)
+    monkeypatch.setattr("artipg_dsl.layouts.partnet.files.MOST", 5)
     folder = lay("partnet-seg", "Mug", n=8, shares=(7, 1, 0))
     assert not faults(folder)
     listed = (folder / "ins_seg_h5/Mug/train_files.txt").read_text().split()

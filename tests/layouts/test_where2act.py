@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from artipg_dsl.errors import UserError
-from artipg_dsl.layouts.hand import PRIMITIVES
+from artipg_dsl.layouts.where2act.hand import PRIMITIVES
 from artipg_dsl.view.png import png_bytes, read_png
 
 from .conftest import Lay, faults, unlike

@@ -19,7 +19,7 @@ SHIPPED = sorted(
     for path in categories_dir().glob("*.apg")
     for name in re.findall(r"^category (\w+)", path.read_text(encoding="utf-8"), re.M)
 )
-PATHS = json.loads(resources.files("artipg_dsl.export").joinpath("partnet_paths.json").read_text(encoding="utf-8"))
+PATHS = json.loads(resources.files("artipg_dsl.export.partnet").joinpath("paths.json").read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("name", VOCABULARIES)

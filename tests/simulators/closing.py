@@ -4,7 +4,7 @@ The fingers are boxes of the size that the grasp states, opened as it says, on a
 each, then the carrier goes as the joint of the gripped link would carry the hand: by ``WAY`` metres or ``TURN`` radians, or
 as far as the joint has room, whichever is least, away from rest. The grasp holds where the link goes with it, by ``KEPT`` of the way, and has
 not slipped out of the fingers by more than ``SLIP``, and both fingers still press on it. Object and gripper stand in the object's own unit,
-as they do for trials (``artipg_dsl/layouts/hand.py``).
+as they do for trials (``artipg_dsl/layouts/where2act/hand.py``).
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from sapien import physx
 
 from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.states import joint_twist, own_joints
-from artipg_dsl.export.partnet_mobility import folder_frame
+from artipg_dsl.export.partnet.mobility import folder_frame
 from artipg_dsl.export.pose import rest_values
 from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.substitute import simple_joints
-from artipg_dsl.layouts.hand import GRIP, NEAR, STEP, Standing
+from artipg_dsl.layouts.where2act.hand import GRIP, NEAR, STEP, Standing
 from artipg_dsl.runtime.batch import Batch
 
 from .fingers import Hand, turned

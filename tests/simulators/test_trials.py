@@ -117,7 +117,7 @@ category Lifted {
 
 def test_a_finger_that_leaves_before_it_presses_enough_moves_nothing() -> None:
     """It rises off a slope: what it takes along it takes from the first, and what is heavier stays where it is."""
-    from artipg_dsl.layouts.forecast import Scene, take_along
+    from artipg_dsl.layouts.where2act.forecast import Scene, take_along
 
     made = Session.of_text(LIFTED).sampler.batch(np.arange(1), 0)
     normal, lead = np.array([[-0.08, -0.35, 0.93]]), 0.014 * np.array([[0.37, 0.73, 0.57]])
@@ -157,7 +157,7 @@ category Locker {
 
 def test_what_waits_is_latched_until_it_may_go() -> None:
     """A door that swings once its knob is turned, and does not close by the latch while it stands open."""
-    from artipg_dsl.layouts.hand import Standing
+    from artipg_dsl.layouts.where2act.hand import Standing
 
     standing = Standing(Robots(Session.of_text(LOCKED).sampler.batch(np.arange(1), 0)).robot(0))
     door, knob = (standing.order.index(name) for name in ("open", "turn"))
@@ -195,7 +195,7 @@ category Towed {
 
 def test_a_follower_goes_along_and_does_not_hold_its_leader() -> None:
     """SAPIEN's own tie inverts the ratio: it held both where they were."""
-    from artipg_dsl.layouts.hand import Standing
+    from artipg_dsl.layouts.where2act.hand import Standing
 
     standing = Standing(Robots(Session.of_text(TOWED).sampler.batch(np.arange(1), 0)).robot(0))
     turn, rise = (standing.order.index(name) for name in ("turn", "rise"))
@@ -209,7 +209,7 @@ def test_a_follower_goes_along_and_does_not_hold_its_leader() -> None:
 
 def test_a_leader_feels_what_its_follower_weighs() -> None:
     """A kilogram that rises by 2 cm a radian turns a knob back that 0.01 Nm hold, and not one that 0.5 Nm hold."""
-    from artipg_dsl.layouts.hand import Standing
+    from artipg_dsl.layouts.where2act.hand import Standing
 
     def left(friction: str) -> float:
         text = TOWED.replace("1mm / 1rad", "20mm / 1rad").replace("0mm .. 2mm", "0mm .. 40mm")
@@ -225,7 +225,7 @@ def test_a_leader_feels_what_its_follower_weighs() -> None:
 
 def test_an_object_moves_in_its_unit_as_in_metres() -> None:
     """A knob that its follower's weight turns back, and a lid that falls: hinge, slide, rotor, damping, friction and mimic."""
-    from artipg_dsl.layouts.hand import Standing
+    from artipg_dsl.layouts.where2act.hand import Standing
 
     text = TOWED.replace("1mm / 1rad", "20mm / 1rad").replace("0mm .. 2mm", "0mm .. 40mm")
     text = text.replace("[1cm, 1cm, 4cm]", "[10cm, 10cm, 10cm]").replace("0.01Nm", "0.05Nm")
@@ -267,8 +267,8 @@ category Keyed {
 
 def test_a_small_key_keeps_its_shape() -> None:
     """In metres PhysX made a wedge of five corners of it, 0.7 mm too high, on which fingers slipped and lids stuck."""
-    from artipg_dsl.export.partnet_mobility import folder_frame
-    from artipg_dsl.layouts.hand import Standing
+    from artipg_dsl.export.partnet.mobility import folder_frame
+    from artipg_dsl.layouts.where2act.hand import Standing
 
     robot = Robots(Session.of_text(KEYED).sampler.batch(np.arange(1), 0)).robot(0)
     unit = folder_frame(robot).unit
@@ -292,7 +292,7 @@ category Knob {
 
 def test_a_finger_turns_a_knob_that_is_smaller_than_its_way() -> None:
     """How far the finger has got beyond it is no force that the knob takes: only what rubs is."""
-    from artipg_dsl.layouts.forecast import Scene, take_along
+    from artipg_dsl.layouts.where2act.forecast import Scene, take_along
 
     made = Session.of_text(KNOB).sampler.batch(np.arange(1), 0)
     normal, lead = np.array([[0.0, 0, 1]]), 0.018 * np.array([[0.77, 0.63, -0.03]])
@@ -325,7 +325,7 @@ material board { density 700kg/m3 }
 @pytest.mark.parametrize("unit", [1.0, 0.4])
 def test_a_spring_brings_a_key_back_and_bears_a_flap(unit: float) -> None:
     """The key comes up from any place; the flap, which weighs 12 Nm, stays in any with friction of a quarter of that."""
-    from artipg_dsl.layouts.hand import Standing
+    from artipg_dsl.layouts.where2act.hand import Standing
 
     robot = Robots(Session.of_text(BALANCED).sampler.batch(np.arange(1), 0)).robot(0)
     (flap,) = (joint for joint in robot.joints if joint.name == "open")
@@ -340,7 +340,7 @@ def test_a_spring_brings_a_key_back_and_bears_a_flap(unit: float) -> None:
 
 
 def test_a_spring_is_foretold_to_stop_a_hand_as_soft_as_itself_half_way() -> None:
-    from artipg_dsl.layouts.forecast import Scene, follow, weights
+    from artipg_dsl.layouts.where2act.forecast import Scene, follow, weights
 
     made = Session.of_text(BALANCED).sampler.batch(np.arange(1), 0)
     names, springs = list(made.joints().name), np.nan_to_num(made.joints().stiffness)
@@ -355,7 +355,7 @@ def test_a_spring_is_foretold_to_stop_a_hand_as_soft_as_itself_half_way() -> Non
 
 
 def test_what_a_spring_draws_is_foretold_to_come_back() -> None:
-    from artipg_dsl.layouts.foretold import Foretold
+    from artipg_dsl.layouts.where2act.foretold import Foretold
 
     made = Session.of_text(BALANCED).sampler.batch(np.arange(1), 0)
     foretold = Foretold(made, Robots(made).robot(0), 0.4, np.arange(3))

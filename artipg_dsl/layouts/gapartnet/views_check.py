@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .clouds import norms
-from .entry import Entry
-from .findings import Findings, read_vertices, read_xml
-from .gaviews import DATASET, LISTED, RENDERED, TARGETS, Subject, View, views
-from .pictures import turn_points
-from .pth import read_plain_pickle
+from ..clouds import norms
+from ..entry import Entry
+from ..findings import Findings, read_vertices, read_xml
+from ..pictures import turn_points
+from ..pth import read_plain_pickle
+from .views import DATASET, LISTED, RENDERED, TARGETS, Subject, View, views
 
 if TYPE_CHECKING:
-    from ..runtime.batch import Batch
+    from ...runtime.batch import Batch
 
 _URDF = "mobility_annotation_gapartnet.urdf"
 _TO_WORLD = np.array([[0.0, 0, -1], [-1, 0, 0], [0, 1, 0]])  # from the raw frame

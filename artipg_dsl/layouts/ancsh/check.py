@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .ancsh import LEAST, Frame, Subject, object_names, subjects
-from .clouds import norms, similarity_error
-from .entry import SPLITS, Entry
-from .findings import Findings, read_vertices, read_xml
-from .hdf5 import read_h5
-from .pth import read_plain_pickle
+from ..clouds import norms, similarity_error
+from ..entry import SPLITS, Entry
+from ..findings import Findings, read_vertices, read_xml
+from ..hdf5 import read_h5
+from ..pth import read_plain_pickle
+from .files import LEAST, Frame, Subject, object_names, subjects
 
 if TYPE_CHECKING:
-    from ..runtime.batch import Batch
+    from ...runtime.batch import Batch
 
 _NEAR = 5e-3  # of a part's diagonal
 

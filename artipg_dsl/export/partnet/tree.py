@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..records import dataclass
+from ...records import dataclass
 
 if TYPE_CHECKING:
-    from ..runtime.batch import Batch
-    from .partnet_mobility import FolderLink, Leaf
+    from ...runtime.batch import Batch
+    from .mobility import FolderLink, Leaf
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class CategoryWords:
 
 @lru_cache(maxsize=1)
 def _table() -> dict[str, Any]:
-    return json.loads(resources.files("artipg_dsl.export").joinpath("partnet_paths.json").read_text(encoding="utf-8"))
+    return json.loads(resources.files("artipg_dsl.export.partnet").joinpath("paths.json").read_text(encoding="utf-8"))
 
 
 def said_of(batch: Batch, i: int, semantic: np.ndarray) -> set[str]:

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .clouds import norms
-from .entry import Entry
-from .findings import Findings
-from .opd import CLASSES, DEPTH, LEAST, TYPES, Shot, shots
-from .opd_lists import ATTRIBUTES, FOLDERS, INFO, STATES_FILE
+from ..clouds import norms
+from ..entry import Entry
+from ..findings import Findings
+from ..pictures import turn_points
+from .files import CLASSES, DEPTH, LEAST, TYPES, Shot, shots
+from .lists import ATTRIBUTES, FOLDERS, INFO, STATES_FILE
 from .outlines import along_pixels, fill
-from .pictures import turn_points
 
 if TYPE_CHECKING:
-    from ..runtime.batch import Batch
+    from ...runtime.batch import Batch
 
 _NEAR = 1e-6  # lengths
 _FLIP = np.array([1.0, -1.0, -1.0])  # between the axes of OPD's and of OPDMulti's camera

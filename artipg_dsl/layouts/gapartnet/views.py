@@ -14,24 +14,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..annotate.states import joint_values, read_states
-from ..errors import UserError
-from ..export.containers import npz_bytes
-from ..export.partnet_frame import DatasetFrame
-from ..export.partnet_mobility import folder_frame, folder_order, folder_value, partnet_files
-from ..export.robot import Robots
-from ..records import dataclass
-from ..view.png import png_bytes
-from .clouds import norms
-from .entry import Entry
-from .gapartnet import CAMERAS, STATES
-from .gaparts import CLASSES, GAPart, gaparts, owners
-from .pictures import Picture, pictures, turn_points
-from .pth import plain_pickle
+from ...annotate.states import joint_values, read_states
+from ...errors import UserError
+from ...export.containers import npz_bytes
+from ...export.partnet.frame import DatasetFrame
+from ...export.partnet.mobility import folder_frame, folder_order, folder_value, partnet_files
+from ...export.robot import Robots
+from ...records import dataclass
+from ...view.png import png_bytes
+from ..clouds import norms
+from ..entry import Entry
+from ..pictures import Picture, pictures, turn_points
+from ..pth import plain_pickle
+from .parts import CLASSES, GAPart, gaparts, owners
+from .points import CAMERAS, STATES
 from .split_links import split_links
 
 if TYPE_CHECKING:
-    from ..runtime.batch import Batch
+    from ...runtime.batch import Batch
 
 DATASET, RENDERED, LISTED = "dataset", "rendered_data", "meta/partnet_all_id_list.txt"
 TARGETS = (*CLASSES[1:-1], "hinge_handle")  # as annotations and the render tool spell them

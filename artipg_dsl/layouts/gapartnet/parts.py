@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..annotate.poses import PartPoses, part_poses
-from ..export.robot import Robots
-from ..geometry.resolution import Resolution
-from ..records import dataclass
-from .clouds import norms
-from .pieces import Pieces
-from .words import Term
+from ...annotate.poses import PartPoses, part_poses
+from ...export.robot import Robots
+from ...geometry.resolution import Resolution
+from ...records import dataclass
+from ..clouds import norms
+from ..pieces import Pieces
+from ..words import Term
 
 if TYPE_CHECKING:
-    from ..runtime.batch import Batch
+    from ...runtime.batch import Batch
 
 CLASSES = (
     "others",

@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..annotate.cameras import Cameras
-from ..annotate.states import joint_values, read_states
-from ..annotate.views import make_views
-from ..export.robot import Robots
-from ..records import dataclass
-from .clouds import norms, similarity_error
-from .entry import Entry
-from .findings import Findings, read_table
-from .gaparts import CLASSES, GAPart, gaparts, owners
-from .pictures import part_colours
-from .pth import pth_bytes, read_pth
+from ...annotate.cameras import Cameras
+from ...annotate.states import joint_values, read_states
+from ...annotate.views import make_views
+from ...export.robot import Robots
+from ...records import dataclass
+from ..clouds import norms, similarity_error
+from ..entry import Entry
+from ..findings import Findings, read_table
+from ..pictures import part_colours
+from ..pth import pth_bytes, read_pth
+from .parts import CLASSES, GAPart, gaparts, owners
 
 if TYPE_CHECKING:
-    from ..runtime.batch import Batch
+    from ...runtime.batch import Batch
 
 ROOT, POINTS, NONE = "GAPartNet_All", 20000, -100
 EVERY = ("train", "val", "test_intra", "test_inter")

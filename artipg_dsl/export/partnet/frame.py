@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..records import dataclass
+from ...records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

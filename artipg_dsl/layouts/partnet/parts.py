@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..export.partnet_mobility import FolderLink, Leaf
-from ..export.partnet_tree import CategoryWords, build_tree, said_of, words_of
-from ..export.partnet_words import spell_category, to_snake_case
-from ..records import dataclass
-from .words import REST, vocabulary
+from ...export.partnet.mobility import FolderLink, Leaf
+from ...export.partnet.tree import CategoryWords, build_tree, said_of, words_of
+from ...export.partnet.words import spell_category, to_snake_case
+from ...records import dataclass
+from ..words import REST, vocabulary
 
 if TYPE_CHECKING:
-    from ..annotate.cloud import Points
-    from ..graph.program import Program
-    from ..runtime.batch import Batch
+    from ...annotate.cloud import Points
+    from ...graph.program import Program
+    from ...runtime.batch import Batch
 
 OWN = "1"  # the level of a category that PartNet lacks
 

@@ -14,21 +14,21 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ..annotate.cloud import Surface, sample_surface
-from ..annotate.sampling import Sampling
-from ..records import dataclass
-from ..validity.mass import heavier
-from .decimals import numbers, told, told_twice
-from .mesh_obj import Shape, move_points, mtl_text, obj_texts
-from .partnet_frame import DatasetFrame, to_dataset_axes
-from .partnet_tree import CategoryWords, build_tree, said_of, to_entry, words_of
-from .partnet_words import JOINTS, LIFTED, link_label, root_label, spell_category, to_snake_case
-from .template import find_template
-from .write import ExportError
+from ...annotate.cloud import Surface, sample_surface
+from ...annotate.sampling import Sampling
+from ...records import dataclass
+from ...validity.mass import heavier
+from ..decimals import numbers, told, told_twice
+from ..mesh_obj import Shape, move_points, mtl_text, obj_texts
+from ..template import find_template
+from ..write import ExportError
+from .frame import DatasetFrame, to_dataset_axes
+from .tree import CategoryWords, build_tree, said_of, to_entry, words_of
+from .words import JOINTS, LIFTED, link_label, root_label, spell_category, to_snake_case
 
 if TYPE_CHECKING:
-    from .primitives import Collider, SeenMaterial, Visual
-    from .robot import Robot, RobotJoint, RobotLink, Robots
+    from ..primitives import Collider, SeenMaterial, Visual
+    from ..robot import Robot, RobotJoint, RobotLink, Robots
 
 _POINTS = 10000
 _URDFS = ("mobility.urdf", "mobility_vhacd.urdf", "mobility_cvx.urdf")  # one text under the names that readers ask for

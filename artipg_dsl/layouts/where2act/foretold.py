@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..runtime.motion import follow, link_motion
+from ...runtime.motion import follow, link_motion
 from .forecast import BLOCKED, Scene, foretell, weights
 from .hand import PLAIN, Outcome, Trial
 
 if TYPE_CHECKING:
-    from ..export.robot import Robot
-    from ..runtime.batch import Batch
+    from ...export.robot import Robot
+    from ...runtime.batch import Batch
 
 _FALLS = 64  # steps over the range of a joint that its load moves
 _STEPS = 4 * _FALLS  # after which what still moves has not come to rest

@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from ..export.robot import Robots
-from .clouds import draw, fit_radius, norms, partnet_axes
-from .entry import SPLITS, Entry
-from .findings import Findings
-from .hdf5 import join_rows, read_row, rows_h5, spread
-from .partnet_parts import Levels, Parts, children, object_parts, part_list, part_tree
+from ...export.robot import Robots
+from ..clouds import draw, fit_radius, norms, partnet_axes
+from ..entry import SPLITS, Entry
+from ..findings import Findings
+from ..hdf5 import join_rows, read_row, rows_h5, spread
+from .parts import Levels, Parts, children, object_parts, part_list, part_tree
 
 if TYPE_CHECKING:
-    from ..annotate.cloud import Points
-    from ..graph.program import Program
-    from ..runtime.batch import Batch
+    from ...annotate.cloud import Points
+    from ...graph.program import Program
+    from ...runtime.batch import Batch
 
 POINTS = 10000
 MOST = 1024  # shapes in one file of the data set

@@ -13,23 +13,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..annotate.cameras import Cameras
-from ..annotate.states import joint_values, read_states
-from ..errors import UserError
-from ..export.partnet_frame import DatasetFrame
-from ..export.partnet_mobility import folder_frame, folder_order, folder_value
-from ..export.robot import RobotJoint, Robots
-from ..records import dataclass
-from .clouds import partnet_axes
-from .entry import Entry
-from .hdf5 import rows_h5
+from ...annotate.cameras import Cameras
+from ...annotate.states import joint_values, read_states
+from ...errors import UserError
+from ...export.partnet.frame import DatasetFrame
+from ...export.partnet.mobility import folder_frame, folder_order, folder_value
+from ...export.robot import RobotJoint, Robots
+from ...records import dataclass
+from ..clouds import partnet_axes
+from ..entry import Entry
+from ..hdf5 import rows_h5
+from ..pictures import Picture, pictures, turn_points
+from ..pieces import Pieces, Shut
+from ..words import Term
 from .outlines import outlines
-from .pictures import Picture, pictures, turn_points
-from .pieces import Pieces, Shut
-from .words import Term
 
 if TYPE_CHECKING:
-    from ..runtime.batch import Batch
+    from ...runtime.batch import Batch
 
 OBJECTS = "objects"
 CLASSES = ("drawer", "door", "lid")  # in the order of their numbers, from 1 on

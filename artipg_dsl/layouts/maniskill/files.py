@@ -15,17 +15,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import UserError
-from ..export.partnet_frame import DatasetFrame
-from ..export.partnet_mobility import folder_frame, folder_order, partnet_files
-from ..export.partnet_words import JOINTS
-from ..export.robot import RobotJoint, Robots
-from .entry import SPLITS, Entry
-from .pieces import Pieces, Shut
-from .words import Term
+from ...errors import UserError
+from ...export.partnet.frame import DatasetFrame
+from ...export.partnet.mobility import folder_frame, folder_order, partnet_files
+from ...export.partnet.words import JOINTS
+from ...export.robot import RobotJoint, Robots
+from ..entry import SPLITS, Entry
+from ..pieces import Pieces, Shut
+from ..words import Term
 
 if TYPE_CHECKING:
-    from ..runtime.batch import Batch
+    from ...runtime.batch import Batch
 
 DATASET, META, OBJECTS = "data/partnet_mobility/dataset", "assets/partnet_mobility/meta", "objects"
 HINGES = ("revolute", "continuous")

@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..export.primitives import Collider
-from ..export.robot import Robot, RobotJoint, RobotLink
+from ...export.primitives import Collider
+from ...export.robot import Robot, RobotJoint, RobotLink
 
 
 def scaled(robot: Robot, unit: float) -> Robot:

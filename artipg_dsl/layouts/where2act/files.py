@@ -15,22 +15,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import random
-from ..annotate.cameras import Cameras
-from ..annotate.states import draw_values, own_joints
-from ..errors import UserError
-from ..export.partnet_frame import DatasetFrame
-from ..export.partnet_mobility import folder_frame
-from ..export.robot import RobotJoint, Robots
-from ..records import dataclass
-from ..view.png import png_bytes
-from .entry import SPLITS, Entry
+from ... import random
+from ...annotate.cameras import Cameras
+from ...annotate.states import draw_values, own_joints
+from ...errors import UserError
+from ...export.partnet.frame import DatasetFrame
+from ...export.partnet.mobility import folder_frame
+from ...export.robot import RobotJoint, Robots
+from ...records import dataclass
+from ...view.png import png_bytes
+from ..entry import SPLITS, Entry
+from ..pictures import Picture, pictures
 from .foretold import Foretold
 from .hand import LENGTH, MISSED, PLAIN, PRIMITIVES, RADIUS, Arena, Outcome, Trial
-from .pictures import Picture, pictures
 
 if TYPE_CHECKING:
-    from ..runtime.batch import Batch
+    from ...runtime.batch import Batch
 
 LIST = "data_tuple_list.txt"
 SIZE, FOV, AWAY = 448, 35.0, 5.0  # pixels, degrees, half diagonals

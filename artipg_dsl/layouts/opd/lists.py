@@ -14,11 +14,11 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from ..errors import UserError
-from .clouds import norms
-from .entry import Entry
-from .hdf5 import join_rows
-from .opd import CAMERAS, CLASSES, OBJECTS, columns, short
+from ...errors import UserError
+from ..clouds import norms
+from ..entry import Entry
+from ..hdf5 import join_rows
+from .files import CAMERAS, CLASSES, OBJECTS, columns, short
 
 FOLDERS = {"train": "train", "val": "valid", "test": "test"}
 ATTRIBUTES, INFO, STATES_FILE = "urdf-attr.json", "obj_info.json", "image_close.json"

@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..runtime.motion import link_motion
-from ..view.png import read_png
-from .entry import Entry
-from .findings import Findings
+from ...runtime.motion import link_motion
+from ...view.png import read_png
+from ..entry import Entry
+from ..findings import Findings
+from ..hdf5 import read_h5
+from .files import LIST, SIZE, Subject, View, aims, camera_points, mask_of, name_of
 from .foretold import Foretold
 from .hand import PRIMITIVES
-from .hdf5 import read_h5
-from .where2act import LIST, SIZE, Subject, View, aims, camera_points, mask_of, name_of
 
 if TYPE_CHECKING:
-    from ..runtime.batch import Batch
+    from ...runtime.batch import Batch
 
 _NEAR = 1e-5  # half diagonals
 _SETTLED = 1e-3  # rad, half diagonals: as an object comes to rest on another machine

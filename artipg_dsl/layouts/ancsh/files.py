@@ -13,24 +13,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..annotate.cameras import Cameras
-from ..annotate.states import joint_values, read_states
-from ..errors import UserError
-from ..export.containers import hdf5_bytes
-from ..export.decimals import numbers
-from ..export.mesh_obj import Shape, obj_bytes
-from ..export.robot import RobotJoint, Robots
-from ..records import dataclass
-from .clouds import norms
-from .entry import SPLITS, Entry
-from .gaparts import FINE
-from .pictures import pictures, turn_points
-from .pieces import Pieces
-from .pth import plain_pickle
-from .words import Term
+from ...annotate.cameras import Cameras
+from ...annotate.states import joint_values, read_states
+from ...errors import UserError
+from ...export.containers import hdf5_bytes
+from ...export.decimals import numbers
+from ...export.mesh_obj import Shape, obj_bytes
+from ...export.robot import RobotJoint, Robots
+from ...records import dataclass
+from ..clouds import norms
+from ..entry import SPLITS, Entry
+from ..gapartnet.parts import FINE
+from ..pictures import pictures, turn_points
+from ..pieces import Pieces
+from ..pth import plain_pickle
+from ..words import Term
 
 if TYPE_CHECKING:
-    from ..runtime.batch import Batch
+    from ...runtime.batch import Batch
 
 STATES = "rest,random:3"
 CAMERAS = Cameras(count=2, width=256, height=256, fov=35.0, azimuth=(-60.0, 60.0), elevation=(10.0, 60.0), points=1)

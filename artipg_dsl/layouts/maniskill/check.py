@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..export.partnet_mobility import folder_frame, folder_order
-from ..export.robot import RobotJoint, Robots
-from .entry import Entry
-from .findings import Findings, read_vertices, read_xml
-from .maniskill import DATASET, LISTS, list_name, subjects, urdf_type
-from .pictures import turn_points
+from ...export.partnet.mobility import folder_frame, folder_order
+from ...export.robot import RobotJoint, Robots
+from ..entry import Entry
+from ..findings import Findings, read_vertices, read_xml
+from ..pictures import turn_points
+from .files import DATASET, LISTS, list_name, subjects, urdf_type
 
 if TYPE_CHECKING:
-    from ..runtime.batch import Batch
+    from ...runtime.batch import Batch
 
 _URDFS = ("mobility_cvx.urdf", "mobility_fixed.urdf")  # in the order in which loaders look for them
 _NEAR = 1e-6  # metres
