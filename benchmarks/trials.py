@@ -2,7 +2,7 @@
 
     python benchmarks/trials.py [-n TRIALS] [--objects OBJECTS] [--each TRIALS] [--seed S] [-v] [CATEGORY ...]
 
-``artipg_dsl/layouts/hand.py`` tells what a trial is and when it succeeds, ``forecast.py`` beside it what the annotations say; in
+``artipg_dsl/layouts/where2act/hand.py`` tells what a trial is and when it succeeds, ``forecast.py`` beside it what the annotations say; in
 ``tests/simulators``, ``attempts.py`` tells which are made, ``closing.py`` how a gripper closes. By category: of ``n`` random
 trials how many come out as foretold and how many succeed, precision and recall of what was foretold for each primitive; of trials
 that a label asks for, and of any others on the same links by the same primitives, how many succeed; how many grasps hold. ``-v``

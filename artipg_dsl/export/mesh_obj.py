@@ -10,31 +10,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..native.digits import print_blocks, print_rows
-from ..records import dataclass
 from .naming import Names
 from .pose import rest_poses
+from .primitives import Collider, SeenMaterial, Shape, Visual
 
 if TYPE_CHECKING:
-    from .primitives import Collider, SeenMaterial, Visual
     from .robot import Robot
 
 _LIBRARY = "object.mtl"
 _FEW = 1024  # faces, up to which their text is kept
 _VERTEX, _NORMAL, _FACE = (("v ", " ", " ", "\n"), ("vn ", " ", " ", "\n"), ("f ", " ", " ", "\n"))
 _SHADED = ("f ", "//", " ", "//", " ", "//", "\n")
-
-
-@dataclass(frozen=True, slots=True)
-class Shape:
-    """A closed triangle mesh: ``vertices`` (V, 3) metres, ``faces`` (F, 3) turning outwards.
-
-    ``normals``: unit normals (W, 3), and which of them each corner of each face has (F, 3).
-    """
-
-    name: str
-    vertices: np.ndarray
-    faces: np.ndarray
-    normals: tuple[np.ndarray, np.ndarray] | None = None
 
 
 def obj_texts(

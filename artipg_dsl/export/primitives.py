@@ -9,7 +9,19 @@ import numpy as np
 from ..graph.program import Material
 from ..records import dataclass
 from . import solids
-from .mesh_obj import Shape
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A closed triangle mesh: ``vertices`` (V, 3) metres, ``faces`` (F, 3) turning outwards.
+
+    ``normals``: unit normals (W, 3), and which of them each corner of each face has (F, 3).
+    """
+
+    name: str
+    vertices: np.ndarray
+    faces: np.ndarray
+    normals: tuple[np.ndarray, np.ndarray] | None = None
 
 
 @dataclass(frozen=True, slots=True)

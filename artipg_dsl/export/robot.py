@@ -31,9 +31,8 @@ from .dynamics import Dynamics, complete_dynamics
 from .ground import find_thrust
 from .hulls import Hull
 from .mechanisms import find_mechanisms
-from .mesh_obj import Shape
 from .naming import Names
-from .primitives import Bar, Collider, SeenMaterial, Visual
+from .primitives import Bar, Collider, SeenMaterial, Shape, Visual
 from .principal import find_principal
 from .write import ExportError
 

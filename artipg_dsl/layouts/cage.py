@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import UserError
-from ..export.mesh_obj import Shape
 from ..export.partnet.frame import DatasetFrame
+from ..export.primitives import Shape
 from ..export.robot import RobotJoint, Robots
 from ..records import dataclass
 from .clouds import partnet_axes

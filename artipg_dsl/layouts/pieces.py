@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..export.mesh_obj import Shape
+from ..export.primitives import Shape
 from ..export.robot import RobotJoint, Robots
 from ..records import dataclass
 from .words import Term

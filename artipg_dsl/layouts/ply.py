@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UserError
-from ..export.mesh_obj import Shape
+from ..export.primitives import Shape
 
 _FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
 _HEAD = (

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from artipg_dsl.layouts import gaviews
+from artipg_dsl.layouts.gapartnet import views as tools
 from artipg_dsl.layouts.pth import read_plain_pickle
 
 from .conftest import Lay, faults, unlike
@@ -21,9 +21,9 @@ from .conftest import Lay, faults, unlike
 @pytest.fixture(scope="module", autouse=True)
 def small() -> Iterator[None]:
     """Views of 160 x 160 pixels: what is tested does not depend on their size."""
-    usual, gaviews._VIEWS = gaviews._VIEWS, replace(gaviews._VIEWS, width=160, height=160)
+    usual, tools._VIEWS = tools._VIEWS, replace(tools._VIEWS, width=160, height=160)
     yield
-    gaviews._VIEWS = usual
+    tools._VIEWS = usual
 
 
 @pytest.fixture(scope="module")

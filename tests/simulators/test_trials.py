@@ -66,7 +66,7 @@ def test_labelled_points_move_more_than_others(category: str) -> None:
 @pytest.mark.slow
 def test_an_axis_that_is_turned_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """What annotations say of other axes than those of the files does not come."""
-    from artipg_dsl.layouts import forecast
+    from artipg_dsl.layouts.where2act import forecast
 
     from .attempts import try_object
 

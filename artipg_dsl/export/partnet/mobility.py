@@ -19,7 +19,8 @@ from ...annotate.sampling import Sampling
 from ...records import dataclass
 from ...validity.mass import heavier
 from ..decimals import numbers, told, told_twice
-from ..mesh_obj import Shape, move_points, mtl_text, obj_texts
+from ..mesh_obj import move_points, mtl_text, obj_texts
+from ..primitives import Shape
 from ..template import find_template
 from ..write import ExportError
 from .frame import DatasetFrame, to_dataset_axes

@@ -18,7 +18,8 @@ from ...annotate.states import joint_values, read_states
 from ...errors import UserError
 from ...export.containers import hdf5_bytes
 from ...export.decimals import numbers
-from ...export.mesh_obj import Shape, obj_bytes
+from ...export.mesh_obj import obj_bytes
+from ...export.primitives import Shape
 from ...export.robot import RobotJoint, Robots
 from ...records import dataclass
 from ..clouds import norms
