@@ -24,7 +24,7 @@ from ..primitives import Shape
 from ..template import find_template
 from ..write import ExportError
 from .frame import DatasetFrame, to_dataset_axes
-from .tree import CategoryWords, build_tree, said_of, to_entry, words_of
+from .tree import CategoryWords, FolderLink, Leaf, build_tree, said_of, to_entry, words_of
 from .words import JOINTS, LIFTED, link_label, root_label, spell_category, to_snake_case
 
 if TYPE_CHECKING:
@@ -50,38 +50,6 @@ _BOX_FACES = np.array(
         [1, 7, 3],
     ]
 )
-
-
-@dataclass(slots=True)
-class Leaf:
-    """What of one part belongs to one link: the finest piece that the data set names. ``path`` is its place in the part
-    tree of PartNet, below what stands above all; for a category that PartNet has not, the name."""
-
-    id: int
-    name: str
-    text: str
-    stems: list[str]
-    path: str
-
-
-@dataclass(slots=True)
-class FolderLink:
-    """A link on its way into the folder. ``number`` is ours; ``joint`` is None for the root.
-
-    ``limit`` is in radians or the data set's unit, None for joints without.
-    """
-
-    id: int
-    number: int
-    word: str
-    type: str
-    label: str
-    node: int
-    pivot: np.ndarray
-    joint: RobotJoint | None
-    limit: tuple[float, float] | None
-    parent: int | None
-    leaves: dict[int, Leaf]
 
 
 def partnet_files(robots: Robots, i: int, points: bool = True) -> dict[str, bytes]:

@@ -1,4 +1,6 @@
-"""The part tree of ``result.json``: in the words of PartNet, so that tools that merge its classes find their paths."""
+"""Links and their pieces on the way into the folder, and the part tree of ``result.json``: in the words of PartNet, so that tools
+that merge its classes find their paths.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,39 @@ from ...records import dataclass
 
 if TYPE_CHECKING:
     from ...runtime.batch import Batch
-    from .mobility import FolderLink, Leaf
+    from ..robot import RobotJoint
+
+
+@dataclass(slots=True)
+class Leaf:
+    """What of one part belongs to one link: the finest piece that the data set names. ``path`` is its place in the part
+    tree of PartNet, below what stands above all; for a category that PartNet has not, the name."""
+
+    id: int
+    name: str
+    text: str
+    stems: list[str]
+    path: str
+
+
+@dataclass(slots=True)
+class FolderLink:
+    """A link on its way into the folder. ``number`` is ours; ``joint`` is None for the root.
+
+    ``limit`` is in radians or the data set's unit, None for joints without.
+    """
+
+    id: int
+    number: int
+    word: str
+    type: str
+    label: str
+    node: int
+    pivot: np.ndarray
+    joint: RobotJoint | None
+    limit: tuple[float, float] | None
+    parent: int | None
+    leaves: dict[int, Leaf]
 
 
 @dataclass(frozen=True, slots=True)

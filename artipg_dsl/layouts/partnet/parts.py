@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...export.partnet.mobility import FolderLink, Leaf
-from ...export.partnet.tree import CategoryWords, build_tree, said_of, words_of
+from ...export.partnet.tree import CategoryWords, FolderLink, Leaf, build_tree, said_of, words_of
 from ...export.partnet.words import spell_category, to_snake_case
 from ...records import dataclass
 from ..words import REST, vocabulary
