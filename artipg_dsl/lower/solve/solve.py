@@ -138,7 +138,7 @@ def _ties(env: Env, unknowns: list[Unknown], equations: list[Equation], matching
                     " declared `derived`, it still follows from the equations",
                     notes=(
                         (unknowns[other].span, f"{unknowns[other].name} is drawn unless it is determined"),
-                        (unknown.span, f"and and so is {unknown.name}"),
+                        (unknown.span, f"and so is {unknown.name}"),
                         *((s, "together with this") for s in spans if s is not last),
                     ),
                 )
