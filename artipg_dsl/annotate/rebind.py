@@ -33,16 +33,7 @@ def rebind(
     """
     owner, (site, element, patch, u, v) = _binding(batch, points)
     tables = batch.sites()
-    patches = np.array([len(surfaces(table.primitive)) for table in tables], dtype=np.int64)
-    for name, column in (("primitive", site), ("element", element), ("patch", patch)):
-        if (column < 0).any():
-            raise UsageError(f"`{name}` has {column.min()}: numbers count from 0", _HINT)
-    if (site >= len(tables)).any():
-        raise UsageError(f"{batch.program.name} has no primitive {site.max()}", _HINT)
-    if (patch >= patches[site]).any():
-        raise UsageError("points are bound to patches that their primitives do not have", _HINT)
-    if not ((u >= 0) & (u <= 1) & (v >= 0) & (v <= 1)).all():
-        raise UsageError("points are bound to places beyond 0 .. 1 on their patches", _HINT)
+    _require_places(batch, site, element, patch, u, v)
     every = np.arange(len(batch))
     first = np.array([np.searchsorted(table.owner, every) for table in tables])
     count = np.array([np.searchsorted(table.owner, every, side="right") for table in tables]) - first
@@ -90,6 +81,22 @@ def rebind(
         bound=bound.reshape(site.shape),
         acting=None if known.acting is None else {name: spread(values, -1) for name, values in known.acting.items()},
     )
+
+
+def _require_places(
+    batch: Batch, site: np.ndarray, element: np.ndarray, patch: np.ndarray, u: np.ndarray, v: np.ndarray
+) -> None:
+    """Raise UsageError for points that are bound where no object of the program has a place."""
+    patches = np.array([len(surfaces(table.primitive)) for table in batch.sites()], dtype=np.int64)
+    for name, column in (("primitive", site), ("element", element), ("patch", patch)):
+        if (column < 0).any():
+            raise UsageError(f"`{name}` has {column.min()}: numbers count from 0", _HINT)
+    if (site >= len(patches)).any():
+        raise UsageError(f"{batch.program.name} has no primitive {site.max()}", _HINT)
+    if (patch >= patches[site]).any():
+        raise UsageError("points are bound to patches that their primitives do not have", _HINT)
+    if not ((u >= 0) & (u <= 1) & (v >= 0) & (v <= 1)).all():
+        raise UsageError("points are bound to places beyond 0 .. 1 on their patches", _HINT)
 
 
 def _binding(batch: Batch, points: Points | Mapping[str, np.ndarray]) -> tuple[np.ndarray, list[np.ndarray]]:

@@ -33,6 +33,7 @@ from ..annotate.frames import rotate
 from ..geometry.vectors import cross, dot
 from ..records import dataclass
 from ..runtime.tables import JointTable
+from ..validity.mass import Mass
 
 GRAVITY = 9.81  # m/s2
 SLIDING = 0.02  # of the weight
@@ -63,26 +64,24 @@ def complete_dynamics(
     joints: JointTable,
     rest: np.ndarray,
     first: np.ndarray,
-    mass: np.ndarray,
-    center: np.ndarray,
-    inertia: np.ndarray,
+    mass: Mass,
     pose: tuple[np.ndarray, np.ndarray],
     together: tuple[np.ndarray, np.ndarray],
     thrust: np.ndarray,
 ) -> Dynamics:
     """The given values of all joints, and where there are none, those that their kind and what they move ask for.
 
-    ``rest`` (J,): the joints' values at rest. ``first`` (J,): row of link 0 of each joint's object. Of all links: mass
-    (L,), centre (L, 3) and inertia about it (L, 3, 3) in the object's frame with the joints at 0, and the pose, rotation
-    (L, 3, 3) and translation (L, 3), at rest. ``together``: who leads each joint (J,) and how fast it follows (J,). ``thrust`` (J,): torque
-    or force of the floor along each value at rest.
+    ``rest`` (J,): the joints' values at rest. ``first`` (J,): row of link 0 of each joint's object. Of all links: the mass in the
+    object's frame with the joints at 0, and the pose, rotation (L, 3, 3) and translation (L, 3), at rest. ``together``: who
+    leads each joint (J,) and how fast it follows (J,). ``thrust`` (J,): torque or force of the floor along each value at rest.
     """
     turn, shift = pose
     parent, child = first + joints.parent, first + joints.child
     place = rotate(turn[parent], joints.origin) + shift[parent]
     axis = rotate(turn[parent], joints.axis)
-    mass, center, inertia = _carried(parent, child, mass, rotate(turn, center) + shift, _turned(turn, inertia))
-    m, arm = mass[child], center[child] - place
+    center, inertia = rotate(turn, mass.center) + shift, _turned(turn, mass.inertia)
+    carried, center, inertia = _carried(parent, child, mass.mass, center, inertia)
+    m, arm = carried[child], center[child] - place
     slides, ball = joints.that("slides"), joints.that("tilts")
     reach = cross(axis, arm)  # how the centre moves as a hinge turns
     about = dot(axis, dot(inertia[child], axis[:, None])) + m * dot(reach, reach)

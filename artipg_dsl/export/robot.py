@@ -246,16 +246,18 @@ class Robots:
         if not self.physics:
             return Dynamics(*(np.zeros(len(joints.owner)) for _ in fields(Dynamics)))
         first, rest = self.link_start[joints.owner], self.batch.settle(joints.rest)
-        center = self.mass.center + self.origins
         together = find_mechanisms(self.batch)
-        return complete_dynamics(
-            joints, rest, first, self.mass.mass, center, self.mass.inertia, self.batch.pose(), together, self.thrust
-        )
+        return complete_dynamics(joints, rest, first, self.placed, self.batch.pose(), together, self.thrust)
+
+    @cached_property
+    def placed(self) -> Mass:
+        """The mass of every link in the object's frame with the joints at 0."""
+        return Mass(self.mass.mass, self.mass.center + self.origins, self.mass.inertia)
 
     @cached_property
     def thrust(self) -> np.ndarray:
         """What the floor does to joints that move feet (J,)."""
-        return find_thrust(self.batch, Mass(self.mass.mass, self.mass.center + self.origins, self.mass.inertia))
+        return find_thrust(self.batch, self.placed)
 
     @cached_property
     def overlaps(self) -> np.ndarray:

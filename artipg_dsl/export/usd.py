@@ -242,29 +242,9 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
             cone = max(abs(joint.low or 0.0), abs(joint.high)) * _DEGREES
             lines += [f"float physics:coneAngle{k}Limit = {cone:.9g}" for k in (0, 1)]
     elif joint.traits.moves:
-        angular = not joint.traits.slides
-        unit = _DEGREES if angular else 1.0
-        degree = "angular" if angular else "linear"
-        drive, physx = f"drive:{degree}:physics", f"physxJointAxis:{degree}"
-        armature, velocity = f"{joint.armature:.9g}", f"{joint.velocity * unit:.9g}"
+        degree = "linear" if joint.traits.slides else "angular"
         lines.append(f'uniform token physics:axis = "{letter}"')
-        if (limits := _limits(joint)) is not None:
-            words = ("lower", "upper")
-            lines += [f"float physics:{w}Limit = {end * unit:.9g}" for w, end in zip(words, limits, strict=True)]
-        lines += [
-            f'uniform token {drive}:type = "force"',
-            f"float {drive}:damping = {joint.damping / unit:.9g}",
-            f"float {drive}:maxForce = {joint.effort:.9g}",
-            f"float {drive}:stiffness = {joint.stiffness / unit:.9g}",
-            *([f"float {drive}:targetPosition = {joint.rest * unit:.9g}"] if joint.stiffness else []),
-            f"float physxJoint:armature = {armature}",
-            f"float physxJoint:maxJointVelocity = {velocity}",
-            # the axis has precedence where it is read, so it says all; physxJoint:jointFriction is no force but a coefficient
-            f"float {physx}:armature = {armature}",
-            f"float {physx}:dynamicFrictionEffort = {joint.friction:.9g}",
-            f"float {physx}:maxJointVelocity = {velocity}",
-            f"float {physx}:staticFrictionEffort = {joint.friction:.9g}",
-        ]
+        lines += _drive(joint, degree, 1.0 if joint.traits.slides else _DEGREES)
         schemas = [f"PhysicsDriveAPI:{degree}", "PhysxJointAPI", f"PhysxJointAxisAPI:{degree}"]
         if joint.traits.advances:
             lines.append(f"custom double artipg:screw:pitch = {joint.pitch:.17g}")
@@ -280,6 +260,28 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
         "schemas": quoted,
         "lines": lines,
     }
+
+
+def _drive(joint: RobotJoint, degree: str, unit: float) -> list[str]:
+    """How a joint with one degree of freedom, "linear" or "angular", is limited and driven; ``unit``: degrees or metres in one of ours."""
+    drive, physx = f"drive:{degree}:physics", f"physxJointAxis:{degree}"
+    armature, velocity = f"{joint.armature:.9g}", f"{joint.velocity * unit:.9g}"
+    ends = zip(("lower", "upper"), _limits(joint) or (), strict=False)
+    return [
+        *(f"float physics:{word}Limit = {end * unit:.9g}" for word, end in ends),
+        f'uniform token {drive}:type = "force"',
+        f"float {drive}:damping = {joint.damping / unit:.9g}",
+        f"float {drive}:maxForce = {joint.effort:.9g}",
+        f"float {drive}:stiffness = {joint.stiffness / unit:.9g}",
+        *([f"float {drive}:targetPosition = {joint.rest * unit:.9g}"] if joint.stiffness else []),
+        f"float physxJoint:armature = {armature}",
+        f"float physxJoint:maxJointVelocity = {velocity}",
+        # the axis has precedence where it is read, so it says all; physxJoint:jointFriction is no force but a coefficient
+        f"float {physx}:armature = {armature}",
+        f"float {physx}:dynamicFrictionEffort = {joint.friction:.9g}",
+        f"float {physx}:maxJointVelocity = {velocity}",
+        f"float {physx}:staticFrictionEffort = {joint.friction:.9g}",
+    ]
 
 
 def _limits(joint: RobotJoint) -> tuple[float, float] | None:

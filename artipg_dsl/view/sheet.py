@@ -131,10 +131,7 @@ def draw_sheet(
     ``VIEWS`` or (azimuth, elevation) in degrees; None for "iso", from the side on which one sees into what opens.
     ``resolution`` of the meshes, by default as fine as the pixels, but for those of affordances; ``details`` that they wear.
     """
-    if not isinstance(colour, str) or colour not in COLOURINGS:
-        raise UsageError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
-    if not isinstance(states, str) or states not in _STATES:
-        raise UsageError(f"unknown states {states!r}", f"objects are drawn {', '.join(_STATES)}")
+    _require_words(colour, states)
     tile, columns = read_tile(tile), None if columns is None else read_whole("columns", columns, 1)
     if not len(batch):
         raise ExportError("there is no object to draw", "sample at least one")
@@ -177,6 +174,14 @@ def draw_sheet(
         tints = {word: srgb(tint) for word, tint in colours_of(batch, colour).items() if word in said}
         image = np.concatenate([image, draw_legend(tints, image.shape[1])])
     return image
+
+
+def _require_words(colour: str, states: str) -> None:
+    """Raise UsageError for a colouring or states that there are not."""
+    if not isinstance(colour, str) or colour not in COLOURINGS:
+        raise UsageError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
+    if not isinstance(states, str) or states not in _STATES:
+        raise UsageError(f"unknown states {states!r}", f"objects are drawn {', '.join(_STATES)}")
 
 
 def by_pixels(batch: Batch, tile: int) -> Resolution:

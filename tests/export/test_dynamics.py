@@ -21,6 +21,7 @@ from artipg_dsl.export.dynamics import (
     complete_dynamics,
 )
 from artipg_dsl.runtime.tables import JointTable
+from artipg_dsl.validity.mass import Mass
 
 
 def one(
@@ -53,11 +54,9 @@ def one(
     inertia = np.array([np.eye(3), mass * np.diag([5e-7, 0.03, 0.03])])
     turn = np.array([[np.cos(lifted), 0, -np.sin(lifted)], [0, 1, 0], [np.sin(lifted), 0, np.cos(lifted)]])
     pose = np.stack([np.eye(3), turn]), np.zeros((2, 3))
-    center = np.array([[0.0, 0, 0], [0.3, 0, 0]])
+    links = Mass(np.array([5.0, mass]), np.array([[0.0, 0, 0], [0.3, 0, 0]]), inertia)
     together = np.zeros(1, int), np.ones(1)
-    return complete_dynamics(
-        table, table.rest, np.zeros(1, int), np.array([5.0, mass]), center, inertia, pose, together, np.array([thrust])
-    )
+    return complete_dynamics(table, table.rest, np.zeros(1, int), links, pose, together, np.array([thrust]))
 
 
 def test_a_hinge_that_gravity_pulls_off_its_rest_holds_itself() -> None:
