@@ -29,7 +29,8 @@ class Renderer:
         return shade_picture(self, self.size, self.backdrop, scene, camera, lights, floor)
 
     def begin(self, scene: Scene, opaque: np.ndarray, camera: Camera, lights: Lights, floor: float) -> None:
-        self.scene, self.opaque, self.casters = scene, opaque, self._build(opaque)
+        self.scene, self.opaque = scene, opaque
+        self.casters = self._build(opaque)
         self.place = camera.picture(scene.vertices)[0]
         self.towards = lights.around().astype(np.float32)
 
