@@ -12,24 +12,28 @@ import numpy as np
 from ..geometry.nearest import Nearest
 from ..records import dataclass
 from .match import REACH
+from .words import SETS_APART
 
 _SEEN = 0.04  # diagonals: where the nearest point of the cloud, by place and normal, lies nearer, a surface was seen
 _BESIDE = 12  # points of a surface that tell of a place
 # of them: a place was not seen if no more than the first were, and was if the second were: rims and noise are between
 _SHARES = 0.25, 0.75
-_SETS_APART = 1e3  # diagonals
 
 
 class Sight:
-    """Points of clouds (n, 6), by place and normal in diagonals, each of the cloud ``of`` (n,) whose points lie ``apart`` (T,)."""
+    """Clouds whose ``points`` (n, 6), by place and normal in diagonals, are told apart by sets, and lie ``apart`` (T,)."""
 
-    def __init__(self, points: np.ndarray, of: np.ndarray, apart: np.ndarray):
-        self._tree, self._reach = Nearest(points, of, _SETS_APART), _SEEN + REACH * apart
+    def __init__(self, points: Nearest, apart: np.ndarray):
+        self._points, self._reach = points, _SEEN + REACH * apart
 
     def at(self, places: np.ndarray, target: np.ndarray) -> np.ndarray:
         """(m,) bool: which places (m, 6) the clouds ``target`` (m,) have points near."""
-        reach = self._reach[target]
-        return np.asarray(self._tree.find(places, target, reach.max(initial=0.0))[0] < reach)
+        within = self._reach[target].max(initial=0.0)
+        return self.near(self._points.find(places, target, within)[0], target)
+
+    def near(self, far: np.ndarray, target: np.ndarray) -> np.ndarray:
+        """(m,) bool: the same of places whose nearest points are known to be so ``far`` (m,)."""
+        return np.asarray(far < self._reach[target])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +52,7 @@ class Coverage:
         count = shared.sum(axis=1)
         whole = (shared & ~seen).sum(axis=1) <= (1.0 - _SHARES[1]) * np.minimum(count, _BESIDE)
         own, point = np.nonzero(shared & ~whole[:, None])
-        tree = Nearest(places[own, point], own, _SETS_APART) if len(own) else None
+        tree = Nearest(places[own, point], own, SETS_APART) if len(own) else None
         return Coverage(tree, count, np.append(seen[own, point], False), whole)
 
     def at(self, places: np.ndarray, of: np.ndarray) -> np.ndarray:

@@ -87,21 +87,24 @@ class Clouds:
         word = targets.word.ravel()
         self._trees = [Nearest(theirs[:, :axes], own, word, targets.meant) for axes in _BY]
         self.screens = Screens(few.points, few.apart[:, 0])
-        self._sight = Sight(theirs, own, targets.apart[:, 0] / targets.diagonal)
+        self._sight = Sight(self._trees[0].every, targets.apart[:, 0] / targets.diagonal)
 
-    def unlikely(self, laid: _Laid, target: np.ndarray, asked: np.ndarray) -> np.ndarray:
-        """(K, n) how unlikely the points of candidates that are ``asked`` (K, n) are for the cloud of each, the ``target`` (K,)."""
+    def unlikely(self, laid: _Laid, target: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(K, n) how unlikely the points of candidates that are ``asked`` (K, n) are for the cloud of each, the ``target`` (K,); and (K, n)
+        whether they are ``seen``."""
         own, point = np.nonzero(asked)
         targets, of = self.targets, target[own]
         places, position, word = laid.places[own, point], laid.position[own, point], laid.word[own, point]
-        found = []
+        found, far = [], []
         for tree, axes in zip(self._trees, _BY, strict=True):
-            at = of, tree.find(places[:, :axes], of, word) - of * targets.points.shape[1]
+            nearest, away = tree.find(places[:, :axes], of, word)
+            far.append(away)
+            at = of, nearest - of * targets.points.shape[1]
             off = gaps(position, targets.points[at], targets.normals[at], targets.apart[at], targets.diagonal[of])
             found.append(_unlikely(off, unlike(word, targets.word[at]), self.noise(of)))
-        told = np.zeros(asked.shape)
-        told[own, point] = np.minimum(*found)
-        return told
+        told, seen = np.zeros(asked.shape), np.zeros(asked.shape, dtype=bool)
+        told[own, point], seen[own, point] = np.minimum(*found), self._sight.near(far[0], of)
+        return told, seen
 
     def seen(self, laid: _Laid, target: np.ndarray, asked: np.ndarray) -> np.ndarray:
         """(K, n) bool: whether there are points of the cloud where those of candidates lie that are ``asked`` (K, n)."""
@@ -164,7 +167,7 @@ class _Laid:
             some = np.flatnonzero(np.asarray(pool.any(axis=1))[own])
             for axes in _BY if len(some) else ():
                 tree = Nearest(self.places[mine, place, :axes], mine, self.word[mine, place], targets.meant)
-                there = own[some], place[tree.find(theirs[some, :axes], own[some], word[some])]
+                there = own[some], place[tree.find(theirs[some, :axes], own[some], word[some])[0]]
                 off = gaps(self.position[there], points[some], self.normal[there], self.apart[there], diagonal[some])
                 told = _unlikely(off, unlike(self.word[there], word[some]), clouds.noise(of[some]))
                 which[some] = np.where(told < least[some], there[1], which[some])
@@ -208,10 +211,10 @@ def weigh(batch: Batch, target: np.ndarray, placed: Placed, clouds: Clouds) -> E
     every = np.broadcast_to(np.arange(targets.points.shape[1]), (len(target), targets.points.shape[1]))
     cloud, there = laid.unlikely(clouds, target, every, np.ones(every.shape, dtype=bool), ~laid.hidden)
     count, stands = clouds.count(target), np.where(laid.hidden, 0.0, laid.apart**2)
-    seen = clouds.seen(laid, target, ~laid.hidden)
+    unlikely, seen = clouds.unlikely(laid, target, ~laid.hidden)
     known = np.where(seen, stands, 0.0)
     stands *= (count / _known(known.sum(axis=1), stands.sum(axis=1)))[:, None]
-    surface = clouds.unlikely(laid, target, ~laid.hidden) * stands
+    surface = unlikely * stands
     of = laid.on[np.arange(len(batch))[:, None], there]
     rank = np.concatenate([table.rank for table in tables(batch)])
     named = laid.site * _MANY + rank[laid.on]
@@ -359,7 +362,7 @@ def _told(laid: _Laid, copies: Copies, clouds: Clouds, told: Asked) -> tuple[np.
     own, point = np.nonzero(laid.fresh & shown)
     share[own, point] = coverage.at(laid.places[own, point], own)
     expected = clouds.count(target) * laid.area[:, 1] / _known(_surface(laid, share), _surface(laid, shown))
-    unlikely = clouds.unlikely(laid, target, laid.fresh & shown & (share > 0.0))
+    unlikely, _ = clouds.unlikely(laid, target, laid.fresh & shown & (share > 0.0))
     new = (share * unlikely)[:, laid.around :]
     return cloud, expected[:, None] * new / new.shape[1], coverage
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from .. import random
@@ -127,27 +129,42 @@ def _without_equals(
         if new[k].any() or len(gone[k][1]):
             alike.setdefault(id(table.primitive), []).append(k)
     for several in alike.values():
-        made, lost = [], []
-        for k in several:
-            (table, other), (owner, rows) = pairs[k], gone[k]
-            at = np.flatnonzero(new[k])
-            made.append(_addresses(other, at, other.owner[at], np.zeros((len(at), 3))))
-            lost.append(_addresses(table, rows, owner, lifted[owner]))
-        both = np.intersect1d(np.concatenate(made), np.concatenate(lost))
+        made = [(k, pairs[k][1], at, pairs[k][1].owner[at]) for k in several if len(at := np.flatnonzero(new[k]))]
+        lost = [(k, pairs[k][0], rows, owner) for k in several for owner, rows in (gone[k],) if len(rows)]
+        if not made or not lost:
+            continue
+        own = np.concatenate([owner for *_, owner in lost])
+        ours, theirs = _addresses(made, np.zeros((1, 3))), _addresses(lost, lifted[own])
+        both = np.intersect1d(ours, theirs)
         if not len(both):
             continue
-        for k, mine, old in zip(several, made, lost, strict=True):
-            new[k][np.flatnonzero(new[k])[np.isin(mine, both)]] = False
-            kept[k] &= ~np.isin(old, both)
+        for (k, _, at, _), equal in zip(made, _parted(np.isin(ours, both), made), strict=True):
+            new[k][at[equal]] = False
+        for (k, *_), equal in zip(lost, _parted(np.isin(theirs, both), lost), strict=True):
+            kept[k] &= ~equal
     return [(owner[one], rows[one]) for (owner, rows), one in zip(gone, kept, strict=True)]
 
 
-def _addresses(table: SiteTable, rows: np.ndarray, of: np.ndarray, moved: np.ndarray) -> np.ndarray:
-    """(n,) uint64 that are the same for rows of the same shape, place and word in the same copy ``of`` (n,), once ``moved`` (n, 3) back."""
-    found = of.astype(np.uint64)
-    turned = table.rotation[rows].reshape(len(rows), 9)
-    shape = [table.params[name][rows] for name in sorted(table.params)]
-    every = *(table.translation[rows] - moved).T, *turned.T, table.mirror[rows], table.semantic[rows], *shape
+_Some = list[tuple[int, SiteTable, np.ndarray, np.ndarray]]  # of some sites of one primitive: its place, its table, rows of it, their copies
+
+
+def _parted(of: np.ndarray, some: _Some) -> list[np.ndarray]:
+    """What is told of the rows of all sites, site by site."""
+    return np.split(of, np.cumsum([len(rows) for _, _, rows, _ in some])[:-1])
+
+
+def _addresses(some: _Some, moved: np.ndarray) -> np.ndarray:
+    """(n,) uint64 for the rows of some sites, one site after the other, that are the same for rows of the same shape, place and word in the
+    same copy, once ``moved`` (n, 3) back."""
+
+    def column(pick: Callable[[SiteTable], np.ndarray]) -> np.ndarray:
+        return np.concatenate([pick(table)[rows] for _, table, rows, _ in some])
+
+    shape = [column(lambda table, name=name: table.params[name]) for name in sorted(some[0][1].params)]  # type: ignore[misc]
+    turned = column(lambda table: table.rotation).reshape(-1, 9)
+    placed = column(lambda table: table.translation) - moved
+    every = *placed.T, *turned.T, column(lambda table: table.mirror), column(lambda table: table.semantic), *shape
+    found = np.concatenate([owner for *_, owner in some]).astype(np.uint64)
     for value in every:
         found = random.mix(found, np.rint(value / _ALIKE).astype(np.int64).view(np.uint64))
     return found

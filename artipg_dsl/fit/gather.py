@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from ..geometry.runs import runs
 from ..graph.expr import Scope
 from ..runtime.batch import Batch
 from ..runtime.kernels import Rows, State
+from ..runtime.plan import Plan
 from ..sampling.known import keep_draw
 from ..validity.clearance import limit_joints
 
@@ -42,16 +44,24 @@ class _Chosen:
             self._known[scope] = runs(first, last - first), first, last - first
         return self._known[scope]
 
-    def of(self, scope: Scope, values: list[Any]) -> Any:
-        """What the rows of a scope have of a value of each batch, or one number where all rows share it."""
-        if not any(map(_is_column, values)) and all(value == values[0] for value in values[1:]):
-            return values[0]
-        if not all(map(_is_column, values)):
-            sizes = [batch.rowmap.rows(scope).size for batch in self._batches]
-            values = [
-                np.full(n, value) if np.ndim(value) == 0 else value for value, n in zip(values, sizes, strict=True)
-            ]
-        return _joined(values).take(self.index(scope)[0])
+    def of(self, scope: Scope, values: list[list[Any]]) -> list[Any]:
+        """What the rows of a scope have of some values, each a list of what each batch has of it; or one number where all rows share it."""
+        found: list[Any] = [one[0] for one in values]
+        alike: dict[tuple[str, ...], list[int]] = {}  # columns of a kind are taken together: hundreds of them are a few calls
+        for k, one in enumerate(values):
+            if any(map(_is_column, one)) or any(value != one[0] for value in one[1:]):
+                values[k] = one = [self._whole(scope, number, value) for number, value in enumerate(one)]
+                alike.setdefault(tuple([column.dtype.char for column in one]), []).append(k)
+        for places in alike.values():
+            parts = [np.concatenate(columns).reshape(len(places), -1) for columns in zip(*(values[k] for k in places))]
+            both = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+            for k, column in zip(places, both.take(self.index(scope)[0], axis=1), strict=True):
+                found[k] = column
+        return found
+
+    def _whole(self, scope: Scope, number: int, value: Any) -> np.ndarray:
+        """A value of one batch as a column."""
+        return value if _is_column(value) else np.full(self._batches[number].rowmap.rows(scope).size, value)
 
     def table(self, scope: Scope) -> Rows:
         """The rows of a scope as a table of their own."""
@@ -106,7 +116,26 @@ def gather(parts: Sequence[tuple[Batch, np.ndarray]], places: Sequence[np.ndarra
     )
     plan = first.plan
     tables: list[Rows] = [rows.table(scope) for scope in plan.scopes]
-    for number, draw in enumerate(first.program.draws):
-        state.values[number] = rows.of(draw.column.scope, [one.values[number] for one in states])
-    values = [rows.of(scope, [batch._values[k] for batch in batches]) for k, (_, scope) in enumerate(plan.outputs)]
+    found: list[list[Any]] = []
+    of_draws = [[one.values[number] for one in states] for number in range(len(first.program.draws))]
+    of_plan = [[batch._values[number] for batch in batches] for number in range(len(plan.outputs))]
+    for each, scopes in zip((of_draws, of_plan), _scopes(plan), strict=True):
+        found.append([None] * len(each))
+        for scope, places in scopes:
+            for place, column in zip(places, rows.of(scope, [each[k] for k in places]), strict=True):
+                found[-1][place] = column
+    drawn, values = found
+    state.values.update(enumerate(drawn))
     return _Gathered(first.program, plan, state, tables, values, ends=limit_joints)
+
+
+@lru_cache(maxsize=8)
+def _scopes(plan: Plan) -> tuple[list[tuple[Scope, list[int]]], ...]:
+    """The scopes of the draws of a program, each with the places of its draws; and likewise of what a plan gives."""
+    found = []
+    for scopes in ([draw.column.scope for draw in plan.program.draws], [scope for _, scope in plan.outputs]):
+        places: dict[Scope, list[int]] = {}
+        for place, scope in enumerate(scopes):
+            places.setdefault(scope, []).append(place)
+        found.append(list(places.items()))
+    return tuple(found)

@@ -109,13 +109,16 @@ def moved(batch: Batch, values: np.ndarray) -> list[SiteTable]:
 def _led(batch: Batch, sites: list[SiteTable], values: np.ndarray) -> list[SiteTable]:
     rotation, translation = batch.pose(values)
     first = np.searchsorted(batch.links().owner, np.arange(len(batch)))
-    found = []
-    for table in sites:
-        at = first[table.owner] + table.link
-        turned = motion.multiply(rotation[at], table.rotation)
-        shifted = motion.apply(rotation[at], table.translation) + translation[at]
-        found.append(replace(table, rotation=turned, translation=shifted))
-    return found
+    at = np.concatenate([np.zeros(0, dtype=np.int64), *(first[table.owner] + table.link for table in sites)])
+    own, there = (
+        np.concatenate([none, *(getattr(table, name) for table in sites)])
+        for name, none in (("rotation", np.zeros((0, 3, 3))), ("translation", np.zeros((0, 3))))
+    )
+    turned = motion.multiply(rotation[at], own)
+    shifted = motion.apply(rotation[at], there) + translation[at]
+    ends = np.cumsum([len(table) for table in sites])[:-1]
+    parted = zip(sites, np.split(turned, ends), np.split(shifted, ends), strict=True)
+    return [replace(table, rotation=one, translation=other) for table, one, other in parted]
 
 
 def carried(batch: Batch, found: Batch) -> np.ndarray:

@@ -14,7 +14,7 @@ from ..graph.expr import TRUE
 from ..graph.program import Program
 from ..runtime.batch import Batch
 
-_APART = 1e3  # diagonals between sets
+SETS_APART = 1e3  # diagonals
 _REACH = 2.0  # diagonals, beyond which nothing lies
 OTHER = 0.15  # what another word adds to a distance, in diagonals
 
@@ -59,21 +59,22 @@ class Nearest:
 
     def __init__(self, points: np.ndarray, of: np.ndarray, word: np.ndarray, meant: np.ndarray):
         self._meant = meant
-        self._every = Sets(points, of, _APART)
-        self._own = Sets(points, self._worded(of, word), _APART) if len(meant) else None
+        self.every = Sets(points, of, SETS_APART)
+        self._own = Sets(points, self._worded(of, word), SETS_APART) if len(meant) else None
 
-    def find(self, points: np.ndarray, of: np.ndarray, word: np.ndarray) -> np.ndarray:
-        """The index (m,) of the nearest of their sets ``of`` (m,), for points (m, d) with words (m,)."""
-        far, found = self._every.find(points, of)
+    def find(self, points: np.ndarray, of: np.ndarray, word: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The index (m,) of the nearest of their sets ``of`` (m,), for points (m, d) with words (m,); and how far the nearest one is, whatever its
+        word (m,)."""
+        far, found = self.every.find(points, of)
         said = np.flatnonzero(word > 0)
         if self._own is None or not len(said):
-            return found
+            return found, far
         some, sets = points[said], of[said]
         ways = [self._own.find(some, self._worded(sets, one), _REACH) for one in (word[said], np.zeros(len(said)))]
         apart = np.stack([*(distance for distance, _ in ways), np.sqrt(far[said] ** 2 + OTHER**2)])
         index = np.stack([*(at for _, at in ways), found[said]])
         found[said] = index[apart.argmin(axis=0), np.arange(len(said))]
-        return found
+        return found, far
 
     def _worded(self, of: np.ndarray, word: np.ndarray) -> np.ndarray:
         """Sets of a set and a word: of what says nothing, the first."""

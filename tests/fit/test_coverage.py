@@ -123,7 +123,7 @@ def test_a_few_points_are_fewer_neighbours() -> None:
 
 
 def test_sparse_clouds_reach_farther() -> None:
-    sight = Sight(np.zeros((2, 6)), np.array([0, 1]), np.array([0.0, 0.02]))
+    sight = Sight(Nearest(np.zeros((2, 6)), np.array([0, 1]), 1e3), np.array([0.0, 0.02]))
     places = np.zeros((4, 6))
     places[:, 0] = 0.03, 0.05, 0.03, 0.05
     assert sight.at(places, np.array([0, 0, 1, 1])).tolist() == [True, False, True, True]

@@ -55,7 +55,7 @@ def test_the_nearest_is_so_with_what_another_word_adds(silent: float):
     expected = (apart + OTHER**2 * unlike(theirs[:, :, None], word[:, None])).argmin(axis=2)
     assert (nearest(points, asked, (word, theirs), MEANT)[0] == expected).all()
     tree = Nearest(points.reshape(-1, 3), np.repeat([0, 1], 200), word.ravel(), MEANT)
-    found = tree.find(asked.reshape(-1, 3), np.repeat([0, 1], 50), theirs.ravel())
+    found, _ = tree.find(asked.reshape(-1, 3), np.repeat([0, 1], 50), theirs.ravel())
     assert (found.reshape(2, 50) - [[0], [200]] == expected).all()
 
 
