@@ -18,12 +18,13 @@ from .states import tables
 _MANY = 1 << 32  # more than rows of a site in an object
 _STILL = 1e-9  # metres: what is moved by less was not
 _ALIKE = 1e-7  # metres, to which rows of different names are equal
+_NONE = np.zeros(0, dtype=np.int64)
 _SMALL = 0.1  # of the surface of all boxes: that of the small primitives together
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rows:
-    """Primitives of candidates by name: for each site its rows as ``owner`` and rank, in one number."""
+    """Primitives of candidates by name: for each site its rows as ``owner`` and rank, in one number, ascending."""
 
     named: dict[int, np.ndarray]
 
@@ -33,7 +34,14 @@ class Rows:
 
     def among(self, sites: list[SiteTable]) -> list[np.ndarray]:
         """For each table which of its rows these are."""
-        return [np.isin(_names(table), self.named.get(table.number, np.zeros(0))) for table in sites]
+        return [_among(_names(table), self.named.get(table.number, _NONE)) for table in sites]
+
+
+def _among(names: np.ndarray, some: np.ndarray) -> np.ndarray:
+    """Which names are among ``some``, which ascend."""
+    if not len(some):
+        return np.zeros(len(names), dtype=bool)
+    return np.asarray(some[np.minimum(np.searchsorted(some, names), len(some) - 1)] == names)
 
 
 def _names(table: SiteTable) -> np.ndarray:

@@ -26,8 +26,8 @@ def nearest(
     a, b = points.astype(np.float32), asked.astype(np.float32)
     one, other = (np.ones((*x.shape[:2], 1), dtype=np.float32) for x in (a, b))
     # the product of a row of one and a row of the other is the square of their distance
-    left = [b, (b * b).sum(axis=2, keepdims=True), other]
-    right = [-2.0 * a, one, (a * a).sum(axis=2, keepdims=True)]
+    left = [b, squared(b)[..., None], other]
+    right = [-2.0 * a, one, squared(a)[..., None]]
     if len(meant):
         left.append(factors(words[1], meant)[0].astype(np.float32))
         right.append(OTHER**2 * factors(words[0], meant)[1].astype(np.float32))
@@ -37,6 +37,15 @@ def nearest(
         _least(theirs[k], ours[k], there[k])
         _least(ours[k], theirs[k], here[k])
     return there, here
+
+
+def squared(of: np.ndarray) -> np.ndarray:
+    """(...) the squares of the lengths of vectors (..., d), column by column: NumPy sums up short rows slowly."""
+    squares = of * of
+    found = squares[..., 0].copy()
+    for column in range(1, squares.shape[-1]):
+        found += squares[..., column]
+    return found
 
 
 def _least(rows: np.ndarray, columns: np.ndarray, out: np.ndarray) -> None:

@@ -12,18 +12,19 @@ from functools import cache
 import numpy as np
 
 from ..geometry.outside import spread_directions
+from ..geometry.vectors import corners
 from ..native import backend, depths
 
 _SIDES = 42
 _FROM = 3  # sides from which a point is seen at least: through a gap between points it is from one
 _CELL = 2.6  # of a picture, in distances between points
 _BLOCK = 4_000_000  # points at a time, all sides together
-_ONES = np.array([bin(byte).count("1") for byte in range(256)], dtype=np.int64)
 
 
 def spacing(points: np.ndarray) -> np.ndarray:
     """(K,) about how far the points (K, n, 3) of closed surfaces lie apart, were their surfaces that of their boxes."""
-    x, y, z = np.moveaxis(np.ptp(points, axis=1), -1, 0)
+    low, high = corners(points)
+    x, y, z = np.moveaxis(high - low, -1, 0)
     return np.sqrt(2.0 * (x * y + y * z + z * x) / points.shape[1])
 
 
@@ -37,8 +38,9 @@ class Screens:
     hide only what lies far below its surface: most of a drawer inside a housing would pass for visible."""
 
     def __init__(self, clouds: np.ndarray, apart: np.ndarray):
-        self.low, self.cell = clouds.min(axis=1), _cells(apart)
-        across = int(_across(clouds, self.cell).max(initial=1))
+        self.low, high = corners(clouds)
+        self.cell = _cells(apart)
+        across = int(_across(high - self.low, self.cell).max(initial=1))
         machine = backend.machine()
         if machine is not None:
             self.least, self.front = depths.pictures(machine, clouds, self.low, self.cell, _frames(), across)
@@ -64,21 +66,24 @@ class Screens:
 
 def _often(sides: np.ndarray) -> np.ndarray:
     """Which points are seen from enough sides, these being bits."""
-    return np.asarray(_ONES[sides.view(np.uint8)].reshape(*sides.shape, 8).sum(axis=-1) >= _FROM)
+    for _ in range(_FROM - 1):
+        sides = sides & (sides - np.uint64(1))  # without the lowest bit
+    return np.asarray(sides != 0)
 
 
 def _cells(apart: np.ndarray) -> np.ndarray:
     return np.maximum(_CELL * apart, 1e-12)
 
 
-def _across(points: np.ndarray, cell: np.ndarray) -> np.ndarray:
-    """(K,) how many cells wide pictures of clouds (K, n, 3) are."""
-    return np.ceil(np.sqrt((np.ptp(points, axis=1) ** 2).sum(axis=1)) / cell).astype(np.int64) + 2
+def _across(size: np.ndarray, cell: np.ndarray) -> np.ndarray:
+    """(K,) how many cells wide pictures of clouds of a ``size`` (K, 3) are."""
+    return np.ceil(np.sqrt((size**2).sum(axis=1)) / cell).astype(np.int64) + 2
 
 
 def _sides(points: np.ndarray, cell: np.ndarray, others: tuple[Screens, np.ndarray] | None = None) -> np.ndarray:
     """(K, n) uint64, a bit for each side: from which points of clouds (K, n, 3) are seen; ``others`` tells what else may hide them."""
-    low, across, machine = points.min(axis=1), _across(points, cell), backend.machine()
+    low, high = corners(points)
+    across, machine = _across(high - low, cell), backend.machine()
     if machine is not None:
         told = None if others is None else (_shown(others[0]), others[1])
         return depths.sides(machine, points, low, cell, _frames(), across, told)

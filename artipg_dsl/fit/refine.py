@@ -12,6 +12,7 @@ import numpy as np
 from ..geometry import points as geometry
 from ..geometry.runs import runs
 from ..geometry.sites import SiteTable
+from ..geometry.vectors import dot
 from ..records import dataclass
 from ..runtime.batch import Batch
 from .compare import Candidates, Compared, Targets, chosen, compare, starts
@@ -120,7 +121,7 @@ def equations(
         weight = weight * _trust(gap, width) * np.where(unlike, 0.0, np.maximum(agree, _OPPOSED))
         weight = weight / np.maximum(_count(weight), 1.0)[:, None]
         out = local if at is None else local[every, at]
-        outwards = grown[:, None] * (out * gap.way).sum(axis=2)
+        outwards = grown[:, None] * dot(out, gap.way)
         for k in range(len(target)):  # one at a time, since its numbers stay in the cache
             moved = ways[k, : many[k]]
             moved = moved if at is None else np.take(moved, at[k], axis=2)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.sites import object_boxes
+from ..geometry.vectors import corners
 from ..records import dataclass
 from .compare import Candidates, Targets, clouds, words_of
-from .match import features, nearest
+from .match import features, nearest, squared
 from .model import Model, Placed
 from .outer import outer
 from .refine import Schedule, refine
@@ -103,7 +104,7 @@ def _chosen(model: Model, targets: Targets, effort: Effort, seed: int) -> Candid
     points = clouds(looked, _COARSE)
     position, normal = points.position, points.normal
     hidden, word = ~outer(position), words_of(looked, points, targets.meant)
-    low, high = position.min(axis=1), position.max(axis=1)
+    low, high = corners(position)
     unit = (position - low[:, None]) / np.maximum(high - low, 1e-9)[:, None]
     coarse = targets.first(_COARSE)
     score = np.empty(near.shape)
@@ -118,8 +119,8 @@ def _chosen(model: Model, targets: Targets, effort: Effort, seed: int) -> Candid
         there, here = nearest(mine, np.broadcast_to(theirs, (len(at), *theirs.shape[1:])), words, targets.meant)
         every = np.arange(len(at))[:, None]
         others = unlike(words[0][every, there], words[1]), unlike(words[0], words[1][every, here])
-        forth = np.sqrt(((mine[every, there] - theirs) ** 2).sum(axis=2) + OTHER**2 * others[0])
-        back = np.sqrt(((mine - theirs[0][here]) ** 2).sum(axis=2) + OTHER**2 * others[1])
+        forth = np.sqrt(squared(mine[every, there] - theirs) + OTHER**2 * others[0])
+        back = np.sqrt(squared(mine - theirs[0][here]) + OTHER**2 * others[1])
         back = np.where(hidden[at], 0.0, back).sum(axis=1) / np.maximum((~hidden[at]).sum(axis=1), 1)
         score[number] = forth.mean(axis=1) + back + _SIZES * boxes[number, near[number]]
     target = np.repeat(np.arange(len(targets)), near.shape[1])

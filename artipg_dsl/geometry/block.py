@@ -129,13 +129,13 @@ def to_object(
     poses: Poses, row: np.ndarray, place: Coordinates, direction: Coordinates
 ) -> tuple[Coordinates, Coordinates]:
     """Places and directions (three arrays (m,) each) in the own frames of rows, in the object's frame."""
-    mirror = poses[2][row]
+    rotation, translation, mirror = poses[0].take(row, axis=1), poses[1].take(row, axis=1), poses[2].take(row)
     locals_ = [(p[0], p[1] * mirror, p[2]) for p in (place, direction)]
     places, directions = [], []
     for axis in range(3):
-        a, b, c = (poses[0][3 * axis + k][row] for k in range(3))
+        a, b, c = rotation[3 * axis : 3 * axis + 3]
         one, two = (a * x + b * y + c * z for x, y, z in locals_)
-        one += poses[1][axis][row]
+        one += translation[axis]
         places.append(one)
         directions.append(two)
     return (places[0], places[1], places[2]), (directions[0], directions[1], directions[2])

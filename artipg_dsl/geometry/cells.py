@@ -6,6 +6,8 @@ rank of the row and patch, so that the points on them are the points of a pool i
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ..records import dataclass
@@ -142,6 +144,19 @@ class Cells:
         row, local, params = self.rows_asked(bent, cell)
         at, normal = PatchEvaluator(bent.shelf.primitive, bent.patch, params).at(local, u, v)
         return to_object(self.poses, row, at, normal)
+
+    def by_bent(self, cell: np.ndarray) -> Iterator[tuple[Bent, np.ndarray]]:
+        """Those of some cells that are bent, patch by patch: the places among these (m,), ascending."""
+        number = np.full(len(self.shape), -1)
+        for k, bent in enumerate(self.bent):
+            number[bent.cell] = k
+        own = number[cell]
+        at = np.flatnonzero(own >= 0)
+        at = at[np.argsort(own[at], kind="stable")]
+        begin = np.searchsorted(own[at], np.arange(len(self.bent) + 1))
+        for bent, first, last in zip(self.bent, begin.tolist(), begin[1:].tolist(), strict=False):
+            if last > first:
+                yield bent, at[first:last]
 
     def rows_asked(self, bent: Bent, cell: np.ndarray) -> tuple[np.ndarray, np.ndarray, Params]:
         """Rows of cells of ``bent``; the same among the rows that are named at all, and the parameters of those."""

@@ -137,12 +137,19 @@ def _rule(nodes: int, order: int) -> tuple[np.ndarray, np.ndarray]:
     return places.ravel(), np.tile(weight / (2 * panels), panels)
 
 
-def _integral(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, int], order: int) -> np.ndarray:
-    """(k,) areas; the rows of terms are contiguous, so that the batch does not change the order of summation."""
+@lru_cache(maxsize=256)
+def _rules(nodes: tuple[int, int], order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The same over both fractions: u, v and weights (m,)."""
     (u, wu), (v, wv) = (_rule(n, order) for n in nodes)
     places = np.meshgrid(u, v, indexing="ij")
-    element = grid(element_split(primitive, patch), params, places[0].ravel(), places[1].ravel())[..., 0]
-    return np.add.reduce(np.ascontiguousarray(element * (wu[:, None] * wv).ravel()), axis=1)
+    return places[0].ravel(), places[1].ravel(), (wu[:, None] * wv).ravel()
+
+
+def _integral(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, int], order: int) -> np.ndarray:
+    """(k,) areas; the rows of terms are contiguous, so that the batch does not change the order of summation."""
+    u, v, weight = _rules(nodes, order)
+    element = grid(element_split(primitive, patch), params, u, v)[..., 0]
+    return np.add.reduce(np.ascontiguousarray(element * weight), axis=1)
 
 
 def _least_order(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, int]) -> int:
@@ -154,10 +161,17 @@ def _least_order(primitive: Primitive, patch: int, params: Params, nodes: tuple[
     return _ORDER
 
 
+@lru_cache(maxsize=256)
+def _spaced(nodes: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Equally spaced nodes (nodes of u, nodes of v); not to be written to."""
+    u, v = (np.array([0.5]) if n == 1 else np.linspace(0.0, 1.0, n) for n in nodes)
+    along_u, along_v = np.meshgrid(u, v, indexing="ij")
+    return along_u, along_v
+
+
 def _table(primitive: Primitive, patch: int, params: Params, nodes: tuple[int, int]) -> np.ndarray:
     """(k, nodes of u, nodes of v) the element at equally spaced nodes."""
-    u, v = (np.array([0.5]) if n == 1 else np.linspace(0.0, 1.0, n) for n in nodes)
-    return grid(element_split(primitive, patch), params, *np.meshgrid(u, v, indexing="ij"))[..., 0]
+    return grid(element_split(primitive, patch), params, *_spaced(nodes))[..., 0]
 
 
 def patch_area(primitive: Primitive, patch: int, params: Params) -> np.ndarray:

@@ -124,7 +124,7 @@ def find_existing(primitive: Primitive, params: Params) -> np.ndarray:
 
 def grid(split: Split, params: Params, u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """(k, *shape of u, number of values): formulas at the same fractions on every instance."""
-    shape = np.broadcast_shapes(u.shape, v.shape)
+    shape = u.shape if u.shape == v.shape else np.broadcast_shapes(u.shape, v.shape)
     rows = split.rows(params)
     values = split.points([r.reshape(-1, *(1,) * len(shape)) for r in rows], u[None], v[None])
     out = np.empty((rows_of(params), *shape, len(values)))

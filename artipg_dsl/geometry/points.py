@@ -317,12 +317,10 @@ def evaluate_flat(
         cell = cells.first[own] + patch[part]
         at_u, at_v = u[part], v[part]
         place, direction = cells.flat_position(cell, at_u, at_v), [x[cell] for x in cells.normal]
-        for bent in cells.bent:
-            at = np.flatnonzero(np.isin(cell, bent.cell))
-            if len(at):
-                made = cells.bent_position(bent, cell[at], at_u[at], at_v[at])
-                for axis in range(3):
-                    place[axis][at], direction[axis][at] = made[0][axis], made[1][axis]
+        for bent, at in cells.by_bent(cell):
+            made = cells.bent_position(bent, cell[at], at_u[at], at_v[at])
+            for axis in range(3):
+                place[axis][at], direction[axis][at] = made[0][axis], made[1][axis]
         position[part], normal[part] = np.stack(place, axis=-1), np.stack(direction, axis=-1)
         exists[part] = cells.exists[cell]
     return position, normal, exists

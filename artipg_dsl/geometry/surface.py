@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -62,22 +64,28 @@ class PatchEvaluator:
 
         At a collapsed edge rounding may leave no normal, or any; then it is that of a point slightly further in.
         """
-        gathered = [values[row] for values in self._rows]
+        gathered = self._rows.take(row, axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             found = self._split.points(gathered, u, v)
-        out = [np.broadcast_to(np.asarray(f, dtype=np.float64), u.shape) for f in found]
+        out = _columns(found, u.shape)
         edge = np.flatnonzero((np.abs(u - 0.5) > 0.5 - _NUDGE) | (np.abs(v - 0.5) > 0.5 - _NUDGE))
         if len(edge):
             inner = [np.clip(f[edge], _NUDGE, 1.0 - _NUDGE) for f in (u, v)]
             with np.errstate(divide="ignore", invalid="ignore"):
-                fixed = self._split.points([g[edge] for g in gathered], *inner)
-            moved = [np.broadcast_to(np.asarray(f, dtype=np.float64), edge.shape) for f in fixed]
+                fixed = self._split.points(gathered.take(edge, axis=1), *inner)
+            moved = _columns(fixed, edge.shape)
             agreed = sum(out[axis][edge] * moved[axis] for axis in range(3, 6))
             bad = np.flatnonzero(~(out[6][edge] > _COLLAPSED * moved[6]) & ~(agreed > 1.0 - _ASTRAY))
             for axis in range(3, 6) if len(bad) else ():
                 out[axis] = np.array(out[axis])
                 out[axis][edge[bad]] = moved[axis][bad]
         return (out[0], out[1], out[2]), (out[3], out[4], out[5])
+
+
+def _columns(values: Sequence[Any], shape: tuple[int, ...]) -> list[np.ndarray]:
+    """Values at points as arrays of the shape of these: most are, and broadcasting takes long to find that out."""
+    arrays = [np.asarray(value, dtype=np.float64) for value in values]
+    return [array if array.shape == shape else np.broadcast_to(array, shape) for array in arrays]
 
 
 def evaluate(

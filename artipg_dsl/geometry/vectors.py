@@ -13,6 +13,12 @@ def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return found
 
 
+def corners(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The low and high corners (..., 3) of the boxes around points (..., n, 3): axis by axis, since NumPy reduces rows of three slowly."""
+    axes = [points[..., axis] for axis in range(3)]
+    return np.stack([one.min(axis=-1) for one in axes], axis=-1), np.stack([one.max(axis=-1) for one in axes], axis=-1)
+
+
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Vector products (..., 3); exactly opposite when the arguments are exchanged."""
     cells = [a[..., i - 2] * b[..., i - 1] - a[..., i - 1] * b[..., i - 2] for i in range(3)]

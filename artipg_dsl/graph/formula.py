@@ -12,7 +12,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from itertools import count
-from math import prod
 from typing import Any
 
 import numpy as np
@@ -148,7 +147,7 @@ class Formula:
     def __call__(self, *values: Any) -> tuple[Any, ...]:
         machine = backend.machine() if len(self.tape.operations) >= SHORT else None
         if machine is not None and self._work < self._worth:
-            self._work += _CALL + prod(np.broadcast_shapes(*map(np.shape, values)))
+            self._work += _CALL + max(map(np.size, values), default=1)  # about: of rows and columns it is more
         if machine is not None and self._work >= self._worth:
             found = self.tape.run(machine, values)
             if found is not None:

@@ -179,8 +179,12 @@ def _layout(shapes: Sequence[tuple[int, ...]]) -> Layout | None:
 
 
 def _mixed(shapes: Sequence[tuple[int, ...]]) -> Layout | None:
-    shape = np.broadcast_shapes(*shapes)
-    padded = [(1,) * (len(shape) - len(s)) + tuple(s) for s in shapes]
+    longest = max(map(len, shapes))
+    padded = [(1,) * (longest - len(s)) + tuple(s) for s in shapes]
+    sizes = [set(axis) - {1} for axis in zip(*padded, strict=True)]
+    if any([len(size) > 1 for size in sizes]):
+        np.broadcast_shapes(*shapes)  # raises
+    shape = tuple([size.pop() if size else 1 for size in sizes])
     groups: list[tuple[tuple[bool, ...], int]] = []  # what varies along it, and the axis it begins with
     for axis, size in enumerate(shape):
         pattern = tuple([s[axis] != 1 for s in padded])
