@@ -38,15 +38,25 @@ class _Chosen:
     def index(self, scope: Scope) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Which rows (n,), among those of all batches, these are; of each object its first (B,) there, and how many it has (B,)."""
         if scope not in self._known:
+            if not self._rows(scope):
+                none = np.zeros(0, dtype=np.int64), *(np.zeros(len(self._chosen), dtype=np.int64) for _ in range(2))
+                self._known[scope] = none
+                return none
             owners = [batch.owner(scope) + before for batch, before in zip(self._batches, self._before, strict=False)]
             owner = _joined(owners)
             first, last = (np.searchsorted(owner, self._chosen, side=side) for side in ("left", "right"))
             self._known[scope] = runs(first, last - first), first, last - first
         return self._known[scope]
 
+    def _rows(self, scope: Scope) -> int:
+        """How many rows the batches have, all together: none in most alternatives."""
+        return sum([batch.rowmap.rows(scope).size for batch in self._batches])
+
     def of(self, scope: Scope, values: list[list[Any]]) -> list[Any]:
         """What the rows of a scope have of some values, each a list of what each batch has of it; or one number where all rows share it."""
         found: list[Any] = [one[0] for one in values]
+        if not self._rows(scope):
+            return found
         alike: dict[tuple[str, ...], list[int]] = {}  # columns of a kind are taken together: hundreds of them are a few calls
         for k, one in enumerate(values):
             if any(map(_is_column, one)) or any(value != one[0] for value in one[1:]):
@@ -66,6 +76,9 @@ class _Chosen:
     def table(self, scope: Scope) -> Rows:
         """The rows of a scope as a table of their own."""
         index, first, many = self.index(scope)
+        if scope.parent is not None and not self._rows(scope):
+            still = np.zeros(len(self.index(scope.parent)[0]), dtype=np.int64)
+            return Rows(0, index, index, index, np.zeros(0, dtype=np.uint64), still, still)
         every, size = np.arange(len(many)), len(index)
         tables = [batch.rowmap.rows(scope) for batch in self._batches]
         address = _joined([table.address for table in tables])[index]

@@ -217,7 +217,7 @@ class Model:
 
         ``copies``: the place in the batch of what each copy is of. ``lane``: what the rows that are new are drawn by.
         """
-        values = []
+        values, altered = [], set(changes.draw.tolist())
         known: dict[Scope, tuple[DrawRows, np.ndarray, np.ndarray]] = {}
         for number, draw in enumerate(self.program.draws):
             scope = draw.column.scope
@@ -226,8 +226,8 @@ class Model:
                 known[scope] = chosen, *_sorted(chosen.key)
             chosen, order, key = known[scope]
             value = batch.state.values[number][chosen.row]
-            mine = np.flatnonzero(changes.draw == number)
-            if len(mine):
+            if number in altered:
+                mine = np.flatnonzero(changes.draw == number)
                 size = int(chosen.row.max(initial=0)) + 1
                 where = chosen.owner * size + chosen.row  # ascending
                 value[np.searchsorted(where, changes.copy[mine] * size + changes.row[mine])] = changes.value[mine]
@@ -240,6 +240,8 @@ class Model:
         for number in self.smooth:
             draw = self.program.draws[number]
             owner = batch.owner(draw.column.scope)
+            if not len(owner):
+                continue
             first, last = domain_ends(batch, number)
             low, high = first.copy(), last.copy()
             for bound in draw.bounds:

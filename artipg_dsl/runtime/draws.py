@@ -80,6 +80,9 @@ def _each_its_own(draw: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
 
     @wraps(draw)
     def drawn(state: State, rows: Rows, number: int, *how: Any) -> np.ndarray:
+        if not rows.size:  # of most alternatives nobody has a row
+            state.values[number] = nobody = np.zeros(0)
+            return nobody
         value = state.asked.get(number)
         if value is None:
             return draw(state, rows, number, *how)

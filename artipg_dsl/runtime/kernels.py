@@ -118,6 +118,9 @@ def child_rows(state: State, parent: Rows, count: np.ndarray | float | bool, gua
     An object whose counts are no numbers, or more than ``MOST_ROWS`` in all, has no rows here: a requirement says that it is not valid,
     and ``crowded`` sees to it that one does.
     """
+    if not parent.size:
+        none = np.zeros(0, dtype=np.int64)
+        return Rows(0, none, none, none, np.zeros(0, dtype=np.uint64), none, none)
     asked = full(parent, count)
     if not guard:
         held = np.bincount(parent.owner, weights=np.maximum(asked, 0.0), minlength=len(state.objects))
@@ -219,6 +222,8 @@ def running_sum(rows: Rows, value: np.ndarray | float) -> np.ndarray:
 
 def demand(state: State, rows: Rows, number: int, holds: np.ndarray | bool) -> None:
     """Note the objects that break a requirement."""
+    if not rows.size:
+        return
     bad = _unmet(rows, holds)
     if len(bad):
         owners = np.flatnonzero(np.bincount(rows.owner[bad]))

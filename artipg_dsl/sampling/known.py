@@ -32,6 +32,9 @@ class DrawRows:
 def rows_of_draw(batch: Batch, number: int, objects: np.ndarray) -> DrawRows:
     """The rows that draw ``number`` has in the objects at the given places of a batch."""
     rows = batch.rowmap.rows(batch.program.draws[number].column.scope)
+    if not rows.size:
+        none = np.zeros(0, dtype=np.int64)
+        return DrawRows(none, none, rows.address)
     first = np.searchsorted(rows.owner, objects)
     count = np.searchsorted(rows.owner, objects, side="right") - first
     owner = np.repeat(np.arange(len(objects)), count)
