@@ -67,7 +67,9 @@ def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) ->
         last = number + 1 == effort.rounds
         rest = np.flatnonzero((loss > -_LITTLE) | last)
         quiet = better.target[(loss > -SURE) | last]
-        rivals, looked = _rivals(model, tried, copies, change, better.target[rest], quiet, looked, effort)
+        every = tried.others.behind(model, copies, change, tried.name)
+        at = _promising(every, better.target[rest], quiet, looked, effort)
+        rivals, looked = every.candidates(model, at), np.concatenate([looked, every.name[at]])
         grown = developed(model, own, taken(model, better, rest), clouds, rivals, effort)
         sure = np.flatnonzero((loss < -SURE) & ~np.isin(better.target, grown.target))
         changed = united(model, [taken(model, better, sure), grown])
@@ -185,46 +187,53 @@ def _least(of: np.ndarray, less: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Known:
+    """``copies`` (K,) of what was found, each with another value; their ``loss`` (K,), and the ``share`` (K,) of their surface that differs.
+    ``name`` (K,): a number for the object and the value, 0 where the draw repeats. ``moved`` (K,): whether new parts have moved into place."""
+
+    copies: Copies
+    loss: np.ndarray
+    share: np.ndarray
+    name: np.ndarray
+    moved: np.ndarray
+
+    def behind(self, model: Model, copies: Copies, change: Change, name: np.ndarray) -> _Known:
+        """These behind ``copies`` that have moved, of which ``change`` tells."""
+        two = copies, self.copies
+        of, target = (np.concatenate([getattr(one, column) for one in two]) for column in ("of", "target"))
+        batch = model.assembled([(one.batch, np.arange(len(one.of))) for one in two])
+        both = Copies(batch, of, target, Placed.joined([one.placed for one in two]))
+        loss, share = (np.concatenate([getattr(one, column) for one in (change, self)]) for column in ("loss", "share"))
+        return _Known(both, loss, share, np.concatenate([name, self.name]), np.arange(len(of)) < len(copies.of))
+
+    def candidates(self, model: Model, at: np.ndarray) -> Candidates:
+        """Some of them as candidates."""
+        one = self.copies
+        return Candidates(model.assembled([(one.batch, at)]), one.target[at], one.placed.take(at), np.zeros(len(at)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class _Tried:
-    """The ``copies`` (K,) of what was found, each with another value, that are likeliest as drawn; the points of clouds that tell of them; and
-    what speaks for them besides: the ``odds`` (K,). ``name`` (K,): a number for the object and the value, 0 where the draw repeats. ``others``
-    (n,) of draws that do not, with their ``loss`` and ``share`` as drawn, and their names, ``called``."""
+    """The ``copies`` (K,) of what was found, each with another value, that are likeliest as drawn; the points of clouds that tell of them; what
+    speaks for them besides: the ``odds`` (K,); and their ``name`` (K,), as ``_Known`` has it. ``others``, as drawn, of draws that do not repeat."""
 
     copies: Copies
     told: Asked
     odds: np.ndarray
     name: np.ndarray
-    others: Copies
-    loss: np.ndarray
-    share: np.ndarray
-    called: np.ndarray
+    others: _Known
 
 
-def _rivals(
-    model: Model,
-    tried: _Tried,
-    copies: Copies,
-    change: Change,
-    rest: np.ndarray,
-    quiet: np.ndarray,
-    looked: np.ndarray,
-    effort: Effort,
-) -> tuple[Candidates, np.ndarray]:
-    """What is developed: of the objects ``rest`` the most promising large changes among ``copies``, of which ``change`` tells, and of
-    those that are ``quiet`` also changes of what stands once, but for those ``looked`` at before; and what was looked at by now."""
-    own = np.arange(len(copies.of) + len(tried.loss)) < len(copies.of)
-    target = np.concatenate([copies.target, tried.others.target])
-    loss, share = np.concatenate([change.loss, tried.loss]), np.concatenate([change.share, tried.share])
-    name = np.concatenate([tried.name, tried.called])
-    large = _first(np.flatnonzero(own & (share > LARGE) & np.isin(target, rest)), target, loss, effort.developed)
+def _promising(known: _Known, rest: np.ndarray, quiet: np.ndarray, looked: np.ndarray, effort: Effort) -> np.ndarray:
+    """Places of what is developed: of the objects ``rest`` the most promising large changes among those that have moved, and of those that
+    are ``quiet`` also changes of what stands once, but for those ``looked`` at before."""
+    target, name, share = known.copies.target, known.name, known.share
+    large = np.flatnonzero(known.moved & (share > LARGE) & np.isin(target, rest))
+    large = _first(large, target, known.loss, effort.developed)
     once = (name > 0) & (share > _ONCE) & np.isin(target, quiet) & ~np.isin(name, looked)
     once[large] = False
-    at = np.concatenate([large, _first(np.flatnonzero(once), target, loss, effort.once)])
-    batch = model.assembled([(copies.batch, at[own[at]]), (tried.others.batch, at[~own[at]] - len(copies.of))])
-    placed = Placed.joined([copies.placed, tried.others.placed])
-    at = np.concatenate([at[own[at]], at[~own[at]]])
-    rivals = Candidates(batch, target[at], placed.take(at), np.zeros(len(at)))
-    return rivals, np.concatenate([looked, name[at]])
+    at = np.concatenate([large, _first(np.flatnonzero(once), target, known.loss, effort.once)])
+    return at[np.argsort(~known.moved[at], kind="stable")]
 
 
 def _first(at: np.ndarray, target: np.ndarray, loss: np.ndarray, count: int) -> np.ndarray:
@@ -237,7 +246,7 @@ def _likeliest(
     model: Model, found: Candidates, clouds: Clouds, base: Evidence, effort: Effort, number: int, counts: float = 0.0
 ) -> _Tried:
     """The likeliest copies as drawn, ``counts`` being what the odds of values count."""
-    parts: list[tuple[Batch, np.ndarray]] = []
+    batches: list[Batch] = []
     asked: list[Asked] = []
     stood = [found.placed.take(np.zeros(0, dtype=np.int64))]
     owners, losses, places = [np.zeros(0, dtype=np.int64)], [np.zeros(0)], [np.zeros(0, dtype=np.uint64)]
@@ -247,7 +256,7 @@ def _likeliest(
         copies = copied(found, one.batch, one.of)
         change = weigh_change(copies, clouds, base, apart(found, copies))
         stood.append(copies.placed)
-        parts.append((one.batch, np.arange(len(one.of))))
+        batches.append(one.batch)
         asked.append(change.told)
         owners.append(one.of)
         losses.append(np.where(change.share <= LARGE, change.loss, np.inf) if clouds.closely else change.loss)
@@ -260,19 +269,28 @@ def _likeliest(
         np.concatenate(column) for column in (owners, losses, places, odds, shares, names)
     )
     loss = np.asarray(loss - more)
-    if not parts:
-        parts, asked = [(found.batch, of)], [Asked.none()]
-    every, told = model.assembled(parts), Asked.joined(asked)
+    structure = np.concatenate([np.zeros(0, dtype=np.uint64), *map(model.structures, batches)])
+    told = Asked.joined(asked or [Asked.none()])
     hopeful = np.flatnonzero(loss < np.maximum(_HOPE, _HOPED * base.total[of]))
     first = hopeful[best_of(place[hopeful], of[hopeful], loss[hopeful], len(hopeful))]
-    at = first[best_of(model.structures(every)[first], of[first], loss[first], effort.tried)]
+    at = first[best_of(structure[first], of[first], loss[first], effort.tried)]
     once = np.flatnonzero((name > 0) & (loss < base.total[of]))
     once = np.setdiff1d(once[best_of(name[once], of[once], loss[once], len(once))], at)
     copies, others = (
-        Copies(model.assembled([(every, some)]), of[some], found.target[of[some]], Placed.joined(stood).take(some))
+        Copies(_picked(model, found, batches, some), of[some], found.target[of[some]], Placed.joined(stood).take(some))
         for some in (at, once)
     )
-    return _Tried(copies, told.take(at), more[at], name[at], others, loss[once], share[once], name[once])
+    still = np.zeros(len(once), dtype=bool)
+    return _Tried(copies, told.take(at), more[at], name[at], _Known(others, loss[once], share[once], name[once], still))
+
+
+def _picked(model: Model, found: Candidates, batches: list[Batch], at: np.ndarray) -> Batch:
+    """The copies at some places of several batches, one after the other."""
+    begin = np.cumsum([0, *map(len, batches)])
+    which = np.searchsorted(begin, at, side="right") - 1
+    places = [np.flatnonzero(which == k) for k in np.unique(which).tolist()]
+    parts = [(batches[which[mine[0]]], at[mine] - begin[which[mine[0]]]) for mine in places]
+    return model.assembled(parts, places) if parts else model.assembled([(found.batch, at)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -42,10 +42,9 @@ def developed(
     still = np.flatnonzero(np.isin(found.target, target))
     if not len(target):
         return taken(model, found, still)
-    rivals = refine(model, own.first(2048), united(model, [taken(model, found, still), others]), effort.whole)
-    both = [taken(model, rivals, np.arange(len(still))), taken(model, rivals, np.arange(len(still), len(rivals)))]
-    was, now = (weigh(one.batch, one.target, one.placed, clouds) for one in both)
-    loss = beside(now, was, np.searchsorted(both[0].target, target))
+    both = refine(model, own.first(2048), united(model, [taken(model, found, still), others]), effort.whole)
+    told, count = weigh(both.batch, both.target, both.placed, clouds), len(still)
+    loss = beside(told.take(slice(count, None)), told.take(slice(count)), np.searchsorted(found.target[still], target))
     order = np.lexsort((loss, target))
     first = order[np.unique(target[order], return_index=True)[1]]
-    return taken(model, both[1], first[loss[first] < -SURE])
+    return taken(model, both, count + first[loss[first] < -SURE])

@@ -60,6 +60,10 @@ class Evidence:
     on: np.ndarray
     places: np.ndarray
 
+    def take(self, at: np.ndarray | slice) -> Evidence:
+        """Of some of the candidates."""
+        return Evidence(*(getattr(self, field.name)[at] for field in fields(self)))
+
     @property
     def total(self) -> np.ndarray:
         """(K,) of each candidate; less is better."""

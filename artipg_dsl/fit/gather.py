@@ -39,9 +39,9 @@ class _Chosen:
         """Which rows (n,), among those of all batches, these are; of each object its first (B,) there, and how many it has (B,)."""
         if scope not in self._known:
             if not self._rows(scope):
-                none = np.zeros(0, dtype=np.int64), *(np.zeros(len(self._chosen), dtype=np.int64) for _ in range(2))
-                self._known[scope] = none
-                return none
+                none = np.zeros(len(self._chosen), dtype=np.int64)
+                self._known[scope] = none[:0], none, none
+                return self._known[scope]
             owners = [batch.owner(scope) + before for batch, before in zip(self._batches, self._before, strict=False)]
             owner = _joined(owners)
             first, last = (np.searchsorted(owner, self._chosen, side=side) for side in ("left", "right"))
@@ -134,8 +134,8 @@ def gather(parts: Sequence[tuple[Batch, np.ndarray]], places: Sequence[np.ndarra
     of_plan = [[batch._values[number] for batch in batches] for number in range(len(plan.outputs))]
     for each, scopes in zip((of_draws, of_plan), _scopes(plan), strict=True):
         found.append([None] * len(each))
-        for scope, places in scopes:
-            for place, column in zip(places, rows.of(scope, [each[k] for k in places]), strict=True):
+        for scope, numbers in scopes:
+            for place, column in zip(numbers, rows.of(scope, [each[k] for k in numbers]), strict=True):
                 found[-1][place] = column
     drawn, values = found
     state.values.update(enumerate(drawn))

@@ -98,7 +98,7 @@ class Split:
             row[...] = value
         return out
 
-    def points(self, rows: Sequence[np.ndarray], *point: np.ndarray) -> tuple[Any, ...]:
+    def points(self, rows: Sequence[np.ndarray] | np.ndarray, *point: np.ndarray) -> tuple[Any, ...]:
         """The values at points: ``rows`` gathered to arrays that broadcast with the point variables (fractions).
 
         Exponents are told for every point: NumPy computes the power of one that is broadcast in another way, by the number of rows.
