@@ -14,6 +14,7 @@ from dataclasses import fields
 
 import numpy as np
 
+from ..geometry.vectors import corners
 from ..records import dataclass
 from ..runtime.batch import Batch
 from .compare import FARTHEST, Targets, starts, words_of
@@ -343,13 +344,26 @@ def _gone(base: Evidence, change: Differing, count: int) -> np.ndarray:
 def _ask(copies: Copies, clouds: Clouds, base: Evidence, gone: np.ndarray, laid: _Laid, most: int = _ASKED) -> Asked:
     """Of the cloud ``most`` points, those that are nearest to what is gone, and those that nothing explains where something is new."""
     targets, of, target = clouds.targets, copies.of, copies.target
-    owned = gone[np.arange(len(of))[:, None], base.of[of]]
-    margin = _MARGIN * targets.diagonal[target]
-    near = _within(laid.position[:, laid.around :], targets.points, target, margin) & laid.fresh[:, -1:]
-    asked = owned | (near & (base.cloud[of] > _ODD))
-    some = np.argsort(~asked, axis=1, kind="stable")[:, :most]
-    told = (np.take_along_axis(one, some, axis=1) for one in (asked, owned))
-    return Asked(some, next(told), asked.sum(axis=1), next(told), base.cloud[of[:, None], some])
+    owned, asked = (np.zeros((len(of), base.cloud.shape[1]), dtype=bool) for _ in range(2))
+    low, high = corners(laid.position[:, laid.around :])
+    margin = _MARGIN * targets.diagonal[target][:, None]
+    low, high, fresh = low - margin, high + margin, laid.fresh[:, -1]
+    odd = {k: np.flatnonzero(base.cloud[k] > _ODD) for k in np.unique(of).tolist()}
+    for k, origin in enumerate(of.tolist()):  # one at a time: few points of a cloud are asked about a copy
+        gone[k].take(base.of[origin], out=owned[k])
+        if fresh[k]:
+            points = targets.points[target[k], odd[origin]]
+            x, y, z = ((points > low[k]) & (points < high[k])).T
+            asked[k, odd[origin][x & y & z]] = True
+    asked |= owned
+    many = asked.sum(axis=1)
+    own, point = np.nonzero(asked)
+    rank = np.arange(len(own)) - (np.cumsum(many) - many)[own]
+    first = np.flatnonzero(rank < most)
+    some = np.zeros((len(of), min(most, asked.shape[1])), dtype=np.int64)
+    some[own[first], rank[first]] = point[first]
+    told = np.arange(some.shape[1]) < many[:, None]
+    return Asked(some, told, many, told & np.take_along_axis(owned, some, axis=1), base.cloud[of[:, None], some])
 
 
 def _told(laid: _Laid, copies: Copies, clouds: Clouds, told: Asked) -> tuple[np.ndarray, np.ndarray, Coverage]:
@@ -375,16 +389,6 @@ def _surface(laid: _Laid, share: np.ndarray) -> np.ndarray:
     """(K,) square metres of which a ``share`` (K, n) is meant."""
     parts = share[:, : laid.around].mean(axis=1), share[:, laid.around :].mean(axis=1)
     return np.asarray((np.stack(parts, axis=1) * laid.area).sum(axis=1))
-
-
-def _within(points: np.ndarray, clouds: np.ndarray, target: np.ndarray, margin: np.ndarray) -> np.ndarray:
-    """(K, M) bool: which points of clouds (T, M, 3) lie in the box around some points (K, n, 3), or near it."""
-    found = np.ones((len(points), clouds.shape[1]), dtype=bool)
-    for axis in range(3):
-        low, high = points[:, :, axis].min(axis=1) - margin, points[:, :, axis].max(axis=1) + margin
-        place = clouds[target, :, axis]
-        found &= (place > low[:, None]) & (place < high[:, None])
-    return found
 
 
 def _unlikely(off: Gaps, unlike: np.ndarray, noise: np.ndarray) -> np.ndarray:
