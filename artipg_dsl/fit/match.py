@@ -62,10 +62,11 @@ def squared(of: np.ndarray) -> np.ndarray:
 
 def _least(rows: np.ndarray, columns: np.ndarray, out: np.ndarray) -> None:
     """For each of the ``rows`` (n, d) with which of the ``columns`` (m, d) its product is least, into ``out`` (n,)."""
-    step = at_a_time(columns.size)
+    step, across = at_a_time(columns.size), np.ascontiguousarray(columns.T)
+    room = np.empty((min(step, len(rows)), len(columns)), dtype=rows.dtype)
     for start in range(0, len(rows), step):
-        part = slice(start, start + step)
-        (rows[part] @ columns.T).argmin(axis=1, out=out[part])
+        part = rows[start : start + step]
+        np.matmul(part, across, out=room[: len(part)]).argmin(axis=1, out=out[start : start + step])
 
 
 def features(
