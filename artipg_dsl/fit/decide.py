@@ -215,7 +215,8 @@ class _Known:
 @dataclass(frozen=True, slots=True, eq=False)
 class _Tried:
     """The ``copies`` (K,) of what was found, each with another value, that are likeliest as drawn; the points of clouds that tell of them; what
-    speaks for them besides: the ``odds`` (K,); and their ``name`` (K,), as ``_Known`` has it. ``others``, as drawn, of draws that do not repeat."""
+    speaks for them besides: the ``odds`` (K,); and their ``name`` (K,), as ``_Known`` has it. ``others``, as drawn, of draws that do not
+    repeat."""
 
     copies: Copies
     told: Asked

@@ -153,7 +153,8 @@ def _without_equals(
     return [(owner[one], rows[one]) for (owner, rows), one in zip(gone, kept, strict=True)]
 
 
-_Some = list[tuple[int, SiteTable, np.ndarray, np.ndarray]]  # of some sites of one primitive: its place, its table, rows of it, their copies
+# of some sites of one primitive: the place of each, its table, rows of this, and the copies that these are of
+_Some = list[tuple[int, SiteTable, np.ndarray, np.ndarray]]
 
 
 def _parted(of: np.ndarray, some: _Some) -> list[np.ndarray]:

@@ -57,13 +57,14 @@ class _Chosen:
         found: list[Any] = [one[0] for one in values]
         if not self._rows(scope):
             return found
-        alike: dict[tuple[str, ...], list[int]] = {}  # columns of a kind are taken together: hundreds of them are a few calls
+        alike: dict[tuple[str, ...], list[int]] = {}  # taken together, columns of a kind: hundreds are a few calls
         for k, one in enumerate(values):
             if any(map(_is_column, one)) or any(value != one[0] for value in one[1:]):
                 values[k] = one = [self._whole(scope, number, value) for number, value in enumerate(one)]
                 alike.setdefault(tuple([column.dtype.char for column in one]), []).append(k)
         for places in alike.values():
-            parts = [np.concatenate(columns).reshape(len(places), -1) for columns in zip(*(values[k] for k in places))]
+            each = zip(*(values[k] for k in places), strict=True)
+            parts = [np.concatenate(columns).reshape(len(places), -1) for columns in each]
             both = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
             for k, column in zip(places, both.take(self.index(scope)[0], axis=1), strict=True):
                 found[k] = column

@@ -26,8 +26,8 @@ def nearest(
     left_out: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """For features ``points`` (K, n, d) and ``asked`` (K, m, d) with the ``words`` (K, n), (K, m) of both, of those ``meant``: of each asked
-    one the nearest of its candidate (K, m), and of each point the nearest asked one (K, n). Points that are ``left_out`` (K, n), if not all of a
-    candidate are, are not looked at: the first is said to be theirs."""
+    one the nearest of its candidate (K, m), and of each point the nearest asked one (K, n). Points that are ``left_out`` (K, n), if not all
+    of a candidate are, are not looked at: the first is said to be theirs."""
     a, b = points.astype(np.float32), asked.astype(np.float32)
     one, other = (np.ones((*x.shape[:2], 1), dtype=np.float32) for x in (a, b))
     # the product of a row of one and a row of the other is the square of their distance

@@ -63,8 +63,8 @@ class Nearest:
         self._own = Sets(points, self._worded(of, word), SETS_APART) if len(meant) else None
 
     def find(self, points: np.ndarray, of: np.ndarray, word: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The index (m,) of the nearest of their sets ``of`` (m,), for points (m, d) with words (m,); and how far the nearest one is, whatever its
-        word (m,)."""
+        """The index (m,) of the nearest of their sets ``of`` (m,), for points (m, d) with words (m,); and how far the nearest one is,
+        whatever its word (m,)."""
         far, found = self.every.find(points, of)
         said = np.flatnonzero(word > 0)
         if self._own is None or not len(said):
