@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from .. import random
@@ -165,14 +163,13 @@ def _parted(of: np.ndarray, some: _Some) -> list[np.ndarray]:
 def _addresses(some: _Some, moved: np.ndarray) -> np.ndarray:
     """(n,) uint64 for the rows of some sites, one site after the other, that are the same for rows of the same shape, place and word in the
     same copy, once ``moved`` (n, 3) back."""
-
-    def column(pick: Callable[[SiteTable], np.ndarray]) -> np.ndarray:
-        return np.concatenate([pick(table)[rows] for _, table, rows, _ in some])
-
-    shape = [column(lambda table, name=name: table.params[name]) for name in sorted(some[0][1].params)]  # type: ignore[misc]
-    turned = column(lambda table: table.rotation).reshape(-1, 9)
-    placed = column(lambda table: table.translation) - moved
-    every = *placed.T, *turned.T, column(lambda table: table.mirror), column(lambda table: table.semantic), *shape
+    placed, turned, mirror, word = (
+        np.concatenate([getattr(table, name)[rows] for _, table, rows, _ in some])
+        for name in ("translation", "rotation", "mirror", "semantic")
+    )
+    names = sorted(some[0][1].params)
+    shape = (np.concatenate([table.params[name][rows] for _, table, rows, _ in some]) for name in names)
+    every = *(placed - moved).T, *turned.reshape(-1, 9).T, mirror, word, *shape
     found = np.concatenate([owner for *_, owner in some]).astype(np.uint64)
     for value in every:
         found = random.mix(found, np.rint(value / _ALIKE).astype(np.int64).view(np.uint64))
