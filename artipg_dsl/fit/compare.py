@@ -147,7 +147,7 @@ def compare(
     cloud, facing = targets.points[target], targets.normals[target]
     word, theirs = words_of(batch, points, targets.meant), targets.word[target]
     ours, asked = features(position, points.normal, diagonal, hidden), features(cloud, facing, diagonal)
-    there, here = nearest(ours, asked, (word, theirs), targets.meant, hidden)
+    there, here = nearest(ours, asked, (word, theirs), targets.meant)
     every = np.arange(len(target))[:, None]
     near, outward = position[every, there], points.normal[every, there]
     found, back = cloud[every, here], facing[every, here]

@@ -19,15 +19,10 @@ REACH = 1.5  # how far a point stands for the surface around it, in distances be
 
 
 def nearest(
-    points: np.ndarray,
-    asked: np.ndarray,
-    words: tuple[np.ndarray, np.ndarray],
-    meant: np.ndarray,
-    left_out: np.ndarray | None = None,
+    points: np.ndarray, asked: np.ndarray, words: tuple[np.ndarray, np.ndarray], meant: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """For features ``points`` (K, n, d) and ``asked`` (K, m, d) with the ``words`` (K, n), (K, m) of both, of those ``meant``: of each asked
-    one the nearest of its candidate (K, m), and of each point the nearest asked one (K, n). Points that are ``left_out`` (K, n), if not all
-    of a candidate are, are not looked at: the first is said to be theirs."""
+    one the nearest of its candidate (K, m), and of each point the nearest asked one (K, n)."""
     a, b = points.astype(np.float32), asked.astype(np.float32)
     one, other = (np.ones((*x.shape[:2], 1), dtype=np.float32) for x in (a, b))
     # the product of a row of one and a row of the other is the square of their distance
@@ -37,17 +32,10 @@ def nearest(
         left.append(factors(words[1], meant)[0].astype(np.float32))
         right.append(OTHER**2 * factors(words[0], meant)[1].astype(np.float32))
     theirs, ours = np.concatenate(left, axis=2), np.concatenate(right, axis=2)
-    there, here = np.empty(b.shape[:2], dtype=np.int64), np.zeros(a.shape[:2], dtype=np.int64)
+    there, here = np.empty(b.shape[:2], dtype=np.int64), np.empty(a.shape[:2], dtype=np.int64)
     for k in range(len(a)):  # a product at a time, since it stays in the cache
-        some = np.arange(0) if left_out is None else np.flatnonzero(~left_out[k])
-        mine = ours[k, some] if len(some) else ours[k]
-        near = np.empty(len(mine), dtype=np.int64)
-        _least(theirs[k], mine, there[k])
-        _least(mine, theirs[k], near)
-        if len(some):
-            there[k], here[k, some] = some[there[k]], near
-        else:
-            here[k] = near
+        _least(theirs[k], ours[k], there[k])
+        _least(ours[k], theirs[k], here[k])
     return there, here
 
 

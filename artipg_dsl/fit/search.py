@@ -117,7 +117,7 @@ def _chosen(model: Model, targets: Targets, effort: Effort, seed: int) -> Candid
         theirs = features(cloud[None], coarse.normals[number][None], one)
         words = word[at], np.broadcast_to(coarse.word[number], (len(at), theirs.shape[1]))
         asked = np.broadcast_to(theirs, (len(at), *theirs.shape[1:]))
-        there, here = nearest(mine, asked, words, targets.meant, hidden[at])
+        there, here = nearest(mine, asked, words, targets.meant)
         every = np.arange(len(at))[:, None]
         others = unlike(words[0][every, there], words[1]), unlike(words[0], words[1][every, here])
         forth = np.sqrt(squared(mine[every, there] - theirs) + OTHER**2 * others[0])
