@@ -6,6 +6,7 @@ import errno
 import glob
 import os
 import shutil
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -187,7 +188,10 @@ def sweep_unfinished(folder: Place, only: str | None = None) -> None:
 
 
 def _alive(process: int) -> bool:
-    """Whether a process may still write: one that has ended may be listed until its parent asks, in a container for good."""
+    """Whether a process may still write: one that has ended may be listed until its parent asks, in a container for good. Windows has no
+    signal that only asks (0 is that of Ctrl-C there), so of other processes nothing is known."""
+    if not hasattr(signal, "SIGHUP"):
+        return True
     try:
         os.kill(process, 0)
     except ProcessLookupError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -136,6 +137,17 @@ def test_a_folder_that_a_killed_process_had_put_aside_comes_back(tmp_path: Path)
     assert "000000" not in names(tmp_path) and len(names(tmp_path)) == 2
     sweep_unfinished(tmp_path)
     assert names(tmp_path) == ["000000"] and names(tmp_path / "000000") == ["mine"]
+
+
+def test_no_process_is_sent_a_signal_where_there_is_none_that_only_asks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On Windows, signal 0 is Ctrl-C."""
+    monkeypatch.delattr(signal, "SIGHUP")
+    monkeypatch.setattr(os, "kill", lambda *sent: pytest.fail(f"sent {sent}"))
+    (tmp_path / ".a.bin.partial-4000000").write_bytes(b"half")
+    sweep_unfinished(tmp_path)
+    assert names(tmp_path) == [".a.bin.partial-4000000"]
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="only Linux says whether a process has ended")
