@@ -15,8 +15,9 @@ from ..graph.program import Program
 from ..runtime.batch import Batch
 
 SETS_APART = 1e3  # diagonals
-_REACH = 2.0  # diagonals, beyond which nothing lies
 OTHER = 0.15  # what another word adds to a distance, in diagonals
+# diagonals, in which points are looked for: no farther than need be, and nothing lies beyond
+_REACHES = 1.05 * OTHER, 2.0 * OTHER, 2.0
 
 
 def words_of_rows(batch: Batch, meant: np.ndarray) -> np.ndarray:
@@ -69,11 +70,15 @@ class Nearest:
         said = np.flatnonzero(word > 0)
         if self._own is None or not len(said):
             return found, far
-        some, sets = points[said], of[said]
-        ways = [self._own.find(some, self._worded(sets, one), _REACH) for one in (word[said], np.zeros(len(said)))]
-        apart = np.stack([*(distance for distance, _ in ways), np.sqrt(far[said] ** 2 + OTHER**2)])
-        index = np.stack([*(at for _, at in ways), found[said]])
-        found[said] = index[apart.argmin(axis=0), np.arange(len(said))]
+        most = np.sqrt(far**2 + OTHER**2)  # so far counts the nearest one with another word
+        low = 0.0
+        for high in _REACHES:
+            some = said[(most[said] > low) & (most[said] <= high)]
+            ways = [self._own.find(points[some], self._worded(of[some], one), high) for one in (word[some], 0 * some)]
+            apart = np.stack([*(distance for distance, _ in ways), most[some]])
+            index = np.stack([*(at for _, at in ways), found[some]])
+            found[some] = index[apart.argmin(axis=0), np.arange(len(some))]
+            low = high
         return found, far
 
     def _worded(self, of: np.ndarray, word: np.ndarray) -> np.ndarray:
