@@ -13,7 +13,7 @@ from ..source import Source, Span
 from ..syntax import ast
 from ..syntax.load import load
 from ..syntax.trees import KeptTree, tree_of
-from .offers import declared_in, kin
+from .offers import declared_in, kin, of_one_kind
 from .symbols import KINDS, ModuleScope, Symbol
 
 _NAMED = 12  # names that a hint lists
@@ -138,7 +138,8 @@ class Workspace:
         for name, span in zip(use.names, use.name_spans, strict=True):
             symbol = offered.get(name)
             if symbol is None:
-                meant = kin(name, offered) or [word for word in (suggest(name, offered),) if word]
+                near = suggest(name, offered)
+                meant = kin(name, offered) or ([near] if near is not None else of_one_kind(name, offered))
                 scope.lost.update((name, *meant))
                 self.report.error(
                     "unknown-import",

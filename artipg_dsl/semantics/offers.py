@@ -37,6 +37,8 @@ def missing(name: str, here: Iterable[str], *kinds: str) -> str | None:
     near = did_you_mean(name, here)
     if near is None and (word := suggest(name, library)) is not None:
         near = f"did you mean `{word}`? bring it in: `use {library[word]} {{ {word} }}`"
+    if near is None and (alike := of_one_kind(name, library)):
+        near = f"did you mean {any_of(alike)}? bring it in, as in `use {library[alike[0]]} {{ {alike[0]} }}`"
     return near
 
 
@@ -45,6 +47,12 @@ def kin(name: str, known: Collection[str]) -> list[str]:
     `grey_fabric` for `fabric` and for `cloth`."""
     told = foreign.MATERIALS.get(name.lower(), "").split()
     return [word for word in known if word in told or name.lower() in word.split("_")][:_NEAR]
+
+
+def of_one_kind(name: str, known: Collection[str]) -> list[str]:
+    """The names that have the last word of ``name``, which says what it is: `steel` and `black_steel` for `brushed_steel`."""
+    *others, last = name.lower().split("_")
+    return [word for word in known if others and last in word.split("_")][:_NEAR]
 
 
 def module_of(name: str, *kinds: str) -> str | None:

@@ -15,6 +15,13 @@ category Thing {{
 """
 
 
+def test_an_import_that_is_not_there_is_told_with_what_is_of_its_kind() -> None:
+    session = Session.of_text(PROGRAM.format("").replace("1\n", "1\nuse materials { brushed_steel }\n", 1))
+    assert session.typed is None or session.report.failed
+    (found,) = (d for d in session.report.diagnostics if d.code == "unknown-import")
+    assert found.hint == "did you mean `steel`, `black_steel`, `clad_steel` or `steel_tube`?"
+
+
 @pytest.mark.parametrize(
     "statement, hint",
     [
@@ -29,6 +36,11 @@ category Thing {{
         ("when body is BarHandle { }", "bring it in: `use handles { BarHandle }`"),
         ("material oak on body", "bring it in: `use materials { oak }`"),
         ("material oaak on body", "did you mean `oak`? bring it in: `use materials { oak }`"),
+        (
+            "material brushed_steel on body",
+            "did you mean `steel`, `black_steel`, `clad_steel` or `steel_tube`? "
+            "bring it in, as in `use materials { steel }`",
+        ),
         ("label semantic.body on body", "bring it in: `use vocabularies { semantic }`"),
         ("label mine.body on body", "declare it: `vocabulary mine { body }`"),
     ],
