@@ -118,7 +118,8 @@ class _Init:
 
     def __get__(self, instance: Any, owner: type) -> Callable[..., None]:
         self.calls += 1
-        if instance is not None and self.calls <= _FEW:
+        # from Python 3.13 on, who wants a signature asks with the class itself as the instance
+        if self.calls <= _FEW and isinstance(instance, self.cls):
             return MethodType(self.fill, instance)
         found = self.compiled
         return found if instance is None else found.__get__(instance, owner)
