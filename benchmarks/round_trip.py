@@ -28,7 +28,7 @@ import numpy as np
 
 import artipg_dsl as apg
 from artipg_dsl.fit.compare import Candidates
-from artipg_dsl.fit.decide import settled, tries
+from artipg_dsl.fit.decide import settled
 from artipg_dsl.fit.develop import apart, copied
 from artipg_dsl.fit.evidence import Clouds, Copies, weigh, weigh_again, weigh_change
 from artipg_dsl.fit.fitting import Fitted, fit, usual_size
@@ -36,6 +36,7 @@ from artipg_dsl.fit.model import Changes, Model, Placed
 from artipg_dsl.fit.pose import Frame, Posed, pose, targets
 from artipg_dsl.fit.reading import Cloud
 from artipg_dsl.fit.search import Effort
+from artipg_dsl.fit.tries import tries
 from artipg_dsl.fit.vary import Ways
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.sampling.search import domain_ends

@@ -1,0 +1,169 @@
+"""What is tried instead of what was found: every other value of each choice and count, in copies for which new parts are drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields
+
+import numpy as np
+
+from ..geometry.runs import runs
+from ..random import mix
+from ..records import dataclass
+from ..runtime.batch import Batch
+from ..runtime.laws import TOLERANCE
+from ..sampling.search import domain_ends
+from .focus import differing
+from .model import Changes, Model
+from .search import best_of
+
+_BLOCK = 96  # copies at a time
+_RARE = 1e-4  # a weight of what the text does not have
+_COUNTED = 8  # a count changes by as much at a time, at most
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tries:
+    """Copies of candidates ``of`` which (K,), each with another ``value`` (K,) in one ``row`` (K,) of a ``draw`` (K,); ``odds`` (K,): by how
+    much the text has it more often than the old one, in natural logarithms."""
+
+    batch: Batch
+    of: np.ndarray
+    draw: np.ndarray
+    row: np.ndarray
+    value: np.ndarray
+    odds: np.ndarray
+
+    def places(self, *, each: bool) -> np.ndarray:
+        """(K,) uint64 that are the same for those of which the likeliest is kept: the values of one row, or ``each`` value by itself."""
+        rows = mix(self.draw.astype(np.uint64), self.row)
+        return mix(rows, self.value.view(np.uint64)) if each else rows
+
+
+def tries(model: Model, batch: Batch, lanes: int, first: int) -> Iterator[Tries]:
+    """Every other value of each choice and count of candidates, with ``lanes`` draws of what is new, numbered from ``first``; some at a time.
+    Those that change no surface are left out, and those that cannot be. In all lanes but the first, the choices and counts that nothing
+    shows have other values as well: a handle would never be found that is on the other side than one that is not there was thought to be."""
+    told = alternatives(model, batch)
+    order = np.argsort(told.copy, kind="stable")
+    told = Changes(*(getattr(told, field.name)[order] for field in fields(Changes)))
+    before, unseen = model.structures(batch), _unseen(model, batch, told, first)
+    hidden, odds = _Hidden.of(told, unseen, len(batch)), odds_of(batch, told)
+    shown = np.flatnonzero(unseen <= 0)
+    turn = np.repeat(np.arange(len(shown)) - np.searchsorted(told.copy[shown], told.copy[shown]), lanes)
+    at, lane = np.repeat(shown, lanes), np.tile(np.arange(lanes), len(shown))
+    step = max(1, _BLOCK // lanes) * lanes
+    for start in range(0, len(at), step):
+        part = slice(start, start + step)
+        of, draw, row = told.copy[at[part]], told.draw[at[part]], told.row[at[part]]
+        other = np.flatnonzero(lane[part] > 0)
+        copy, more = hidden.others(other, of, turn[part])
+        changes = Changes(
+            np.concatenate([np.arange(len(of)), copy]),
+            np.concatenate([draw, told.draw[more]]),
+            np.concatenate([row, told.row[more]]),
+            np.concatenate([told.value[at[part]], told.value[more]]),
+        )
+        tried = model.altered(batch, of, changes, lane=lane[part] + first)
+        good = ~tried.state.failed & differing(batch, tried, of).anywhere(len(of))
+        good &= model.structures(tried) != before[of]
+        base = other - lane[part][other]
+        good[other] &= ~good[base] | differing(tried, model.assembled([(tried, other)]), base).anywhere(len(other))
+        kept = np.flatnonzero(good)
+        kept = np.sort(kept[best_of(model.fingerprints(tried)[kept], of[kept], np.zeros(len(kept)), len(kept))])
+        if len(kept):
+            yield Tries(
+                model.assembled([(tried, kept)]),
+                of[kept],
+                draw[kept],
+                row[kept],
+                told.value[at[part]][kept],
+                odds[at[part]][kept],
+            )
+
+
+def _unseen(model: Model, batch: Batch, told: Changes, lane: int) -> np.ndarray:
+    """(n,) for changes of one row each: 1 where nothing shows one, -1 where it cannot be, 0 where something does."""
+    found = [np.zeros(0, dtype=np.int64)]
+    for start in range(0, len(told.copy), _BLOCK):
+        of, draw, row, value = (getattr(told, field.name)[start : start + _BLOCK] for field in fields(Changes))
+        tried = model.altered(batch, of, Changes(np.arange(len(of)), draw, row, value), lane=np.full(len(of), lane))
+        same = ~differing(batch, tried, of).anywhere(len(of))
+        found.append(np.where(tried.state.failed, -1, same.astype(np.int64)))
+    return np.concatenate(found)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Hidden:
+    """Rows that nothing shows: of the other values that each can have, which stand one after the other among all changes, the ``first`` and how
+    ``many``; those of each candidate from ``begin`` (K,) on, ``count`` (K,)."""
+
+    first: np.ndarray
+    many: np.ndarray
+    begin: np.ndarray
+    count: np.ndarray
+
+    @staticmethod
+    def of(told: Changes, unseen: np.ndarray, size: int) -> _Hidden:
+        """``unseen`` (n,) as ``_unseen`` has it for changes ``told`` (n,), which are sorted by their candidates, ``size`` in all."""
+        rows = np.stack([told.copy, told.draw, told.row])
+        first = np.flatnonzero((np.diff(rows, axis=1, prepend=-1) != 0).any(axis=0))
+        many = np.diff(np.append(first, len(told.copy)))
+        alike = np.minimum.reduceat(unseen, first) > 0 if len(first) else np.zeros(0, dtype=bool)
+        first, many = first[alike], many[alike]
+        count = np.bincount(told.copy[first], minlength=size)
+        return _Hidden(first, many, np.cumsum(count) - count, count)
+
+    def others(self, some: np.ndarray, of: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """For ``some`` of the copies made ``of`` candidates, each in its ``turn``: copies, and the changes that give them other values of all
+        rows that nothing shows."""
+        many = self.count[of[some]]
+        row, copy = runs(self.begin[of[some]], many), np.repeat(some, many)
+        return copy, self.first[row] + turn[copy] % self.many[row]
+
+
+def odds_of(batch: Batch, told: Changes) -> np.ndarray:
+    """(n,) by how much the text has the values of some changes more often than those that their rows have, in natural logarithms."""
+    found = np.zeros(len(told.draw))
+    for number in np.unique(told.draw).tolist():
+        draw, mine = batch.program.draws[number], np.flatnonzero(told.draw == number)
+        row, scope = told.row[mine], draw.column.scope
+        if draw.kind == "choice":
+            weights = np.stack(batch.read(draw.weights, scope), axis=1)[row]
+            values = np.broadcast_to(np.arange(weights.shape[1]), weights.shape)
+        elif draw.distribution in ("values", "weighted"):
+            values = np.stack(batch.read(draw.arguments, scope), axis=1)[row]
+            weights = np.ones(values.shape)
+            if draw.distribution == "weighted":
+                values, weights = np.split(values, 2, axis=1)
+        else:
+            continue
+        now, then = (
+            np.where(np.abs(values - one[:, None]) < TOLERANCE, weights, 0.0).sum(axis=1)
+            for one in (batch.state.values[number][row], told.value[mine])
+        )
+        found[mine] = np.log(np.maximum(then, _RARE)) - np.log(np.maximum(now, _RARE))
+    return found
+
+
+def alternatives(model: Model, batch: Batch) -> Changes:
+    """Every other value that one discrete row of a candidate can have."""
+    found: list[list[np.ndarray]] = [[], [], [], []]
+    for number in model.discrete:
+        draw = model.program.draws[number]
+        owner, old = batch.owner(draw.column.scope), batch.state.values[number]
+        if draw.kind == "choice":
+            possible = [float(k) for k, weight in enumerate(draw.weights) if weight.constant != 0.0]
+            options = np.broadcast_to(possible, (len(old), len(possible)))
+        elif draw.kind == "count":
+            low, high = domain_ends(batch, number)
+            steps = np.arange(1.0, 1.0 + np.minimum(high - low, _COUNTED).max(initial=0.0))
+            options = old[:, None] + np.concatenate([-steps, steps])
+        else:
+            options = np.stack(batch.read(draw.arguments, draw.column.scope), axis=1)
+        rows, which = np.nonzero(np.abs(options - old[:, None]) > 1e-9)
+        told = owner[rows], np.full(len(rows), number), rows, options[rows, which]
+        for column, one in zip(found, told, strict=True):
+            column.append(one)
+    copy, draws, row, value = (np.concatenate([np.zeros(0, dtype=np.int64), *column]) for column in found)
+    return Changes(copy, draws.astype(np.int64), row.astype(np.int64), value)
