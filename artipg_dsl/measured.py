@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -110,12 +111,11 @@ class Measured:
         beyond = (least < joints.low[led] - _SLACK) | (most > joints.high[led] + _SLACK)
         endless = np.isnan(joints.low[leader]) & np.isfinite(joints.low[led]) & (joints.multiplier[led] != 0.0)
         beyond |= endless
-        for number in sorted(set(joints.definition[led].tolist())):  # `np.unique` without counts loads numpy.ma
-            mine = joints.definition[led] == number
+        for number, k in _always(joints.definition[led], beyond):
             joint = self.batch.program.joints[number]
-            if joint.curve is not None or not beyond[mine].all():
+            if joint.curve is not None:
                 continue
-            k, unit = int(np.flatnonzero(mine)[0]), "m" if joint.kind == "prismatic" else "rad"
+            unit = "m" if joint.kind == "prismatic" else "rad"
             taken, own = (
                 f"{plain(float(low), unit)} .. {plain(float(high), unit)}"
                 for low, high in ((least[k], most[k]), (joints.low[led][k], joints.high[led][k]))
@@ -146,12 +146,8 @@ class Measured:
         low, high = object_boxes(self.batch.sites(), len(self.batch))
         size = np.linalg.norm(np.maximum(high - low, 0.0), axis=1)
         far = slides & (way > np.maximum(_SHORT, _FAR * size[joints.owner]))
-        for number in sorted(set(joints.definition[far].tolist())):
-            mine = joints.definition == number
+        for number, k in _always(joints.definition, far):
             joint = self.batch.program.joints[number]
-            if not far[mine].all():
-                continue
-            k = int(np.flatnonzero(mine)[0])
             self.report.warning(
                 "far-motion",
                 self._line(joint.where) or self.span,
@@ -287,3 +283,10 @@ def place_of(lowering: Lowering, path: str, category: Span) -> Span | None:
             return found
         path = path.rpartition(".")[0]
     return None
+
+
+def _always(definition: np.ndarray, there: np.ndarray) -> Iterator[tuple[int, int]]:
+    """The definitions (n,) of which each that there is has something, as ``there`` (n,) says, and the first place of each."""
+    lacking = set(definition[~there].tolist())
+    for number in sorted(set(definition.tolist()) - lacking):
+        yield number, int(np.flatnonzero(definition == number)[0])

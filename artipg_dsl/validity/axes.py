@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.runs import distinct
 from ..geometry.vectors import dot
 from ..records import dataclass
 from .bodies import Pieces, enumerate_ranges, link_boxes
@@ -40,7 +41,7 @@ def find_far_axes(tree: Tree, body: Pieces) -> list[FarAxis]:
     beside = np.maximum(np.maximum(height[:, 0] - own[:, 1], own[:, 0] - height[:, 1]), 0.0)
     off = np.hypot(np.maximum(ways.max(axis=1), 0.0), beside)
     kind, found = tree.joints.definition[joint], []
-    for number in np.unique(kind).tolist():
+    for number in distinct(kind).tolist():
         mine = np.flatnonzero(kind == number)
         if (off[mine] > _FAR * reach[mine]).all():
             k = int(mine[0])
