@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import sys
 from collections.abc import Callable
 from functools import cache, cached_property
 from operator import attrgetter
@@ -20,7 +21,8 @@ from typing import TYPE_CHECKING, Any
 _FEW = 5  # calls of a class that compiling its ``__init__`` takes longer than
 _FIELD = vars(dataclasses)["_FIELD"]  # what marks a field, to the functions of the standard library
 
-if TYPE_CHECKING:
+# to a Python that it was never tried on, this code yields: slower, and right
+if TYPE_CHECKING or sys.version_info >= (3, 14):
     from dataclasses import dataclass as dataclass
 else:
 
