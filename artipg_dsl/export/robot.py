@@ -216,7 +216,7 @@ class Robots:
         trace = mass.inertia[:, 0, 0] + mass.inertia[:, 1, 1] + mass.inertia[:, 2, 2]
         # a little on the diagonal keeps the tensor positive and within the triangle inequality after rounding
         spare = np.maximum(1e-6 * trace, 1e-12)
-        inertia = mass.inertia + spare[:, None, None] * np.eye(3)
+        inertia = _rounded(mass.inertia + spare[:, None, None] * np.eye(3))
         center = np.where(mass.mass[:, None] > 0, mass.center - self.origins, 0.0)
         return Mass(np.maximum(mass.mass, SMALLEST_MASS), center, inertia)
 
@@ -440,3 +440,11 @@ def _number_or_none(value: float) -> float | None:
 
 def _number(value: float) -> float:
     return 0.0 if np.isnan(value) else float(value)
+
+
+def _rounded(inertia: np.ndarray) -> np.ndarray:
+    """Inertia tensors (n, 3, 3) to ten decimal places of their trace: a product of inertia that is 0 but for rounding, which differs from one
+    NumPy to the next, is 0 in a file."""
+    trace = inertia[:, 0, 0] + inertia[:, 1, 1] + inertia[:, 2, 2]
+    step = 10.0 ** (np.floor(np.log10(trace)) - 10.0)[:, None, None]
+    return np.asarray(np.round(inertia / step) * step + 0.0)  # no -0

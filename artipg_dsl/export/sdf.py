@@ -64,15 +64,13 @@ def _link(link: RobotLink, told: _Told, files: dict[str, bytes], pieces: dict[by
         entry = {"name": name, "file": f"meshes/{name}.obj", "colour": _numbers([*look.colour, look.opacity])}
         entry |= {"metalness": f"{look.metalness:.6g}", "roughness": f"{look.roughness:.6g}"}
         visuals.append(entry | {"transparency": f"{1.0 - look.opacity:.6g}"})
-    noise = 1e-12 * (link.inertia[0, 0] + link.inertia[1, 1] + link.inertia[2, 2])
-    tensor = np.where(np.abs(link.inertia) > noise, link.inertia, 0.0)
     cells = [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)]
     return {
         "name": link.name,
         "pose": _numbers(link.origin),
         "center": _numbers(link.center),
         "mass": f"{link.mass:.9g}",
-        "inertia": {name: f"{tensor[i, j]:.9g}" for name, i, j in cells},
+        "inertia": {name: f"{link.inertia[i, j]:.9g}" for name, i, j in cells},
         "visuals": visuals,
         "colliders": [_collider(c, told, files, pieces) for c in link.colliders],
     }

@@ -124,10 +124,8 @@ def _link(
         file = f"meshes/{name}.obj"
         files[file] = data
         visuals.append({"name": name, "file": file, "material": look.name})
-    noise = 1e-12 * (link.inertia[0, 0] + link.inertia[1, 1] + link.inertia[2, 2])
-    tensor = np.where(np.abs(link.inertia) > noise, link.inertia, 0.0)
     inertia = {
-        name: f"{tensor[i, j]:.9g}"
+        name: f"{link.inertia[i, j]:.9g}"
         for name, i, j in [("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2)]
     }
     return {

@@ -71,6 +71,13 @@ def test_inertia_agrees_with_an_independent_computation(robot: Robot) -> None:
     assert link.inertia == pytest.approx(whole.moment_inertia, rel=1e-5, abs=1e-7)
 
 
+def test_products_of_inertia_are_no_rounding_noise(robot: Robot) -> None:
+    for link in robot.links:
+        products = np.abs(link.inertia[[0, 0, 1], [1, 2, 2]])
+        assert ((products == 0.0) | (products > 1e-11 * np.trace(link.inertia))).all(), link.name
+    assert any((link.inertia[[0, 0, 1], [1, 2, 2]] == 0.0).any() for link in robot.links)
+
+
 def test_inertia_is_valid_also_of_a_tiny_button(robot: Robot) -> None:
     assert robot.links[2].mass < 0.1
     for link in robot.links:
