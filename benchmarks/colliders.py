@@ -13,9 +13,9 @@ import time
 
 import numpy as np
 
-from artipg_dsl.export import solids
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.resources import categories_dir
+from artipg_dsl.robot import solids
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session
 
 

@@ -34,14 +34,14 @@ from artipg_dsl.details.record import DIRECT, Details, of_arrays, to_arrays
 from artipg_dsl.details.report import report
 from artipg_dsl.details.store import borrow, dress, read_dressing
 from artipg_dsl.details.unfold import find_folded, find_sheets, keep_apart, normals, unfold
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.shards import point_arrays
-from artipg_dsl.export.solids import build_meshes
 from artipg_dsl.fit.outer import outer
 from artipg_dsl.fit.real import read_real
 from artipg_dsl.fit.sources import File
 from artipg_dsl.geometry import points as geometry
 from artipg_dsl.geometry.resolution import STANDARD
+from artipg_dsl.robot.robots import Robots
+from artipg_dsl.robot.solids import build_meshes
 from artipg_dsl.run.job import Job, open_job
 from artipg_dsl.run.request import read_request
 from artipg_dsl.run.resume import reopen

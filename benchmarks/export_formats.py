@@ -19,8 +19,8 @@ import numpy as np
 
 from artipg_dsl.export.objects import write_objects
 from artipg_dsl.export.registry import FORMATS, object_formats
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.resources import categories_dir
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session
 
 

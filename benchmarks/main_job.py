@@ -34,11 +34,11 @@ import trimesh
 
 from artipg_dsl import random
 from artipg_dsl.annotate.points import label_points
-from artipg_dsl.export import solids
 from artipg_dsl.geometry import mesh, points
 from artipg_dsl.geometry.resolution import Resolution
 from artipg_dsl.geometry.sites import SiteTable
 from artipg_dsl.graph.formula import compile_formula
+from artipg_dsl.robot import solids
 from artipg_dsl.session import Session
 
 STAGES = ("resolve", "mesh", "points", "labels")

@@ -14,7 +14,6 @@ from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.points import label_points
 from artipg_dsl.annotate.rebind import rebind
 from artipg_dsl.annotate.sampling import Sampling
-from artipg_dsl.export import solids
 from artipg_dsl.geometry import points
 from artipg_dsl.geometry.block import block_of
 from artipg_dsl.geometry.cells import Cells
@@ -23,6 +22,7 @@ from artipg_dsl.geometry.patches import grid
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.program import Pose, Program
 from artipg_dsl.lower.values.vectors import compose, direct, place, rotation_about
+from artipg_dsl.robot import solids
 from artipg_dsl.run.job import prepare
 from artipg_dsl.run.request import Request
 from artipg_dsl.sampling.mutation import Mutation

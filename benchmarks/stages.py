@@ -40,10 +40,10 @@ from artipg_dsl.annotate.cameras import Cameras
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.points import label_points
 from artipg_dsl.annotate.views import make_views
-from artipg_dsl.export import solids
 from artipg_dsl.geometry import points
 from artipg_dsl.geometry.hidden import Occlusion
 from artipg_dsl.geometry.resolution import Resolution
+from artipg_dsl.robot import solids
 from artipg_dsl.session import Session
 from artipg_dsl.validity.validate import find_collisions
 

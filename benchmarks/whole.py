@@ -95,7 +95,7 @@ def labelled(batch: Any) -> tuple[float, float]:
 def warm(sampler: Any, count: int, seed: int, exports: bool) -> dict[str, float]:
     """Milliseconds an object."""
     from artipg_dsl.export.registry import FORMATS
-    from artipg_dsl.export.robot import Robots
+    from artipg_dsl.robot.robots import Robots
 
     asked = numbers(0, count)
     plain, _ = clock(lambda: sampler.batch(asked, seed).joints())

@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 
+from ..robot.materials import to_linear
+from ..robot.model import Robot, RobotJoint
+from ..robot.naming import Names
+from ..robot.pose import open_values, rest_values
+from ..robot.primitives import SeenMaterial
+from ..robot.solids import SolidGroup
 from ..runtime.motion import perpendicular_to
-from .materials import to_linear
-from .naming import Names
-from .pose import open_values, rest_values
-from .primitives import SeenMaterial
-from .robot import Robot, RobotJoint
-from .solids import SolidGroup
 
 FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
 VERTICES, INDICES = 34962, 34963

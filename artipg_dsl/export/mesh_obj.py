@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..native.digits import print_blocks, print_rows
-from .naming import Names
-from .pose import rest_poses
-from .primitives import Collider, SeenMaterial, Shape, Visual
+from ..robot.naming import Names
+from ..robot.pose import rest_poses
+from ..robot.primitives import Collider, SeenMaterial, Shape, Visual
 
 if TYPE_CHECKING:
-    from .robot import Robot
+    from ..robot.model import Robot
 
 _LIBRARY = "object.mtl"
 _FEW = 1024  # faces, up to which their text is kept

@@ -12,17 +12,17 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from ..native.digits import print_blocks
+from ..robot.adjacent import find_adjacent
+from ..robot.model import Robot, RobotJoint
+from ..robot.naming import Names
+from ..robot.pose import link_poses, rest_values
+from ..robot.primitives import Collider
 from ..runtime.motion import perpendicular_to
 from . import decimals
-from .adjacent import find_adjacent
 from .decimals import rows
+from .lacking import refuse_coupled_balls, refuse_joints
 from .mesh_obj import link_meshes
-from .naming import Names
-from .pose import link_poses, rest_values
-from .primitives import Collider
-from .robot import Robot, RobotJoint
 from .template import find_template
-from .write import ExportError
 
 _TYPES = {
     "revolute": "hinge",
@@ -75,15 +75,11 @@ class _Model:
         self.hulls: dict[str, str] = {}
         self._same_hull: dict[str, str] = {}
         self.couplings: list[dict[str, str]] = []
+        refuse_joints(robot, _TYPES, "MuJoCo", "mjcf")
+        refuse_coupled_balls(robot, "MuJoCo", "mjcf")
         below: dict[int, list[RobotJoint]] = {}
         for joint in robot.joints:
-            if joint.kind not in _TYPES:
-                raise ExportError(
-                    f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which MuJoCo cannot express",
-                    f"MuJoCo has {', '.join(_TYPES)}; leave mjcf out of --format",
-                )
             below.setdefault(joint.parent, []).append(joint)
-        robot.refuse_coupled_balls("MuJoCo", "mjcf")
         self.advances = {screw: slide for slide, screw in advances(robot).items()}
         looks = {visual.look.name: visual.look for link in robot.links for visual in link.visuals}
         self._seen, self._points = link_meshes(robot), _hull_points(robot)

@@ -17,8 +17,8 @@ from .write import ExportError, is_there, refuse_existing, replacing_folder, wri
 
 if TYPE_CHECKING:
     from ..details.dressing import Dressing
+    from ..robot.robots import Robots
     from ..runtime.batch import Batch
-    from .robot import Robots
 
 OBJECTS = "objects"
 
@@ -49,7 +49,7 @@ def write_objects(
     ``force``: write what is there again. ``add``: write what is missing and leave the rest alone. ``resolution`` of the meshes,
     and the ``details`` that they wear.
     """
-    from .robot import Robots  # start-up: most samples have no files per object, and it loads fifteen modules
+    from ..robot.robots import Robots  # start-up: most samples have no files per object, and it loads fifteen modules
 
     robots = Robots(
         batch,

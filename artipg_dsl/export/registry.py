@@ -16,10 +16,10 @@ from ..records import dataclass
 from .write import ExportError
 
 if TYPE_CHECKING:
+    from ..robot.robots import Robots
     from ..runtime.batch import Batch
     from .containers import Arrays
     from .content import Content
-    from .robot import Robots
 
 
 @dataclass(frozen=True, slots=True)

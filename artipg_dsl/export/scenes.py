@@ -10,7 +10,7 @@ import trimesh
 
 from ..annotate.frames import rotate
 from ..geometry.resolution import Resolution
-from .robot import Robots
+from ..robot.robots import Robots
 
 if TYPE_CHECKING:
     from ..details.dressing import Dressing

@@ -8,11 +8,12 @@ import numpy as np
 
 from ..annotate.frames import euler
 from ..records import dataclass
+from ..robot.model import Robot, RobotJoint, RobotLink
+from ..robot.pose import link_poses
+from ..robot.primitives import Collider
 from .decimals import numbers, rows
+from .lacking import refuse_coupled_balls, refuse_joints
 from .mesh_obj import Mesh, link_meshes, piece_meshes
-from .pose import link_poses
-from .primitives import Collider
-from .robot import Robot, RobotJoint, RobotLink
 from .template import find_template
 from .write import ExportError
 
@@ -27,12 +28,13 @@ def sdf_files(robot: Robot) -> dict[str, bytes]:
     Raises ExportError for a joint that SDFormat does not have, for a ball that follows or is followed, and for loops that are
     not closed with all joints at 0, where SDFormat has its joints begin.
     """
+    refuse_joints(robot, _KINDS, "SDFormat", "sdf")
+    refuse_coupled_balls(robot, "SDFormat", "sdf")
     files: dict[str, bytes] = {}
     pieces: dict[bytes, str] = {}
     told = _Told.of(robot)
     links = [_link(link, told, files, pieces) for link in robot.links]
     joints = [*(_joint(joint, robot) for joint in robot.joints), *_closures(robot)]
-    robot.refuse_coupled_balls("SDFormat", "sdf")
     text = find_template("model.sdf.j2").render(name=robot.name, links=links, joints=joints)
     files["model.sdf"] = (text + "\n").encode("utf-8")
     files["model.config"] = (find_template("model.config.j2").render(name=robot.name) + "\n").encode("utf-8")
@@ -99,11 +101,6 @@ def _collider(collider: Collider, told: _Told, files: dict[str, bytes], pieces: 
 
 def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
     """A joint; its frame is that of its child, whose axes are those of the object with all joints at 0."""
-    if joint.kind not in _KINDS:
-        raise ExportError(
-            f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which SDFormat cannot express",
-            f"it has {', '.join(_KINDS)}; leave sdf out of --format",
-        )
     kind = joint.hinge
     entry: dict[str, Any] = {
         "name": joint.name,

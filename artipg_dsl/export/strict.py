@@ -15,13 +15,13 @@ import numpy as np
 from ..errors import UserError
 from ..extras import MANIFOLD
 from ..records import dataclass
+from ..robot.solids import build_meshes
 from ..runtime.batch import Batch
 from ..runtime.motion import apply
 from ..validity.bodies import Alike, Pieces, pack_pieces
 from ..validity.evidence import STATES, random_states
 from ..validity.tree import Tree, lead_states
 from ..validity.validate import find_near_pieces
-from .solids import build_meshes
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -8,14 +8,14 @@ import numpy as np
 
 from ..annotate.frames import euler
 from ..records import dataclass
-from .adjacent import find_adjacent
+from ..robot.adjacent import find_adjacent
+from ..robot.model import Robot, RobotJoint, RobotLink
+from ..robot.primitives import Collider
+from ..robot.substitute import simple_joints
 from .decimals import numbers, rows
+from .lacking import refuse_joints
 from .mesh_obj import Mesh, link_meshes, piece_meshes
-from .primitives import Collider
-from .robot import Robot, RobotJoint, RobotLink
-from .substitute import simple_joints
 from .template import find_template
-from .write import ExportError
 
 _APART = "Default"  # the word of an SRDF for pairs that no joint holds, and the only one that SAPIEN heeds
 _KINDS = ("revolute", "continuous", "prismatic", "fixed")
@@ -29,6 +29,7 @@ def urdf_files(robot: Robot) -> dict[str, bytes]:
     ``object_independent.urdf`` (without followers, where there are any), what they refer to in ``meshes/``, and beside
     each an ``.srdf``, which says which links do not collide."""
     whole, robot = robot, simple_joints(robot)
+    refuse_joints(robot, _KINDS, "URDF", "urdf")
     files: dict[str, bytes] = {}
     looks: dict[str, str] = {}
     pieces: dict[bytes, str] = {}
@@ -155,12 +156,6 @@ def _collider(collider: Collider, told: _Told, files: dict[str, bytes], pieces: 
 
 
 def _joint(joint: RobotJoint, robot: Robot) -> dict[str, Any]:
-    kind = joint.kind
-    if kind not in _KINDS:
-        raise ExportError(
-            f"{robot.name}: joint {joint.name} is a {kind} joint, which URDF cannot express",
-            f"URDF has {', '.join(_KINDS)}; leave urdf out of --format",
-        )
     kind = joint.hinge
     limit = {"effort": f"{joint.effort:.9g}", "velocity": f"{joint.velocity:.9g}"}
     if kind != "continuous" and joint.low is not None and joint.high is not None:

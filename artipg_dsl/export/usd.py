@@ -17,14 +17,15 @@ import numpy as np
 from ..annotate.frames import quaternion
 from ..native.digits import print_blocks, print_rows
 from ..records import dataclass
-from .adjacent import find_adjacent
+from ..robot.adjacent import find_adjacent
+from ..robot.materials import to_linear
+from ..robot.model import Robot, RobotClosure, RobotJoint
+from ..robot.pose import rest_poses
+from ..robot.primitives import Collider, Visual
+from ..robot.robots import Robots
 from .decimals import numbers
-from .materials import to_linear
-from .pose import rest_poses
-from .primitives import Collider, Visual
-from .robot import Robot, RobotClosure, RobotJoint, Robots
+from .lacking import refuse_joints
 from .template import find_template
-from .write import ExportError
 
 _TYPES = {
     "revolute": "PhysicsRevoluteJoint",
@@ -59,6 +60,7 @@ class Names:
 def usd_files(robots: Robots, i: int) -> dict[str, bytes]:
     """``object.usda`` of object ``i``. Raises ExportError for joints that UsdPhysics cannot state."""
     robot = robots.robot(i)
+    refuse_joints(robot, _TYPES, "UsdPhysics", "usd")
     words = robots.batch.program.vocabularies.get("semantic", ())
     name, bodies = Names()(robot.name), Names("Looks", "joints")
     link_names = [bodies(link.name) for link in robot.links]
@@ -221,11 +223,6 @@ def _triangles(faces: bytes) -> dict[str, str]:
 
 def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: dict[str, str]) -> dict[str, Any]:
     """A joint's type, applied schemas and properties. Its frames are turned so that one of their axes is the joint's."""
-    if joint.kind not in _TYPES:
-        raise ExportError(
-            f"{robot.name}: joint {joint.name} is a {joint.kind} joint, which UsdPhysics cannot express",
-            f"it has {', '.join(_TYPES)}; leave usd out of --format",
-        )
     letter, turn = frame_of(joint.axis)
     lines = [
         f"rel physics:body0 = </{name}/{links[joint.parent]}>",

@@ -16,9 +16,10 @@ import numpy as np
 
 from ..errors import UserError
 from ..export.partnet.frame import DatasetFrame
-from ..export.primitives import Shape
-from ..export.robot import RobotJoint, Robots
 from ..records import dataclass
+from ..robot.model import RobotJoint
+from ..robot.primitives import Shape
+from ..robot.robots import Robots
 from .clouds import partnet_axes
 from .entry import SPLITS, Entry
 from .findings import Findings

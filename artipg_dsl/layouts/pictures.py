@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..annotate.views import NONE, make_views
-from ..export.robot import Robots
 from ..records import dataclass
+from ..robot.robots import Robots
 from .clouds import norms
 
 if TYPE_CHECKING:

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..export.primitives import Shape
-from ..export.robot import RobotJoint, Robots
 from ..records import dataclass
+from ..robot.model import RobotJoint
+from ..robot.primitives import Shape
+from ..robot.robots import Robots
 from .words import Term
 
 

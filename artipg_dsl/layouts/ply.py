@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UserError
-from ..export.primitives import Shape
+from ..robot.primitives import Shape
 
 _FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
 _HEAD = (

@@ -1,4 +1,4 @@
-/* Normals of meshes for pictures, as ``export.shading`` has them. Sums are made by NumPy's own loop, which adds in an order of its own. */
+/* Normals of meshes for pictures, as ``robot.shading`` has them. Sums are made by NumPy's own loop, which adds in an order of its own. */
 
 #include "bodies.h"
 

@@ -1,4 +1,4 @@
-"""Normals for pictures by compiled code: what ``export.shading`` computes, with the same bits."""
+"""Normals for pictures by compiled code: what ``robot.shading`` computes, with the same bits."""
 
 from __future__ import annotations
 

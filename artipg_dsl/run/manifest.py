@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NotRequired, TypedDic
 
 import numpy as np
 
-from ..export.dressed import BARE, NOTE
 from ..export.meanings import list_vocabularies, point_arrays, table_arrays, view_arrays
 from ..export.mutants import MEANINGS
 from ..export.registry import FORMATS, TABLES, kinds
 from ..export.remote import Place, Remote, place_of
 from ..export.write import ExportError
+from ..robot.dressed import BARE, NOTE
 from ..shapes import Misfit, Rule, fit, hints, show_value
 from ..version import __version__
 from .counts import Counts

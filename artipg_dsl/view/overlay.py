@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..export.robot import Robots
+from ..robot.robots import Robots
 from .camera import Camera, look_at
 from .png import srgb
 from .scene import hex_colour, make_scene

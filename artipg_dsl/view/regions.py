@@ -13,8 +13,8 @@ from ..annotate.soup import Soup, make_soup
 from .scene import Scene, hex_colour
 
 if TYPE_CHECKING:
-    from ..export.robot import Robots
     from ..graph.program import Label
+    from ..robot.robots import Robots
     from ..runtime.batch import Batch
 
 _NEUTRAL = "d5d9de"

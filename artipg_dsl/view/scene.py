@@ -6,9 +6,9 @@ import numpy as np
 
 from ..annotate.frames import rotate
 from ..annotate.states import open_values
-from ..export.materials import to_linear
-from ..export.robot import Robots
 from ..records import dataclass
+from ..robot.materials import to_linear
+from ..robot.robots import Robots
 
 COLOURINGS = ("part", "material", "affordance")
 # hues of semantic classes in the order of the vocabulary; the first word, as a rule the body, is neutral

@@ -11,11 +11,11 @@ import numpy as np
 from ..annotate.frames import rotate
 from ..arguments import read_whole
 from ..errors import UsageError
-from ..export.robot import Robots
 from ..export.write import ExportError, write_bytes
 from ..geometry.resolution import COARSEST, FINEST, STANDARD, Resolution
 from ..geometry.sites import object_boxes
 from ..records import dataclass
+from ..robot.robots import Robots
 from .camera import Camera, look_at, place_lights
 from .png import png_bytes, srgb, write_number, write_text
 from .regions import colours_of, find_regions, words_said

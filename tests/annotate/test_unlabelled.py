@@ -11,8 +11,8 @@ from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.diagnostics import Diagnostic
 from artipg_dsl.export.partnet.mobility import partnet_files
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.usd import usd_files
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session
 from artipg_dsl.source import Source
 

@@ -14,7 +14,7 @@ from artipg_dsl.details.displace import displace
 from artipg_dsl.details.elements import Elements, Solids, elements_of
 from artipg_dsl.details.suits import own_suits
 from artipg_dsl.details.wear import Wardrobe
-from artipg_dsl.export.solids import build_meshes
+from artipg_dsl.robot.solids import build_meshes
 from artipg_dsl.runtime.batch import Batch
 
 from .raised import RAISED, surface

@@ -19,8 +19,8 @@ from artipg_dsl.details.store import MeshDress
 from artipg_dsl.details.suits import own_suits
 from artipg_dsl.details.unfold import find_folded, find_sheets, keep_apart, normals, unfold
 from artipg_dsl.details.wear import Wardrobe
-from artipg_dsl.export.solids import SolidGroup, build_meshes
 from artipg_dsl.geometry.vectors import cross, dot
+from artipg_dsl.robot.solids import SolidGroup, build_meshes
 from artipg_dsl.runtime.batch import Batch
 
 from .raised import RAISED, surface

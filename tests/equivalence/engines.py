@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from artipg_dsl.export.mjcf import qpos
-from artipg_dsl.export.robot import Robot
+from artipg_dsl.robot.model import Robot
 
 from .reading import Body, Matrix, Reading, Values, from_quaternion, matrix, principal_to_full
 

@@ -10,8 +10,8 @@ import numpy as np
 import trimesh
 
 from artipg_dsl.annotate.frames import axis_angle
-from artipg_dsl.export.pose import rest_values
-from artipg_dsl.export.robot import Robot
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.pose import rest_values
 
 from .reading import (
     Body,

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from artipg_dsl.export.pose import follow_leaders, link_poses
-from artipg_dsl.export.robot import Robot, RobotJoint
+from artipg_dsl.robot.model import Robot, RobotJoint
+from artipg_dsl.robot.pose import follow_leaders, link_poses
 
 Values = dict[str, float]
 Matrix = np.ndarray  # (4, 4)

@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 from artipg_dsl.export.registry import FORMATS
-from artipg_dsl.export.robot import Robot, Robots
-from artipg_dsl.export.substitute import simple_joints
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.robots import Robots
+from artipg_dsl.robot.substitute import simple_joints
 from artipg_dsl.session import Session
 
 from . import engines, files

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from artipg_dsl.export.adjacent import find_adjacent
 from artipg_dsl.export.mjcf import mjcf_files
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.urdf import urdf_files
 from artipg_dsl.export.usd import usd_files
+from artipg_dsl.robot.adjacent import find_adjacent
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session
 
 # a spindle through two nuts, of which but one carries it; an object of the batch has the second nut, another has not

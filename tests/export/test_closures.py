@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from artipg_dsl.export.mjcf import mjcf_files, qpos
-from artipg_dsl.export.pose import link_poses, rest_values
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.usd import usd_files
+from artipg_dsl.robot.pose import link_poses, rest_values
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session
 
 # a slider crank: crank of 3 cm about the origin, rod of 10 cm, a block that slides along x

@@ -7,15 +7,16 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from artipg_dsl.export.hulls import STEPS, Gathered
 from artipg_dsl.export.mjcf import mjcf_files
-from artipg_dsl.export.robot import Robot, Robots
-from artipg_dsl.export.solids import match_round, planes_of
 from artipg_dsl.export.urdf import urdf_files
 from artipg_dsl.export.usd import usd_files
 from artipg_dsl.geometry import merge
 from artipg_dsl.geometry.merge import cluster_units, clusters, cut, gap, gather_clusters, halves
 from artipg_dsl.geometry.stock import Stock
+from artipg_dsl.robot.hulls import STEPS, Gathered
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.robots import Robots
+from artipg_dsl.robot.solids import match_round, planes_of
 from artipg_dsl.session import Session
 
 BOX = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
@@ -348,7 +349,7 @@ def test_a_small_ring_about_a_tube_is_left_on_all_sides() -> None:
 @pytest.mark.parametrize("name", ["Bottle", "Microwave", "Foldingrack"])
 def test_hulls_of_different_links_stay_apart(name: str) -> None:
     manifold = pytest.importorskip("manifold3d")
-    from artipg_dsl.export.pose import follow_leaders, link_poses, rest_values
+    from artipg_dsl.robot.pose import follow_leaders, link_poses, rest_values
 
     batch = Session.of(name).sampler.batch(np.arange(40, 42), 5)
     robots = Robots(batch)

@@ -13,9 +13,10 @@ import pytest
 from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.jacobian import find_jacobian, find_rates
 from artipg_dsl.annotate.states import draw_values
-from artipg_dsl.export.pose import open_values, rest_values
 from artipg_dsl.export.registry import FORMATS
-from artipg_dsl.export.robot import Robot, Robots
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.pose import open_values, rest_values
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session
 from tests.pipeline.stages import HERE, PROGRAM

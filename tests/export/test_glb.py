@@ -13,9 +13,10 @@ import trimesh
 
 from artipg_dsl import api as apg
 from artipg_dsl.export.glb import VERTICES, glb_bytes, open_values
-from artipg_dsl.export.materials import to_linear
-from artipg_dsl.export.robot import Robot, Robots
-from artipg_dsl.export.shading import shade
+from artipg_dsl.robot.materials import to_linear
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.robots import Robots
+from artipg_dsl.robot.shading import shade
 
 from .fake_batch import FakeBatch
 

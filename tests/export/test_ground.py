@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from artipg_dsl.export.ground import find_thrust
 from artipg_dsl.export.mjcf import mjcf_files
-from artipg_dsl.export.robot import Robots
+from artipg_dsl.robot.ground import find_thrust
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session
 from artipg_dsl.validity.mass import masses
 

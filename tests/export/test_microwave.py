@@ -9,9 +9,9 @@ from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.rows import to_text
 from artipg_dsl.export.glb import glb_bytes
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.shards import point_arrays
 from artipg_dsl.export.urdf import urdf_files
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session

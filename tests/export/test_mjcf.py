@@ -10,11 +10,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from artipg_dsl.export.adjacent import find_adjacent
 from artipg_dsl.export.mjcf import mjcf_files, qpos
-from artipg_dsl.export.pose import follow_leaders, link_poses, rest_values
-from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.robot.adjacent import find_adjacent
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.pose import follow_leaders, link_poses, rest_values
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session
 
 from .fake_batch import FakeBatch

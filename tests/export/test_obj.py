@@ -10,8 +10,8 @@ import trimesh
 
 from artipg_dsl.api import sample
 from artipg_dsl.export.mesh_obj import obj_files
-from artipg_dsl.export.pose import link_poses, rest_values
-from artipg_dsl.export.robot import Robots
+from artipg_dsl.robot.pose import link_poses, rest_values
+from artipg_dsl.robot.robots import Robots
 
 from .fake_batch import FakeBatch
 

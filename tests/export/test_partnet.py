@@ -17,8 +17,8 @@ from artipg_dsl import Samples, load, sample
 from artipg_dsl.export.partnet.mobility import partnet_files
 from artipg_dsl.export.partnet.words import CATEGORIES, link_label, spell_category, to_snake_case
 from artipg_dsl.export.registry import FORMATS
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session
 from tests.vice import VICE
 

@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 import trimesh
 
-from artipg_dsl.export.pose import follow_leaders, link_poses
-from artipg_dsl.export.robot import Robot, Robots
-from artipg_dsl.export.solids import match_box
-from artipg_dsl.export.substitute import simple_joints
 from artipg_dsl.export.urdf import urdf_files
 from artipg_dsl.export.write import ExportError
 from artipg_dsl.geometry.resolution import Resolution
 from artipg_dsl.language.kinds import JOINTS, Kind
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.pose import follow_leaders, link_poses
+from artipg_dsl.robot.robots import Robots
+from artipg_dsl.robot.solids import match_box
+from artipg_dsl.robot.substitute import simple_joints
 
 from .fake_batch import FakeBatch
 

@@ -10,10 +10,11 @@ import pytest
 import trimesh
 
 from artipg_dsl.annotate.frames import axis_angle
-from artipg_dsl.export.pose import follow_leaders, link_poses
-from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.sdf import sdf_files
 from artipg_dsl.export.write import ExportError
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.pose import follow_leaders, link_poses
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session
 
 

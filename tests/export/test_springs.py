@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from artipg_dsl.annotate.annotation import annotate
-from artipg_dsl.export.dynamics import GRAVITY
 from artipg_dsl.export.mjcf import mjcf_files
-from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.sdf import sdf_files
-from artipg_dsl.export.substitute import ADVANCE, simple_joints
 from artipg_dsl.export.usd import usd_files
+from artipg_dsl.robot.dynamics import GRAVITY
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.robots import Robots
+from artipg_dsl.robot.substitute import ADVANCE, simple_joints
 from artipg_dsl.session import Session
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install 'artipg_dsl[sim]'")

@@ -9,12 +9,13 @@ import pytest
 
 from artipg_dsl import sample
 from artipg_dsl.annotate.frames import axis_angle
-from artipg_dsl.export.pose import link_poses, rest_poses
-from artipg_dsl.export.principal import find_principal
-from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.usd import Names, between, frame_of, usd_files
 from artipg_dsl.export.write import ExportError
 from artipg_dsl.language.kinds import JOINTS, Kind
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.pose import link_poses, rest_poses
+from artipg_dsl.robot.principal import find_principal
+from artipg_dsl.robot.robots import Robots
 
 from .fake_batch import FakeBatch
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from artipg_dsl.annotate.states import own_joints
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.layouts.where2act.foretold import Foretold
 from artipg_dsl.layouts.where2act.hand import Trial
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session
 
 from .conftest import Lay, faults, unlike

@@ -87,8 +87,8 @@ def test_left_handed_screws_open_from_0_on() -> None:
 
 def depth(objects, i: int, j: int) -> float:
     """How deep the link of a drawer is without its handle, in metres."""
-    from artipg_dsl.export.robot import Robots
     from artipg_dsl.layouts.pieces import Pieces
+    from artipg_dsl.robot.robots import Robots
 
     term = LAYOUTS["cage"].term("StorageFurniture")
     assert term is not None

@@ -13,10 +13,10 @@ import pytest
 from artipg_dsl import sample
 from artipg_dsl.errors import UserError
 from artipg_dsl.export.partnet.mobility import folder_frame
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.layouts.clouds import turn_about
 from artipg_dsl.layouts.opd.outlines import along_pixels, fill, outlines
 from artipg_dsl.layouts.registry import LAYOUTS
+from artipg_dsl.robot.robots import Robots
 
 from .conftest import Lay, faults, unlike
 

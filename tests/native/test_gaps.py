@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from artipg_dsl.export.hulls import Gathered
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.geometry import merge
 from artipg_dsl.geometry.stock import Stock
 from artipg_dsl.native import gaps
+from artipg_dsl.robot.hulls import Gathered
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session
 
 from .machine import needs_compiler

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from artipg_dsl.export import shading
-from artipg_dsl.export.solids import build_meshes
+from artipg_dsl.robot import shading
+from artipg_dsl.robot.solids import build_meshes
 from artipg_dsl.session import Session
 
 from .machine import bits, needs_compiler

@@ -20,11 +20,11 @@ from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.cli.compile import EMITTERS
 from artipg_dsl.diagnostics import Report
 from artipg_dsl.export.registry import FORMATS
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.program import Pose
 from artipg_dsl.graph.show import is_short
 from artipg_dsl.resources import library_dir
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.runtime.plan import make_plan
 from artipg_dsl.semantics.modules import Workspace

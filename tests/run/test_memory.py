@@ -17,10 +17,10 @@ from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.errors import UsageError
 from artipg_dsl.export.content import Content
 from artipg_dsl.export.objects import write_objects
-from artipg_dsl.export.pose import link_poses, open_values
 from artipg_dsl.export.registry import FORMATS
 from artipg_dsl.export.remote import place_of
-from artipg_dsl.export.robot import Robots
+from artipg_dsl.robot.pose import link_poses, open_values
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.run import memory as memories
 from artipg_dsl.run.chunk import Chunk
 from artipg_dsl.run.dataset import write_dataset

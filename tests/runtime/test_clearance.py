@@ -74,7 +74,7 @@ def test_it_survives_compilation_and_is_the_same_alone() -> None:
 
 
 def test_an_annotation_has_the_end_that_was_found() -> None:
-    from artipg_dsl.export.robot import Robots
+    from artipg_dsl.robot.robots import Robots
 
     batch = program(SLIDE).batch(np.arange(1), 0)
     assert Robots(batch).robot(0).joints[0].high == batch.joints().high[0] < 0.2

@@ -13,7 +13,7 @@ from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.states import joint_values, read_states
 from artipg_dsl.cli.main import main
 from artipg_dsl.diagnostics import CompileError
-from artipg_dsl.export.robot import Robots
+from artipg_dsl.robot.robots import Robots
 
 TEXT = """
 apg 1

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from artipg_dsl.export.materials import draw_colours
+from artipg_dsl.robot.materials import draw_colours
 from artipg_dsl.run.counts import explain_exhausted
 from artipg_dsl.sampling.correspondence import NONE, REPLICA, SAME, SLOT, find_correspondence
 from artipg_dsl.sampling.known import evaluate_again

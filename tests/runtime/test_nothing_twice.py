@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from artipg_dsl.annotate.annotation import annotate
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.geometry import pieces
 from artipg_dsl.graph import expr as E
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.runtime import draws
 from artipg_dsl.runtime import plan as plans
 from artipg_dsl.sampling.known import evaluate_again, rows_of_draw

@@ -20,11 +20,12 @@ from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.annotate.states import draw_values, joint_twist, own_joints
 from artipg_dsl.export.partnet.mobility import folder_frame
-from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.geometry.outside import spread_directions
 from artipg_dsl.layouts.where2act.files import led_links
 from artipg_dsl.layouts.where2act.forecast import BLOCKED, Scene, foretell
 from artipg_dsl.layouts.where2act.hand import Arena, Trial, succeeds
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.runtime.batch import Batch
 
 PRIMITIVES = ("pushing", "pushing-left", "pulling", "pulling-left")  # -up is -left turned about the approach

@@ -19,10 +19,10 @@ from sapien import physx
 from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.states import joint_twist, own_joints
 from artipg_dsl.export.partnet.mobility import folder_frame
-from artipg_dsl.export.pose import rest_values
-from artipg_dsl.export.robot import Robots
-from artipg_dsl.export.substitute import simple_joints
 from artipg_dsl.layouts.where2act.hand import GRIP, NEAR, STEP, Standing
+from artipg_dsl.robot.pose import rest_values
+from artipg_dsl.robot.robots import Robots
+from artipg_dsl.robot.substitute import simple_joints
 from artipg_dsl.runtime.batch import Batch
 
 from .fingers import Hand, turned

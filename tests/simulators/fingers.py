@@ -19,8 +19,9 @@ import trimesh
 
 from artipg_dsl.annotate.gripper import STANDARD
 from artipg_dsl.annotate.states import own_joints
-from artipg_dsl.export.pose import rest_poses
-from artipg_dsl.export.robot import Robot, RobotJoint, Robots
+from artipg_dsl.robot.model import Robot, RobotJoint
+from artipg_dsl.robot.pose import rest_poses
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.runtime.batch import Batch
 
 ARM, ARM_LONG = 0.06, 0.3  # what comes behind the palm: how thick, how long

@@ -18,7 +18,8 @@ import numpy as np
 from artipg_dsl.annotate.cloud import Points, sample_points
 from artipg_dsl.annotate.sampling import Sampling
 from artipg_dsl.annotate.states import Twist, own_joints, twist
-from artipg_dsl.export.robot import Robot, Robots
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.runtime.batch import Batch
 
 from .subject import written

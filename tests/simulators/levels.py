@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from artipg_dsl.export.robot import RobotJoint
+from artipg_dsl.robot.model import RobotJoint
 
 from .subject import Subject
 

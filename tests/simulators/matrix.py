@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from artipg_dsl.export.robot import Robot, Robots
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session
 

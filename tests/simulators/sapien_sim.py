@@ -9,7 +9,7 @@ import warnings
 
 import numpy as np
 
-from artipg_dsl.export.robot import RobotJoint
+from artipg_dsl.robot.model import RobotJoint
 
 from .levels import Poses
 from .subject import Subject

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from artipg_dsl.export.mjcf import mjcf_files
-from artipg_dsl.export.pose import follow_leaders, link_poses, rest_values
-from artipg_dsl.export.robot import Robot, RobotJoint
-from artipg_dsl.export.substitute import simple_joints
 from artipg_dsl.export.urdf import urdf_files
+from artipg_dsl.robot.model import Robot, RobotJoint
+from artipg_dsl.robot.pose import follow_leaders, link_poses, rest_values
+from artipg_dsl.robot.substitute import simple_joints
 
 G = 9.81
 WRITERS = {"mjcf": mjcf_files, "urdf": urdf_files}

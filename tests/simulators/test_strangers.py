@@ -17,8 +17,9 @@ import pytest
 from export.fake_batch import FakeBatch
 
 from artipg_dsl.export.mjcf import mjcf_files
-from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.urdf import urdf_files
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session, categories
 
 from .matrix import ROOT

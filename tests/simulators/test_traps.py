@@ -15,9 +15,10 @@ import numpy as np
 import pytest
 from export.fake_batch import FakeBatch
 
-from artipg_dsl.export.pose import link_poses
-from artipg_dsl.export.robot import Robot, Robots
 from artipg_dsl.export.urdf import urdf_files
+from artipg_dsl.robot.model import Robot
+from artipg_dsl.robot.pose import link_poses
+from artipg_dsl.robot.robots import Robots
 
 from .matrix import objects, simulator
 from .subject import Subject, written

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from artipg_dsl.export.robot import Robots
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.session import Session
 

@@ -14,9 +14,9 @@ from export.fake_batch import FakeBatch
 from scipy.ndimage import gaussian_filter
 
 from artipg_dsl.errors import UsageError
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.export.write import ExportError
 from artipg_dsl.geometry.resolution import Resolution
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.run.painting import paint_with
 from artipg_dsl.session import Session
 from artipg_dsl.view import regions

@@ -17,10 +17,10 @@ import numpy as np
 from ...annotate.cloud import Surface, sample_surface
 from ...annotate.sampling import Sampling
 from ...records import dataclass
+from ...robot.primitives import Shape
 from ...validity.mass import heavier
 from ..decimals import numbers, told, told_twice
 from ..mesh_obj import move_points, mtl_text, obj_texts
-from ..primitives import Shape
 from ..template import find_template
 from ..write import ExportError
 from .frame import DatasetFrame, to_dataset_axes
@@ -28,8 +28,9 @@ from .tree import CategoryWords, FolderLink, Leaf, build_tree, said_of, to_entry
 from .words import JOINTS, LIFTED, link_label, root_label, spell_category, to_snake_case
 
 if TYPE_CHECKING:
-    from ..primitives import Collider, SeenMaterial, Visual
-    from ..robot import Robot, RobotJoint, RobotLink, Robots
+    from ...robot.model import Robot, RobotJoint, RobotLink
+    from ...robot.primitives import Collider, SeenMaterial, Visual
+    from ...robot.robots import Robots
 
 _POINTS = 10000
 _URDFS = ("mobility.urdf", "mobility_vhacd.urdf", "mobility_cvx.urdf")  # one text under the names that readers ask for

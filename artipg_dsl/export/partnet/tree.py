@@ -15,8 +15,8 @@ import numpy as np
 from ...records import dataclass
 
 if TYPE_CHECKING:
+    from ...robot.model import RobotJoint
     from ...runtime.batch import Batch
-    from ..robot import RobotJoint
 
 
 @dataclass(slots=True)

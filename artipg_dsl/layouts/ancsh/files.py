@@ -19,9 +19,10 @@ from ...errors import UserError
 from ...export.containers import hdf5_bytes
 from ...export.decimals import numbers
 from ...export.mesh_obj import obj_bytes
-from ...export.primitives import Shape
-from ...export.robot import RobotJoint, Robots
 from ...records import dataclass
+from ...robot.model import RobotJoint
+from ...robot.primitives import Shape
+from ...robot.robots import Robots
 from ..clouds import norms
 from ..entry import SPLITS, Entry
 from ..gapartnet.parts import FINE

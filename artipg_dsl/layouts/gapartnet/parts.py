@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...annotate.poses import PartPoses, part_poses
-from ...export.robot import Robots
 from ...geometry.resolution import Resolution
 from ...records import dataclass
+from ...robot.robots import Robots
 from ..clouds import norms
 from ..pieces import Pieces
 from ..words import Term

@@ -11,8 +11,8 @@ import numpy as np
 from ...annotate.cameras import Cameras
 from ...annotate.states import joint_values, read_states
 from ...annotate.views import make_views
-from ...export.robot import Robots
 from ...records import dataclass
+from ...robot.robots import Robots
 from ..clouds import norms, similarity_error
 from ..entry import Entry
 from ..findings import Findings, read_table

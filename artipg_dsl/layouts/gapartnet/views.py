@@ -19,8 +19,8 @@ from ...errors import UserError
 from ...export.containers import npz_bytes
 from ...export.partnet.frame import DatasetFrame
 from ...export.partnet.mobility import folder_frame, folder_order, folder_value, partnet_files
-from ...export.robot import Robots
 from ...records import dataclass
+from ...robot.robots import Robots
 from ...view.png import png_bytes
 from ..clouds import norms
 from ..entry import Entry

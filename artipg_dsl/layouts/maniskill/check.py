@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...export.partnet.mobility import folder_frame, folder_order
-from ...export.robot import RobotJoint, Robots
+from ...robot.model import RobotJoint
+from ...robot.robots import Robots
 from ..entry import Entry
 from ..findings import Findings, read_vertices, read_xml
 from ..pictures import turn_points

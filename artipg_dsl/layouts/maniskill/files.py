@@ -19,7 +19,8 @@ from ...errors import UserError
 from ...export.partnet.frame import DatasetFrame
 from ...export.partnet.mobility import folder_frame, folder_order, partnet_files
 from ...export.partnet.words import JOINTS
-from ...export.robot import RobotJoint, Robots
+from ...robot.model import RobotJoint
+from ...robot.robots import Robots
 from ..entry import SPLITS, Entry
 from ..pieces import Pieces, Shut
 from ..words import Term

@@ -18,8 +18,9 @@ from ...annotate.states import joint_values, read_states
 from ...errors import UserError
 from ...export.partnet.frame import DatasetFrame
 from ...export.partnet.mobility import folder_frame, folder_order, folder_value
-from ...export.robot import RobotJoint, Robots
 from ...records import dataclass
+from ...robot.model import RobotJoint
+from ...robot.robots import Robots
 from ..clouds import partnet_axes
 from ..entry import Entry
 from ..hdf5 import rows_h5

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from ...export.robot import Robots
+from ...robot.robots import Robots
 from ..clouds import draw, fit_radius, norms, partnet_axes
 from ..entry import SPLITS, Entry
 from ..findings import Findings

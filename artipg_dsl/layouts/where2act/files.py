@@ -21,8 +21,9 @@ from ...annotate.states import draw_values, own_joints
 from ...errors import UserError
 from ...export.partnet.frame import DatasetFrame
 from ...export.partnet.mobility import folder_frame
-from ...export.robot import RobotJoint, Robots
 from ...records import dataclass
+from ...robot.model import RobotJoint
+from ...robot.robots import Robots
 from ...view.png import png_bytes
 from ..entry import SPLITS, Entry
 from ..pictures import Picture, pictures

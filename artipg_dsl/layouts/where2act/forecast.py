@@ -15,15 +15,15 @@ import numpy as np
 
 from ...annotate.gripper import meet_pieces
 from ...annotate.jacobian import find_jacobian, find_rates
-from ...export.substitute import simple_joints
 from ...geometry.vectors import cross
 from ...records import dataclass
+from ...robot.substitute import simple_joints
 from ...runtime.motion import apply
 from ...validity.bodies import gather
 from .hand import ALONG, FAR, GRIP, LENGTH, MOVED, PRESS, RADIUS, SHARE, START, STIFF, Trial, sprung
 
 if TYPE_CHECKING:
-    from ...export.robot import Robot
+    from ...robot.model import Robot
     from ...runtime.batch import Batch
 
 _G = 9.81  # m/s2

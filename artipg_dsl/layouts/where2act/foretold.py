@@ -16,7 +16,7 @@ from .forecast import BLOCKED, Scene, foretell, weights
 from .hand import PLAIN, Outcome, Trial
 
 if TYPE_CHECKING:
-    from ...export.robot import Robot
+    from ...robot.model import Robot
     from ...runtime.batch import Batch
 
 _FALLS = 64  # steps over the range of a joint that its load moves

@@ -22,10 +22,10 @@ from typing import Any
 
 import numpy as np
 
-from ...export.robot import Robot, RobotJoint
-from ...export.substitute import simple_joints
 from ...export.urdf import urdf_files
 from ...records import dataclass
+from ...robot.model import Robot, RobotJoint
+from ...robot.substitute import simple_joints
 from .scaled import resistance_scale, scaled, value_scale
 
 PRIMITIVES = ("pushing", "pushing-up", "pushing-left", "pulling", "pulling-up", "pulling-left")

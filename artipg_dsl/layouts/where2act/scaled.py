@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...export.primitives import Collider
-from ...export.robot import Robot, RobotJoint, RobotLink
+from ...robot.model import Robot, RobotJoint, RobotLink
+from ...robot.primitives import Collider
 
 
 def scaled(robot: Robot, unit: float) -> Robot:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .robot import Robot, RobotJoint
+from .model import Robot, RobotJoint
 
 _LIGHT = 0.05  # of the mass of what a link carries
 

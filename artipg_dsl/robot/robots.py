@@ -1,14 +1,10 @@
-"""One model of an object that every robot format is written from: links with mass, what is seen, what collides, joints.
-
-Frames: the root link's is the object's; any other link has its origin at its joint's and the axes of the object at
-joint value 0, so that joint frames need no rotation and every mesh of a link is in axes that a reader recognises.
-"""
+"""The robots of a batch: what is computed of all objects at once, and each of them as a model of its own."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import field, fields, replace
+from dataclasses import fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +14,6 @@ from ..annotate.frames import quaternion
 from ..geometry.resolution import STANDARD, Resolution
 from ..geometry.sites import join_tables
 from ..graph.program import Material
-from ..language import JOINTS, Kind
-from ..records import dataclass
 from ..runtime.curves import tabulate
 from ..validity.mass import Mass, masses
 from ..validity.materials import list_materials, material_rows
@@ -31,128 +25,15 @@ from .dynamics import Dynamics, complete_dynamics
 from .ground import find_thrust
 from .hulls import Hull
 from .mechanisms import find_mechanisms
+from .model import SMALLEST_MASS, Robot, RobotClosure, RobotJoint, RobotLink
 from .naming import Names
 from .primitives import Bar, Collider, SeenMaterial, Shape, Visual
 from .principal import find_principal
-from .write import ExportError
 
 if TYPE_CHECKING:
     from ..details.dressing import Dressing
     from ..runtime.batch import Batch
     from ..runtime.tables import JointTable
-
-SMALLEST_MASS = 1e-6  # kg
-
-
-@dataclass(frozen=True, slots=True)
-class RobotLink:
-    """``origin`` (3,) of its frame in the object at joint value 0; centre of mass and inertia in the link's frame."""
-
-    name: str
-    origin: np.ndarray
-    mass: float
-    center: np.ndarray
-    inertia: np.ndarray
-    visuals: tuple[Visual, ...]
-    colliders: tuple[Collider, ...]
-    meshes: dict[str, str] = field(default_factory=dict)  # the name of what is seen of each material
-
-
-@dataclass(frozen=True, slots=True)
-class RobotJoint:
-    """``origin`` in the parent link's frame, ``axis`` in the object's axes. ``low``, ``high`` None: no limit.
-
-    ``mimic`` is (name of the leader, multiplier, offset), ``pitch`` a screw's advance by a turn, ``positions`` in how many
-    values it catches (0: anywhere), ``gates`` what it waits for: (name of a joint, from, to), -inf and inf where there is no
-    such end. ``curve`` is how a joint follows by a formula: values of the leader over its range, and its own at these (k,);
-    ``mimic`` is then the straight line between the ends. A spring of ``stiffness`` (0: none) draws it back to ``rest``;
-    ``unsprung`` is its friction, its damping and its effort where a format has no springs. Radians and metres, N m/rad and N/m.
-    """
-
-    name: str
-    kind: str
-    parent: int
-    child: int
-    origin: np.ndarray
-    axis: np.ndarray
-    low: float | None
-    high: float | None
-    rest: float
-    effort: float
-    velocity: float
-    damping: float
-    friction: float
-    mimic: tuple[str, float, float] | None
-    pitch: float = 0.0
-    positions: int = 0
-    armature: float = 0.0
-    stiffness: float = 0.0
-    unsprung: tuple[float, float, float] | None = None  # None: the object has no springs
-    gates: tuple[tuple[str, float, float], ...] = ()
-    curve: tuple[np.ndarray, np.ndarray] | None = None
-
-    @property
-    def traits(self) -> Kind:
-        """What is so of all joints of its kind."""
-        return JOINTS[self.kind]
-
-    @property
-    def limited(self) -> bool:
-        return self.low is not None and self.high is not None
-
-    @property
-    def advance(self) -> float | None:
-        """How far it slides per unit of its value: 1 of what slides, metres per radian of a screw; None of others."""
-        return 1.0 if self.traits.slides else self.pitch / (2 * np.pi) if self.traits.advances else None
-
-    def following(self, lead: np.ndarray) -> np.ndarray:
-        """Its values where its leader is at ``lead`` (...,)."""
-        assert self.mimic is not None
-        if self.curve is None:
-            return self.mimic[1] * lead + self.mimic[2]
-        from scipy.interpolate import CubicSpline  # start-up: few joints need it
-
-        return CubicSpline(*self.curve)(lead)
-
-    @property
-    def hinge(self) -> str:
-        """Its kind, of a hinge by the formats' rule that one without limits is continuous."""
-        return "continuous" if self.kind == "revolute" and not self.limited else self.kind
-
-
-@dataclass(frozen=True, slots=True)
-class RobotClosure:
-    """Points (3,) of two links, each in its link's frame, that stay together: where a loop closes."""
-
-    links: tuple[int, int]
-    points: tuple[np.ndarray, np.ndarray]
-
-
-@dataclass(frozen=True, slots=True)
-class Robot:
-    """One object. ``links[0]`` is the root; ``overlaps`` are pairs of links that the text allows to overlap."""
-
-    name: str
-    number: int
-    links: tuple[RobotLink, ...]
-    joints: tuple[RobotJoint, ...]
-    closures: tuple[RobotClosure, ...] = ()
-    overlaps: tuple[tuple[int, int], ...] = ()
-    note: str = ""  # what its files say of the surfaces
-
-    def leader(self, joint: RobotJoint) -> RobotJoint | None:
-        """The joint that one follows."""
-        return next((other for other in self.joints if joint.mimic and other.name == joint.mimic[0]), None)
-
-    def refuse_coupled_balls(self, reader: str, name: str) -> None:
-        """Raise ExportError for the format ``name`` where a ball follows a joint or a joint a ball, which ``reader`` cannot have."""
-        for joint in self.joints:
-            led = self.leader(joint)
-            if led is not None and (joint.traits.tilts or led.traits.tilts):
-                raise ExportError(
-                    f"{self.name}: joint {joint.name} follows {led.name}, and {reader} couples no ball joints",
-                    f"leave {name} out of --format",
-                )
 
 
 class Robots:

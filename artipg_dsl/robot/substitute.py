@@ -14,8 +14,8 @@ import numpy as np
 
 from ..geometry.vectors import cross
 from ..runtime.motion import perpendicular_to
+from .model import SMALLEST_MASS, Robot, RobotJoint, RobotLink
 from .naming import Names
-from .robot import SMALLEST_MASS, Robot, RobotJoint, RobotLink
 
 ADVANCE, SWING, TWIST, MARK = "_advance", "_swing", "_twist", "_mark"
 _SHARE = 1e-3  # of the moved link's mass and inertia, for a link that is there for the format alone

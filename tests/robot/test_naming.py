@@ -1,6 +1,6 @@
 """Names of files: each once, whatever the case of its letters, and none that some systems keep for themselves."""
 
-from artipg_dsl.export.naming import Names
+from artipg_dsl.robot.naming import Names
 
 
 def test_names_are_given_once() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from artipg_dsl.export.dynamics import (
+from artipg_dsl.robot.dynamics import (
     FADE,
     FINGER,
     GRAVITY,

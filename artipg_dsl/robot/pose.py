@@ -10,7 +10,7 @@ from ..annotate.frames import axis_angle
 from ..runtime.motion import perpendicular_to
 
 if TYPE_CHECKING:
-    from .robot import Robot, RobotJoint
+    from .model import Robot, RobotJoint
 
 LinkPose = tuple[np.ndarray, np.ndarray]
 

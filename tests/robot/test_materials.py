@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from artipg_dsl import load
-from artipg_dsl.export.materials import resolve_materials
-from artipg_dsl.export.robot import Robots
 from artipg_dsl.resources import library_dir
+from artipg_dsl.robot.materials import resolve_materials
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session
 from artipg_dsl.validity.materials import RANGES, draw_property
 

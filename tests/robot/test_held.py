@@ -7,8 +7,9 @@ import os
 import numpy as np
 import pytest
 
-from artipg_dsl.export.pose import follow_leaders, link_poses, rest_values
-from artipg_dsl.export.robot import Robot, RobotJoint, Robots
+from artipg_dsl.robot.model import Robot, RobotJoint
+from artipg_dsl.robot.pose import follow_leaders, link_poses, rest_values
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session, categories
 
 

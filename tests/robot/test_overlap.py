@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from artipg_dsl.export.robot import RobotLink, Robots
 from artipg_dsl.geometry.overlap import sequence
 from artipg_dsl.geometry.resolution import Resolution
+from artipg_dsl.robot.model import RobotLink
+from artipg_dsl.robot.robots import Robots
 from artipg_dsl.session import Session
 
 HEAD = """apg 1
