@@ -215,7 +215,7 @@ class Session:
 
     def _recalled(self) -> Sampler | None:
         """The program as it was kept; its findings go to the report."""
-        from .graph.text import TextError
+        from .graph.reading import TextError
 
         try:
             return _read(self._recall("program") or "")

@@ -84,7 +84,7 @@ class Corpus:
 def artefacts(programs: dict[str, str], keep: Path) -> Iterator[tuple[str, str]]:
     """The programs that declare a category, compiled; kept in a folder, as long as they do not change."""
     from artipg_dsl.diagnostics import CompileError
-    from artipg_dsl.graph.text import to_text
+    from artipg_dsl.graph.writing import to_text
     from artipg_dsl.session import Session
 
     keep.mkdir(parents=True, exist_ok=True)
@@ -102,7 +102,7 @@ def artefacts(programs: dict[str, str], keep: Path) -> Iterator[tuple[str, str]]
 
 def readable(place: Path) -> bool:
     """Whether an artefact is there and is of this version of the package."""
-    from artipg_dsl.graph.text import TextError, from_text
+    from artipg_dsl.graph.reading import TextError, from_text
 
     try:
         from_text(place.read_text(encoding="utf-8"))
@@ -118,7 +118,7 @@ def share_library() -> None:
     """The library is read and checked once, and examined primitives are remembered: only what was mutated is looked at anew."""
     from artipg_dsl import solids
     from artipg_dsl.diagnostics import Report
-    from artipg_dsl.graph import text as texts
+    from artipg_dsl.graph.writing import digest
     from artipg_dsl.graph.program import Program
     from artipg_dsl.semantics import check as checking
     from artipg_dsl.semantics import checker
@@ -157,7 +157,7 @@ def share_library() -> None:
 
     def once(primitive) -> None:  # noqa: ANN001
         program = Program("P", primitives={primitive.name: primitive})
-        key = texts.digest(program)
+        key = digest(program)
         if key not in examined:
             examine(primitive)
             examined.add(key)
@@ -180,7 +180,7 @@ def run(name: str, text: str) -> str:
     from artipg_dsl.diagnostics import CompileError
     from artipg_dsl.diagnostics.text import render
     from artipg_dsl.errors import UserError
-    from artipg_dsl.graph.text import TextError, from_text
+    from artipg_dsl.graph.reading import TextError, from_text
     from artipg_dsl.run.compiled import make_sampler
     from artipg_dsl.run.job import prepare
     from artipg_dsl.run.request import Request

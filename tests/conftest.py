@@ -12,7 +12,8 @@ from functools import lru_cache
 import pytest
 
 from artipg_dsl import session
-from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.graph.reading import from_text
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.lower import program as lowering
 
 _KEPT = "ARTIPG_TEST_CACHE"

@@ -15,7 +15,7 @@ from artipg_dsl.geometry import density, facts, flat, pieces, quadrature, topolo
 from artipg_dsl.geometry.patches import surfaces
 from artipg_dsl.geometry.trial import variants
 from artipg_dsl.graph.program import Program
-from artipg_dsl.graph.text import digest, to_text
+from artipg_dsl.graph.writing import digest, to_text
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 from artipg_dsl.syntax import ast, trees

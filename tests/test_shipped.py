@@ -8,8 +8,9 @@ import pytest
 
 from artipg_dsl.annotate.cloud import sample_points
 from artipg_dsl.annotate.grasps import sample_grasps
-from artipg_dsl.graph.text import digest, from_text, to_text
+from artipg_dsl.graph.reading import from_text
 from artipg_dsl.graph.unlabelled import find_unlabelled
+from artipg_dsl.graph.writing import digest, to_text
 from artipg_dsl.resources import categories_dir
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.sampling.statistics import Statistics

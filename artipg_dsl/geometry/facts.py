@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 
 from .. import cache
 from ..graph.primitive import Primitive
-from ..graph.text import primitive_digest
+from ..graph.writing import primitive_digest
 
 Fact = TypeVar("Fact")
 _LOCK = Lock()

@@ -14,5 +14,8 @@ evaluate. Begin with ``program`` (the records) and ``expr`` (the expressions in 
     depend, unlabelled                   what a value depends on; surface without a label
     reweigh                              the same program with other weights and narrower ranges of its draws
     turn                                 the same program, its objects turned about the vertical
-    text, nodes, verify                  the text form, read back with nothing taken on trust
+    text, writing, reading               the text form; to it, and back with nothing taken on trust
+    nodes, verify                        what is verified of the nodes and records of a text
 """
+
+from . import reading as reading  # it says how a program goes to another process

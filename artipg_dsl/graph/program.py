@@ -7,7 +7,6 @@ frame of the object (x front, y left, z up, metres), at joint values 0 unless sa
 from __future__ import annotations
 
 from dataclasses import field
-from typing import Any
 
 from ..records import dataclass
 from .expr import TRUE, Column, Expr, Scope
@@ -453,17 +452,3 @@ class Program:
     stable: list[Stable] = field(default_factory=list)
     hash: str = ""
     foreign: bool = False  # read from a file, which anyone may have written
-
-    def __reduce__(self) -> tuple[Any, tuple[str, str]]:
-        """To another process goes the text: nodes of expressions are known by identity."""
-        from .text import to_text  # circle: the text knows all of this
-
-        return _read, (to_text(self), self.hash)
-
-
-def _read(text: str, found: str) -> Program:
-    from .text import from_text  # circle: the text knows all of this
-
-    program = from_text(text)
-    program.hash = found
-    return program

@@ -15,7 +15,7 @@ from ..shapes import Misfit, fit, hints
 from .nodes import NodeFault, require
 from .primitive import LATER, Primitive, defer
 from .program import Program
-from .text import Reader, from_text
+from .reading import Reader, from_text
 
 
 def from_kept(text: str, known: str) -> Program:

@@ -10,7 +10,7 @@ from ..graph.expr import Scope, ScopeError
 from ..graph.linear import Circle
 from ..graph.program import UNLABELLED, Link, Program
 from ..graph.reference import definitions_of
-from ..graph.text import write
+from ..graph.writing import write
 from ..records import dataclass
 from ..semantics.check import TypedProgram
 from ..semantics.symbols import Symbol

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import UserError
-from ..graph.text import TextError, digest, from_text, to_text
+from ..graph.reading import TextError, from_text
+from ..graph.writing import digest, to_text
 from ..runtime.plan import PlanError
 from ..sampling.sample import Sampler
 

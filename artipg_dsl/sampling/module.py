@@ -13,7 +13,7 @@ from jinja2 import Environment, PackageLoader
 from .. import random
 from ..graph.expr import Expr, Scope
 from ..graph.program import Program
-from ..graph.text import digest
+from ..graph.writing import digest
 from ..runtime import draws, kernels, laws, newton
 from ..runtime.needs import pose_cells
 from ..runtime.plan import Plan, make_plan

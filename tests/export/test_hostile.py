@@ -17,7 +17,8 @@ from pxr import Usd
 from artipg_dsl.api import Samples, load
 from artipg_dsl.cli.main import main
 from artipg_dsl.errors import UserError
-from artipg_dsl.graph.text import TextError, from_text, to_text
+from artipg_dsl.graph.reading import TextError, from_text
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.runtime.tags import make_distinct
 from artipg_dsl.session import Session
 

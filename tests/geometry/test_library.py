@@ -12,7 +12,8 @@ from artipg_dsl.geometry.box import bounds
 from artipg_dsl.geometry.patches import find_existing
 from artipg_dsl.geometry.selftest import check_primitive
 from artipg_dsl.geometry.trial import draw_trial
-from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.graph.reading import from_text
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.language import FACES
 from artipg_dsl.session import Session, check_text
 from artipg_dsl.source import Source

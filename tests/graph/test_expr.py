@@ -8,7 +8,7 @@ from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.expr import Column, Scope
 from artipg_dsl.graph.program import Program
 from artipg_dsl.graph.substitution import substitute
-from artipg_dsl.graph.text import to_text
+from artipg_dsl.graph.writing import to_text
 
 ROOT = Scope("root")
 CHILD = Scope("child", ROOT, "repeat", E.const(3))

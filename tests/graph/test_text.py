@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from artipg_dsl.graph.text import TextError, digest, from_text, to_text
+from artipg_dsl.graph.reading import TextError, from_text
+from artipg_dsl.graph.writing import digest, to_text
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 

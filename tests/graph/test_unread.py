@@ -8,8 +8,9 @@ import pytest
 
 from artipg_dsl.errors import UserError
 from artipg_dsl.graph.primitive import LATER, Primitive
-from artipg_dsl.graph.text import TextError, from_text, to_text
+from artipg_dsl.graph.reading import TextError, from_text
 from artipg_dsl.graph.unread import from_kept
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.session import Session
 
 TEXT = """apg 1

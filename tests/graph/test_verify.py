@@ -14,8 +14,9 @@ from artipg_dsl.geometry import pieces
 from artipg_dsl.graph.expr import call, const, raw, var
 from artipg_dsl.graph.formula import compile_formula, source
 from artipg_dsl.graph.program import Allowed
-from artipg_dsl.graph.text import TextError, from_text, to_text
+from artipg_dsl.graph.reading import TextError, from_text
 from artipg_dsl.graph.verify import UNITS
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.run.compiled import make_sampler, to_compiled
 from artipg_dsl.run.job import open_job, prepare
 from artipg_dsl.run.request import Request

@@ -9,8 +9,9 @@ from artipg_dsl.graph import expr as E
 from artipg_dsl.graph import formula
 from artipg_dsl.graph.inequality import Ends
 from artipg_dsl.graph.linear import Linear
+from artipg_dsl.graph.reading import from_text
 from artipg_dsl.graph.substitution import substitute, substitute_all
-from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.lower import program as lowering
 from artipg_dsl.lower.solids.probe import Probe
 from artipg_dsl.session import Session

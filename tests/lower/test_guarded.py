@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.graph.reading import from_text
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.session import Session
 
 from .guarded import (

@@ -8,7 +8,8 @@ import pytest
 
 from artipg_dsl.cli.compile import emit_graph
 from artipg_dsl.cli.ledger import entries
-from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.graph.reading import from_text
+from artipg_dsl.graph.writing import to_text
 
 from .test_solve import category, compiled
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.graph.reading import from_text
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.session import Session
 from artipg_dsl.source import Source
 

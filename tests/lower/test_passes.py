@@ -7,7 +7,8 @@ from dataclasses import fields
 import pytest
 
 from artipg_dsl.graph.program import Draw, Program
-from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.graph.reading import from_text
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.lower import program as lowering
 from artipg_dsl.lower.program import STAGES, Lowering, Pass
 from artipg_dsl.session import Session

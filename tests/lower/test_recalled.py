@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from artipg_dsl import cache
-from artipg_dsl.graph.text import to_text
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.lower.solids import primitives
 from artipg_dsl.session import Session
 

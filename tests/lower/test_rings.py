@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.graph.reading import from_text
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.runtime.rooted import Ring
 from artipg_dsl.validity.tree import Tree
 

@@ -10,7 +10,8 @@ from itertools import islice
 
 import pytest
 
-from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.graph.reading import from_text
+from artipg_dsl.graph.writing import to_text
 
 from .stages import HERE, PROGRAM, compiled, stages
 

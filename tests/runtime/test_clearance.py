@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from artipg_dsl.diagnostics.model import CompileError
-from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.graph.reading import from_text
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 from artipg_dsl.validity.faults import find_faults

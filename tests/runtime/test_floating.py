@@ -8,7 +8,8 @@ import pytest
 from artipg_dsl.api import load
 from artipg_dsl.errors import UserError
 from artipg_dsl.graph import expr as E
-from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.graph.reading import from_text
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from artipg_dsl.errors import UsageError
-from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.graph.reading import from_text
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.run.request import read_sampling
 from artipg_dsl.sampling.module import to_module
 from artipg_dsl.sampling.prior import CANDIDATES, count_effective

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from artipg_dsl.errors import NoObject, UserError
-from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.graph.reading import from_text
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.run.job import prepare
 from artipg_dsl.run.params import read_values
 from artipg_dsl.run.request import Request

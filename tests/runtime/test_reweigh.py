@@ -15,7 +15,8 @@ import pytest
 from artipg_dsl.api import sample
 from artipg_dsl.errors import SettingError, UserError
 from artipg_dsl.graph.program import Program
-from artipg_dsl.graph.text import TextError, digest, from_text, to_text
+from artipg_dsl.graph.reading import TextError, from_text
+from artipg_dsl.graph.writing import digest, to_text
 from artipg_dsl.run.prior import Prior, PriorFile, apply_prior, list_shipped, read_prior
 from artipg_dsl.runtime.batch import Batch
 from artipg_dsl.sampling.module import to_module

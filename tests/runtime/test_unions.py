@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from artipg_dsl.graph.text import from_text, to_text
+from artipg_dsl.graph.reading import from_text
+from artipg_dsl.graph.writing import to_text
 from artipg_dsl.runtime import laws
 from artipg_dsl.sampling.module import to_module
 from artipg_dsl.sampling.mutate import mutate

@@ -14,7 +14,8 @@ from ... import cache
 from ...graph.expr import Expr
 from ...graph.interval import Interval
 from ...graph.primitive import Primitive
-from ...graph.text import TextError, from_words, primitive_digest, to_words
+from ...graph.reading import TextError, from_words
+from ...graph.writing import primitive_digest, to_words
 from ...semantics.symbols import ModuleScope, Symbol
 from ...shapes import Misfit, fit
 from ..values.handed import Handed
