@@ -113,8 +113,9 @@ def warm(sampler: Any, count: int, seed: int, exports: bool) -> dict[str, float]
     if exports:
         view = import_module("artipg_dsl.view.sheet")
         draw = getattr(view, "draw_sheet", None) or view.sheet  # as older checkouts call it
+        sized = {"sheet": view.Sheet(tile=TILE)} if hasattr(view, "Sheet") else {"tile": TILE}
         some = sampler.batch(numbers(0, DRAWN), seed)
-        row["render"] = 1e3 * clock(lambda: draw(some, tile=TILE))[0] / DRAWN
+        row["render"] = 1e3 * clock(lambda: draw(some, **sized))[0] / DRAWN
     return row
 
 

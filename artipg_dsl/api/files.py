@@ -5,10 +5,9 @@ from __future__ import annotations
 import base64
 import warnings
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cached_property
 from html import escape
-from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -222,27 +221,27 @@ class Files:
     # ------------------------------------------------------------ pictures
 
     def sheet(self, path: str | Path, *, details: Worn = None, detail_strength: float = 1.0, **options: Any) -> Path:
-        """Draw all objects to a PNG; the options are those of ``view.sheet.draw_sheet`` (colour, tile, columns, states, view).
+        """Draw all objects to a PNG; the options are those of ``view.sheet.Sheet`` (colour, tile, columns, states, view).
 
         ``details`` are worn as in ``meshes``.
         """
-        from ..view.sheet import draw_sheet, write_sheet
+        from ..view.sheet import Sheet, write_sheet
 
         file = read_picture(path)
         worn = choose_details(details, detail_strength, self.job)
-        known = [name for name, one in signature(draw_sheet).parameters.items() if one.kind is one.KEYWORD_ONLY]
+        known = [field.name for field in fields(Sheet)]
         if unknown := sorted(options.keys() - known):
             hint = did_you_mean(unknown[0], known) or f"give {', '.join(known)}"
             raise UsageError(f"a picture has no {unknown[0]!r}", hint)
-        write_sheet(self.batch, path, force=True, details=worn, **options)
+        write_sheet(self.batch, path, Sheet(details=worn, **options), force=True)
         return file
 
     @cached_property
     def _picture(self) -> bytes:
         from ..view.png import png_bytes
-        from ..view.sheet import draw_sheet
+        from ..view.sheet import Sheet, draw_sheet
 
-        return png_bytes(draw_sheet(self.job.batch(self.numbers[:_PICTURED]), tile=220))
+        return png_bytes(draw_sheet(self.job.batch(self.numbers[:_PICTURED]), Sheet(tile=220)))
 
     def _repr_png_(self) -> bytes:
         return self._picture

@@ -186,7 +186,8 @@ def _own_lines(path: Path | None) -> int | None:
 def _picture(job: Job) -> bytes:
     """A small contact sheet as PNG."""
     from ..view.png import png_bytes
-    from ..view.sheet import draw_sheet
+    from ..view.sheet import Sheet, draw_sheet
 
     batch = job.batch()
-    return png_bytes(draw_sheet(batch, columns=min(COLUMNS, len(batch)), tile=TILE, colour="material"))
+    sheet = Sheet(columns=min(COLUMNS, len(batch)), tile=TILE, colour="material")
+    return png_bytes(draw_sheet(batch, sheet))

@@ -110,68 +110,88 @@ def read_tile(tile: Any) -> int:
     return tile
 
 
-def draw_sheet(
-    batch: Batch,
-    *,
-    columns: int | None = None,
-    tile: int = 256,
-    colour: str = "part",
-    which: str = "auto",
-    states: str = "alternate",
-    view: str | tuple[float, float] | None = None,
-    resolution: Resolution | None = None,
-    details: Dressing | None = None,
-    paint_all: PaintAll = _paint_here,
-    progress: Callable[[int, int], None] | None = None,
-) -> np.ndarray:
-    """The picture (height, width, 3) uint8 of all objects of a batch, ``tile`` pixels each (16 to 4096). Raises ExportError, UsageError.
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """How a contact sheet looks: ``tile`` pixels (16 to 4096) for each object, in so many ``columns``, drawn by the renderer ``which``.
 
     ``colour``: "part", "material" or "affordance", which has a row below with the words that hold somewhere.
     ``states``: "rest", "open", or "alternate": even tiles at rest, odd ones opened. ``view``: where one looks from, one of
     ``VIEWS`` or (azimuth, elevation) in degrees; None for "iso", from the side on which one sees into what opens.
     ``resolution`` of the meshes, by default as fine as the pixels, but for those of affordances; ``details`` that they wear.
     """
-    _require_words(colour, states)
-    tile, columns = read_tile(tile), None if columns is None else read_whole("columns", columns, 1)
-    if not len(batch):
-        raise ExportError("there is no object to draw", "sample at least one")
-    acting = colour == "affordance"
-    if acting and not words_said(batch, colour):
-        raise ExportError(f"{batch.program.name} has no label of `affordance`", "say where one acts: see `label`")
-    painter, said = Painter(which, tile), set[str]()
-    if acting and details is not None:
-        raise UsageError("affordances are drawn on the structure, not on its details", "leave out the details")
-    resolution = resolution or (STANDARD if details is not None else by_pixels(batch, tile))
-    robots = Robots(batch, resolution=resolution, physics=False, details=details)
-    poses = {"rest": batch.pose(), "open": batch.pose(open_values(batch))}
-    azimuth, elevation = read_direction(view)
-    if view is None:
-        azimuth *= _side(robots, poses["open"])
-    columns = columns or default_columns(len(batch))
-    rows = -(-len(batch) // columns)
-    image = np.empty((rows * tile, columns * tile, 3), dtype=np.uint8)
-    image[:] = srgb(hex_colour(BACKDROP))
 
-    def shot(i: int) -> Shot:
-        state = states if states != "alternate" else ("rest", "open")[(i + i // columns * (columns % 2 == 0)) % 2]
-        if acting:
-            scene, found = find_regions(batch, robots, i, poses[state], colour)
-            said.update(found)
+    columns: int | None = None
+    tile: int = 256
+    colour: str = "part"
+    which: str = "auto"
+    states: str = "alternate"
+    view: str | tuple[float, float] | None = None
+    resolution: Resolution | None = None
+    details: Dressing | None = None
+
+    @property
+    def acting(self) -> bool:
+        """Whether it shows where one acts."""
+        return self.colour == "affordance"
+
+
+USUAL = Sheet()
+
+
+class _Shots:
+    """What each tile of a sheet shows."""
+
+    def __init__(self, batch: Batch, sheet: Sheet, columns: int):
+        self.batch, self.sheet, self.columns = batch, sheet, columns
+        resolution = sheet.resolution or (
+            STANDARD if sheet.details is not None else by_pixels(batch, read_tile(sheet.tile))
+        )
+        self.robots = Robots(batch, resolution=resolution, physics=False, details=sheet.details)
+        self.poses = {"rest": batch.pose(), "open": batch.pose(open_values(batch))}
+        self.azimuth, self.elevation = read_direction(sheet.view)
+        if sheet.view is None:
+            self.azimuth *= _side(self.robots, self.poses["open"])
+        self.said = set[str]()  # words of labels that hold somewhere, as far as it has been drawn
+
+    def shot(self, i: int) -> Shot:
+        """What the tile of object ``i`` shows; on a board of black and white squares, the black ones are opened."""
+        opened = (i + i // self.columns * (self.columns % 2 == 0)) % 2
+        pose = self.poses[("rest", "open")[opened] if self.sheet.states == "alternate" else self.sheet.states]
+        if self.sheet.acting:
+            scene, found = find_regions(self.batch, self.robots, i, pose, self.sheet.colour)
+            self.said.update(found)
         else:
-            scene = make_scene(robots, i, poses[state], colour)
-        return Shot(scene, look_at(scene.vertices, azimuth, elevation), float(scene.vertices[:, 2].min()))
+            scene = make_scene(self.robots, i, pose, self.sheet.colour)
+        camera = look_at(scene.vertices, self.azimuth, self.elevation)
+        return Shot(scene, camera, float(scene.vertices[:, 2].min()))
 
-    for i, (number, picture) in enumerate(
-        zip(batch.numbers.tolist(), paint_all(painter, len(batch), shot), strict=True)
-    ):
+
+def draw_sheet(
+    batch: Batch,
+    sheet: Sheet = USUAL,
+    *,
+    paint_all: PaintAll = _paint_here,
+    progress: Callable[[int, int], None] | None = None,
+) -> np.ndarray:
+    """The picture (height, width, 3) uint8 of all objects of a batch. Raises ExportError, UsageError."""
+    _require_words(sheet.colour, sheet.states)
+    tile, columns = read_tile(sheet.tile), None if sheet.columns is None else read_whole("columns", sheet.columns, 1)
+    _require_seen(batch, sheet)
+    painter = Painter(sheet.which, tile)
+    columns = columns or default_columns(len(batch))
+    shots = _Shots(batch, sheet, columns)
+    image = np.empty((-(-len(batch) // columns) * tile, columns * tile, 3), dtype=np.uint8)
+    image[:] = srgb(hex_colour(BACKDROP))
+    pictures = paint_all(painter, len(batch), shots.shot)
+    for i, (number, picture) in enumerate(zip(batch.numbers.tolist(), pictures, strict=True)):
         y, x = i // columns * tile, i % columns * tile
         cell = image[y : y + tile, x : x + tile]
         cell[:] = picture
         write_number(cell, number, (120, 126, 134), size=max(1, tile // 160))
         if progress:
             progress(i + 1, len(batch))
-    if acting:
-        tints = {word: srgb(tint) for word, tint in colours_of(batch, colour).items() if word in said}
+    if sheet.acting:
+        tints = {word: srgb(tint) for word, tint in colours_of(batch, sheet.colour).items() if word in shots.said}
         image = np.concatenate([image, draw_legend(tints, image.shape[1])])
     return image
 
@@ -182,6 +202,16 @@ def _require_words(colour: str, states: str) -> None:
         raise UsageError(f"unknown colouring {colour!r}", f"the colourings are {', '.join(COLOURINGS)}")
     if not isinstance(states, str) or states not in _STATES:
         raise UsageError(f"unknown states {states!r}", f"objects are drawn {', '.join(_STATES)}")
+
+
+def _require_seen(batch: Batch, sheet: Sheet) -> None:
+    """Raise ExportError where there is nothing to draw, UsageError for affordances on details."""
+    if not len(batch):
+        raise ExportError("there is no object to draw", "sample at least one")
+    if sheet.acting and not words_said(batch, sheet.colour):
+        raise ExportError(f"{batch.program.name} has no label of `affordance`", "say where one acts: see `label`")
+    if sheet.acting and sheet.details is not None:
+        raise UsageError("affordances are drawn on the structure, not on its details", "leave out the details")
 
 
 def by_pixels(batch: Batch, tile: int) -> Resolution:
@@ -234,6 +264,6 @@ def default_columns(count: int) -> int:
     return min(candidates, key=lambda columns: (-count % columns / columns + abs(columns - around) / around, columns))
 
 
-def write_sheet(batch: Batch, path: Path | str, *, force: bool = False, **options: Any) -> None:
-    """Write the contact sheet of a batch as PNG; the options are those of ``draw_sheet``."""
-    write_bytes(path, png_bytes(draw_sheet(batch, **options)), force=force)
+def write_sheet(batch: Batch, path: Path | str, sheet: Sheet = USUAL, *, force: bool = False, **drawing: Any) -> None:
+    """Write the contact sheet of a batch as PNG, ``drawing`` as ``draw_sheet`` takes it."""
+    write_bytes(path, png_bytes(draw_sheet(batch, sheet, **drawing)), force=force)

@@ -18,7 +18,7 @@ from PIL import Image
 
 from artipg_dsl.diagnostics import did_you_mean
 from artipg_dsl.session import Session, categories
-from artipg_dsl.view.sheet import write_sheet
+from artipg_dsl.view.sheet import Sheet, write_sheet
 
 HERE = Path(__file__).parent
 TILE, COLUMNS = 170, 11
@@ -90,7 +90,7 @@ def picture(
     batch = Session.of(name).sampler.batch(numbers, seed, checked=True)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "sheet.png"
-        write_sheet(batch, path, colour=colour, tile=tile, columns=columns)
+        write_sheet(batch, path, Sheet(columns, tile, colour))
         return Image.open(path).convert("RGB")
 
 

@@ -91,7 +91,7 @@ def test_what_is_in_front_covers_what_is_behind(name: str) -> None:
 @pytest.mark.parametrize("name", sheets.RENDERERS)
 def test_a_sheet_shows_objects_on_a_plain_backdrop(name: str) -> None:
     available(name)
-    image = sheets.draw_sheet(FakeBatch(3), tile=64, columns=2, which=name)
+    image = sheets.draw_sheet(FakeBatch(3), sheets.Sheet(tile=64, columns=2, which=name))
     assert image.shape == (128, 128, 3) and image.dtype == np.uint8
     plain = srgb(BACKDROP)
     assert (image[64:, 64:] == plain).all(), "the fourth tile is empty"
@@ -104,30 +104,34 @@ def test_a_sheet_shows_objects_on_a_plain_backdrop(name: str) -> None:
 
 @pytest.mark.slow
 def test_one_may_look_from_any_side() -> None:
-    seen = {view: sheets.draw_sheet(FakeBatch(1), tile=48, which="numpy", view=view) for view in sheets.VIEWS}
+    seen = {
+        view: sheets.draw_sheet(FakeBatch(1), sheets.Sheet(tile=48, which="numpy", view=view)) for view in sheets.VIEWS
+    }
     pictures = list(seen.values())
     for k, picture in enumerate(pictures):
         assert all((picture != other).any() for other in pictures[:k]), list(seen)[k]
-    assert (sheets.draw_sheet(FakeBatch(1), tile=48, which="numpy", view="180,0") == seen["back"]).all()
-    assert (sheets.draw_sheet(FakeBatch(1), tile=48, which="numpy", view=(0.0, 90.0)) == seen["top"]).all()
+    assert (sheets.draw_sheet(FakeBatch(1), sheets.Sheet(tile=48, which="numpy", view="180,0")) == seen["back"]).all()
+    assert (
+        sheets.draw_sheet(FakeBatch(1), sheets.Sheet(tile=48, which="numpy", view=(0.0, 90.0))) == seen["top"]
+    ).all()
     for wrong in ("sideways", "10", "10,200", "nan,0", (1.0,)):
         with pytest.raises(UsageError) as caught:
-            sheets.draw_sheet(FakeBatch(1), view=wrong)  # type: ignore[arg-type]
+            sheets.draw_sheet(FakeBatch(1), sheets.Sheet(view=wrong))  # type: ignore[arg-type]
         assert "back" in caught.value.args[0]
 
 
 @pytest.mark.parametrize("wrong", [{"tile": 8}, {"tile": 100_000}, {"states": "opened"}])
 def test_tiles_and_states_that_cannot_be_are_told(wrong: dict[str, Any]) -> None:
     with pytest.raises(UsageError, match="a tile is|unknown states"):
-        sheets.draw_sheet(FakeBatch(1), which="numpy", **wrong)
-    assert sheets.draw_sheet(FakeBatch(1), which="numpy", tile=16).shape == (16, 16, 3)
+        sheets.draw_sheet(FakeBatch(1), sheets.Sheet(which="numpy", **wrong))
+    assert sheets.draw_sheet(FakeBatch(1), sheets.Sheet(which="numpy", tile=16)).shape == (16, 16, 3)
 
 
 def test_renderers_agree() -> None:
     drawn = {}
     for name in sheets.RENDERERS:
         with suppress(ExportError):
-            drawn[name] = sheets.draw_sheet(FakeBatch(1), tile=64, which=name).astype(int)
+            drawn[name] = sheets.draw_sheet(FakeBatch(1), sheets.Sheet(tile=64, which=name)).astype(int)
     if len(drawn) < 2:
         pytest.skip(f"only {', '.join(drawn)} can draw here")
     first, *others = drawn.values()
@@ -294,16 +298,16 @@ def test_numbers_are_drawn_into_the_corner() -> None:
 
 def test_a_sheet_is_written_whole_and_not_over_another(tmp_path: Path) -> None:
     target = tmp_path / "sheet.png"
-    sheets.write_sheet(FakeBatch(1), target, tile=32, which="numpy")
+    sheets.write_sheet(FakeBatch(1), target, sheets.Sheet(tile=32, which="numpy"))
     assert decode(target.read_bytes()).std() > 5
     with pytest.raises(ExportError, match="exists"):
-        sheets.write_sheet(FakeBatch(1), target, tile=32, which="numpy")
+        sheets.write_sheet(FakeBatch(1), target, sheets.Sheet(tile=32, which="numpy"))
 
 
 @pytest.mark.slow
 def test_several_processes_paint_the_same_sheet() -> None:
-    alone = sheets.draw_sheet(FakeBatch(3), tile=32, which="numpy")
-    shared = sheets.draw_sheet(FakeBatch(3), tile=32, which="numpy", paint_all=paint_with(2))
+    alone = sheets.draw_sheet(FakeBatch(3), sheets.Sheet(tile=32, which="numpy"))
+    shared = sheets.draw_sheet(FakeBatch(3), sheets.Sheet(tile=32, which="numpy"), paint_all=paint_with(2))
     assert (alone == shared).all()
 
 
@@ -325,7 +329,7 @@ def test_outlines_are_as_fine_as_the_pixels(tile: int) -> None:
 def test_wrong_options_are_answered_in_words() -> None:
     for options, words in (({"which": "opengl"}, "moderngl"), ({"colour": "mass"}, "material")):
         with pytest.raises(UsageError) as caught:
-            sheets.draw_sheet(FakeBatch(1), **options)  # type: ignore[arg-type]
+            sheets.draw_sheet(FakeBatch(1), sheets.Sheet(**options))  # type: ignore[arg-type]
         assert words in caught.value.hint
     with pytest.raises(ExportError):
         sheets.draw_sheet(FakeBatch(0))
