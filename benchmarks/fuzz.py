@@ -118,8 +118,8 @@ def share_library() -> None:
     """The library is read and checked once, and examined primitives are remembered: only what was mutated is looked at anew."""
     from artipg_dsl import solids
     from artipg_dsl.diagnostics import Report
-    from artipg_dsl.graph.writing import digest
     from artipg_dsl.graph.program import Program
+    from artipg_dsl.graph.writing import digest
     from artipg_dsl.semantics import check as checking
     from artipg_dsl.semantics import checker
     from artipg_dsl.semantics.modules import Workspace

@@ -12,7 +12,7 @@ from ..errors import UsageError, plural
 from ..export.remote import is_same, place_of
 from ..run.progress import Progress, took
 from .messages import say
-from .sample import bared, read_resolution, refuse_file
+from .sample import bared, read_resolution, read_workers, refuse_file
 from .wanted import choose_details, open_wanted, tell_frame
 
 if TYPE_CHECKING:
@@ -55,23 +55,12 @@ def run(options: argparse.Namespace) -> int:
                 details=details,
                 force=options.force,
                 progress=progress,
-                workers=options.workers,
-                memory=options.memory,
-                cluster=options.cluster,
+                workers=read_workers(options),
             )
         else:
             content = Content(resolution=read_resolution(options) or STANDARD, details=details)
             output = Output.of(formats, content, options.memory)
-            write_dataset(
-                job,
-                out,
-                output,
-                force=options.force,
-                progress=progress,
-                workers=options.workers,
-                memory=options.memory,
-                cluster=options.cluster,
-            )
+            write_dataset(job, out, output, force=options.force, progress=progress, workers=read_workers(options))
     done = plural(len(job.request.objects), "object")
     names = ", ".join(entry.name for entry in formats)
     say(f"{done} as {names} in {out} {took(begun)}")

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ..run.job import Job
     from ..run.manifest import Manifest
     from ..run.output import Output
+    from ..run.sharing import Workers
 
 
 _REASONS = 3  # that are told unasked
@@ -82,15 +83,7 @@ def write(job: Job, out: Place, output: Output, options: argparse.Namespace) -> 
         progress(0, number)
         progress.stage("drawing, checking and writing")
         manifest = write_dataset(
-            job,
-            out,
-            output,
-            force=options.force,
-            part=options.shard,
-            progress=progress,
-            workers=options.workers,
-            memory=options.memory,
-            cluster=options.cluster,
+            job, out, output, force=options.force, part=options.shard, progress=progress, workers=read_workers(options)
         )
     return manifest, number
 
@@ -106,6 +99,13 @@ def _read_content(options: argparse.Namespace) -> Content:
     return output.read_content(
         **{name: getattr(options, name) for name in names}, tolerance=options.tolerance, triangles=options.triangles
     )
+
+
+def read_workers(options: argparse.Namespace) -> Workers:
+    """Who does the work, by the options that divide it."""
+    from ..run.sharing import Workers
+
+    return Workers(options.workers, options.memory, options.cluster)
 
 
 def read_resolution(options: argparse.Namespace) -> Resolution | None:

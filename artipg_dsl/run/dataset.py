@@ -7,6 +7,7 @@ missing and touches nothing else; with other options it refuses, or starts anew 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from .. import cache
@@ -26,7 +27,7 @@ from .memory import Room, most_processes, share_of
 from .output import Output, Shown, show
 from .resume import drop_counts, make_ready, sweep_all, withdraw
 from .schema import expand
-from .sharing import AUTO, processors, share
+from .sharing import ONE, Workers, processors, share
 from .traces import keep_replays
 
 
@@ -38,31 +39,27 @@ def write_dataset(
     part: tuple[int, int] = (1, 1),
     force: bool = False,
     progress: ReportProgress | None = None,
-    workers: int = 1,
-    memory: int | None = None,
-    cluster: str = "",
+    workers: Workers = ONE,
     begin: Callable[[], None] | None = None,
 ) -> Manifest:
     """Write the objects of a job to the folder ``out`` and return the manifest. Raises ExportError, NoObject.
 
     Objects are made only for shards where something is missing, or which nobody has counted yet. ``part`` (k, n) writes every
     n-th shard from the k-th on, so that n runs share the work; the manifest then gets no counts.
-    ``progress(done, total)`` hears of objects as they are finished; ``workers``: how many processes share the work (see
-    ``sharing.share``), ``memory`` bytes of them all. ``cluster``: the workers of a Dask scheduler do it, by its address; ``memory``
-    is then what each may take. ``begin`` is called once the folder is ready for these objects.
+    ``progress(done, total)`` hears of objects as they are finished. ``begin`` is called once the folder is ready for these objects.
     """
     out, numbers, shard = place_of(out), job.request.objects, output.shard
     wanted = manifests.build_manifest(job.program, job.request, output, out=out)
     if isinstance(out, Remote) and out.private:
-        if workers > 1 or cluster:
+        if workers.count > 1 or workers.cluster:
             raise UsageError(
                 f"{out} is seen by one process alone", "leave out --workers and --cluster, or choose another place"
             )
-        workers = 1
-    if cluster:
+        workers = replace(workers, count=1)
+    if workers.cluster:
         from .cluster import require_cluster  # start-up
 
-        require_cluster(cluster, workers)
+        require_cluster(workers.cluster, workers.count)
     manifest = make_ready(out, wanted, force)  # once nothing stands in the way: it may replace what is there
     keep_replays(out, job.request.mutations)
     if begin:
@@ -80,10 +77,10 @@ def write_dataset(
             )
             for at in _starts(len(numbers), shard, part)
         ],
-        _are_several(workers, cluster),
+        workers.are_several,
     )
     try:
-        _carry_out(job, pieces, progress, workers, memory, cluster)
+        _carry_out(job, pieces, progress, workers)
     except UserError:
         if manifest is wanted and part[1] == 1:  # nobody else goes by it
             withdraw(out)
@@ -123,18 +120,11 @@ def _pieces(chunks: list[Chunk], several: bool) -> list[Chunk]:
     return [p for chunk in chunks for p in (chunk.split() if several or not chunk.shared else [chunk])]
 
 
-def _are_several(workers: int, cluster: str) -> bool:
-    """Whether other processes may take part."""
-    return cluster != "" or (processors() if workers == AUTO else workers) > 1
-
-
-def _carry_out(
-    job: Job, pieces: list[Chunk], progress: ReportProgress | None, workers: int, memory: int | None, cluster: str
-) -> None:
+def _carry_out(job: Job, pieces: list[Chunk], progress: ReportProgress | None, workers: Workers) -> None:
     """Write all pieces, here, by other processes, or on a cluster."""
     each = any(piece.each for piece in pieces)
     total, done = sum(len(piece.numbers) for piece in pieces if piece.each or not each), 0
-    room = Room(share_of(memory, 1), _taken(job, pieces))
+    room = Room(share_of(workers.memory, 1), _taken(job, pieces))
 
     def write(piece: Chunk) -> Chunk:
         piece.write(job, room, offset_progress(progress, done, total))
@@ -143,23 +133,23 @@ def _carry_out(
     def others(rest: Sequence[Chunk], many: int) -> Iterable[Chunk]:
         from .workers import write_shared  # start-up: one process needs no others
 
-        room.memory = share_of(memory, many)
+        room.memory = share_of(workers.memory, many)
         return write_shared(job, many, rest, room)
 
     made: Iterable[Chunk]
-    if cluster:
+    if workers.cluster:
         from .cluster import write_on_cluster  # start-up
 
-        made = write_on_cluster(job, cluster, workers or processors(), pieces, room)
+        made = write_on_cluster(job, workers.cluster, workers.count or processors(), pieces, room)
     else:
         # of a run that goes on where another ended it is not known how much is left: its progress tells
         pace = 0.0 if not pieces or pieces[0].is_complete() else room.pace() * len(pieces[0].numbers)
-        made = share(pieces, workers, write, others, most=most_processes(memory), pace=pace)
+        made = share(pieces, workers.count, write, others, most=most_processes(workers.memory), pace=pace)
     for piece in made:
         done += len(piece.numbers) if piece.each or not each else 0
         if progress:
             progress(done, total)
-    if cluster and pieces:
+    if workers.cluster and pieces:
         sweep_all(pieces[0].out)  # others have written what a worker was at when it died
     room.keep()
 
@@ -181,9 +171,7 @@ def add_formats(
     details: Dressing | None,
     force: bool,
     progress: ReportProgress | None,
-    workers: int,
-    memory: int | None,
-    cluster: str,
+    workers: Workers,
 ) -> None:
     """Further files for the objects of a job in their folder; formats that it has are refused, or written again by ``force``.
 
@@ -211,7 +199,7 @@ def add_formats(
         Chunk(out, numbers[first : first + SHARD], tuple(formats), content, force=force)
         for first in range(0, len(numbers), SHARD)
     ]
-    _carry_out(job, _pieces(chunks, _are_several(workers, cluster)), progress, workers, memory, cluster)
+    _carry_out(job, _pieces(chunks, workers.are_several), progress, workers)
     new = [entry.name for entry in formats if entry.name not in listed]
     if new and not any(find_lacking(object_folder(out, n), formats) for n in expand(identity["numbers"]).tolist()):
         identity["formats"] = [name for name in FORMATS if name in {*listed, *new}]

@@ -11,6 +11,8 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeVar
 
+from ..records import dataclass
+
 AUTO = 0  # workers: one per processor, as soon as that is worth their start
 MOST = 512  # processes
 LONG = math.inf  # seconds that an item takes: however many are left, others are worth their start
@@ -22,6 +24,25 @@ R = TypeVar("R")
 def processors() -> int:
     """How many this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@dataclass(frozen=True, slots=True)
+class Workers:
+    """Who does the work of a run: ``count`` processes here, or ``AUTO``, of ``memory`` bytes together (None: the usual). With a
+    ``cluster``, those of the Dask scheduler at this address, each of ``memory``."""
+
+    count: int = 1
+    memory: int | None = None
+    cluster: str = ""
+
+    @property
+    def are_several(self) -> bool:
+        """Whether other processes may take part."""
+        return self.cluster != "" or (processors() if self.count == AUTO else self.count) > 1
+
+
+ONE = Workers()
+"""This process alone."""
 
 
 def share(

@@ -16,6 +16,7 @@ from artipg_dsl.run.dataset import write_dataset
 from artipg_dsl.run.job import Job, open_job
 from artipg_dsl.run.output import Output
 from artipg_dsl.run.request import read_request
+from artipg_dsl.run.sharing import Workers
 
 CHEST = Path(__file__).parents[1] / "cli" / "programs" / "chest.apg"
 STUCK = """apg 1
@@ -56,11 +57,13 @@ def test_a_worker_is_killed_in_the_middle(tmp_path: Path) -> None:
                 half.mkdir()
                 (half / "object.urdf").write_text("<robot")
 
-        write_dataset(job(), tmp_path / "o", output, cluster=cluster.scheduler_address, progress=kill)
+        write_dataset(job(), tmp_path / "o", output, workers=Workers(cluster=cluster.scheduler_address), progress=kill)
         text = tmp_path / "box.apg"
         text.write_text(STUCK)
         with pytest.raises(NoObject, match="no valid Box"):
-            write_dataset(open_job(read_request(text)), tmp_path / "p", output, cluster=cluster.scheduler_address)
+            write_dataset(
+                open_job(read_request(text)), tmp_path / "p", output, workers=Workers(cluster=cluster.scheduler_address)
+            )
     assert killed
     assert tree(tmp_path / "o") == tree(tmp_path / "plain")
 
@@ -68,7 +71,7 @@ def test_a_worker_is_killed_in_the_middle(tmp_path: Path) -> None:
 def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("artipg_dsl.extras.find_spec", lambda name: None)
     with pytest.raises(UserError, match="needs Dask") as caught:
-        write_dataset(job(), tmp_path / "o", Output(("annotation",)), cluster="local")
+        write_dataset(job(), tmp_path / "o", Output(("annotation",)), workers=Workers(cluster="local"))
     assert "artipg_dsl[cluster]" in caught.value.hint
 
 

@@ -19,6 +19,7 @@ from artipg_dsl.run.job import open_job
 from artipg_dsl.run.output import Output
 from artipg_dsl.run.request import read_request
 from artipg_dsl.run.resume import reopen
+from artipg_dsl.run.sharing import Workers
 
 fsspec = pytest.importorskip("fsspec")
 OUTPUT = Output(("points", "tables", "annotation", "urdf"), Content(Sampling(16)), 4)
@@ -107,4 +108,4 @@ def test_addresses_and_folders(tmp_path: Path) -> None:
     assert place_of("s3://b/c/") == Remote("s3://b/c") and str(place_of("s3://b") / "x") == "s3://b/x"
     assert is_same(place_of(tmp_path), place_of(f"{tmp_path}/x/..")) and not is_same(Path("a"), Remote("s3://a"))
     with pytest.raises(UsageError):
-        write_dataset(open_job(read_request("Globe")), "memory://x", OUTPUT, workers=2)
+        write_dataset(open_job(read_request("Globe")), "memory://x", OUTPUT, workers=Workers(2))
