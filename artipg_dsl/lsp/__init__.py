@@ -7,9 +7,11 @@ Server Protocol. Begin with ``analysis``.
     analysis      one text: its findings, its names and types; of a text with mistakes, those of the rest
     lookup        the name at a place: what it stands for, and where that is declared
     uses          where what it stands for is used
+    rename        the edits that give it another name
     completion    what may be written at a place
     outline       what a file declares, and what these declare
     colours       which words are keywords, types, parts, functions, numbers
     fixes         the edits that findings propose
-    server        the protocol: documents, threads and columns
+    documents     the documents that an editor has open, of its protocol: threads and columns
+    server        the protocol: what is asked, and answered
 """
