@@ -88,11 +88,24 @@ def _add_compile(to: argparse.ArgumentParser) -> None:
 
 
 def _add_sample(to: argparse.ArgumentParser) -> None:
-    from ..export.registry import FORMATS, OTHERS  # start-up: other commands write no formats
-
     add_source(to)
     add_drawing(to, 10)
     to.add_argument("-o", "--out", type=folder, default="out", metavar="DIR", help="output folder (default: out)")
+    _add_points(to)
+    _add_formats(to)
+    _add_labels(to)
+    _add_mutants(to)
+    add_details(to, "apply the details of real objects that `apgc bind` has stored in this folder to points and meshes")
+    add_meshes(to)
+    add_bareness(to)
+    _add_laws(to)
+    add_checking(to)
+    to.add_argument("--force", action="store_true", help="replace samples that were made with other options")
+    add_dividing(to)
+
+
+def _add_points(to: argparse.ArgumentParser) -> None:
+    """How many points there are, and where."""
     to.add_argument(
         "--points",
         type=positive,
@@ -129,6 +142,11 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
         metavar="LIST",
         help="with --balance: divide by these weights instead, such as handle=3,knob=2 (default: 1)",
     )
+
+
+def _add_formats(to: argparse.ArgumentParser) -> None:
+    from ..export.registry import FORMATS, OTHERS  # start-up: other commands write no formats
+
     to.add_argument(
         "--format",
         metavar="LIST",
@@ -140,6 +158,10 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
         action="store_true",
         help="write the drawn values of the objects instead of points and annotations (with --format: in addition)",
     )
+
+
+def _add_labels(to: argparse.ArgumentParser) -> None:
+    """What points and annotations tell besides, and how objects stand."""
     to.add_argument(
         "--states",
         default="rest",
@@ -162,6 +184,9 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
         metavar="N|FILE",
         help="add images and partial point clouds: the number of cameras, or a file that describes them",
     )
+
+
+def _add_mutants(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--mutate",
         metavar="LIST",
@@ -170,9 +195,10 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
     to.add_argument(
         "--variant", type=whole, metavar="K", help="with --mutate: number of the mutant of each object (default: 0)"
     )
-    add_details(to, "apply the details of real objects that `apgc bind` has stored in this folder to points and meshes")
-    add_meshes(to)
-    add_bareness(to)
+
+
+def _add_laws(to: argparse.ArgumentParser) -> None:
+    """Where the values of objects come from, and what becomes of those that are not valid."""
     to.add_argument(
         "--sampling",
         default="sequential",
@@ -187,9 +213,6 @@ def _add_sample(to: argparse.ArgumentParser) -> None:
         action="store_true",
         help="repair invalid objects with the least change instead of drawing them again",
     )
-    add_checking(to)
-    to.add_argument("--force", action="store_true", help="replace samples that were made with other options")
-    add_dividing(to)
 
 
 def _add_export(to: argparse.ArgumentParser) -> None:
