@@ -8,9 +8,9 @@ from typing import Any, TypeVar
 
 from .diagnostics import Report
 from .geometry import facts
+from .geometry.agreement import find_box_fault, find_inside_fault, find_piece_beyond, measure_missed
 from .geometry.errors import PrimitiveError
 from .geometry.patches import evaluate_rows
-from .geometry.selftest import find_box_fault, find_inside_fault, find_piece_beyond, measure_missed
 from .geometry.topology import orientation, seams
 from .geometry.trial import draw_any, variants
 from .graph.primitive import Primitive

@@ -16,5 +16,5 @@ Begin with ``patches`` and ``mesh``.
     collide, overlap, enclosure                  convex bodies that meet, what they share, what contains what
     nearest                                      the nearest of points in many sets
     vectors, runs                                products and lengths of arrays of vectors; ranges one after the other
-    selftest                                     whether all declarations of a primitive agree
+    agreement                                    whether what is declared about a primitive agrees
 """

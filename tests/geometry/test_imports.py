@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-MODULES = "block box density hidden mesh patches pieces points selftest sites surface topology trial weld"
+MODULES = "agreement block box density hidden mesh patches pieces points sites surface topology trial weld"
 
 
 def test_geometry_loads_numpy_alone():

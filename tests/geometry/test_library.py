@@ -10,7 +10,6 @@ import pytest
 from artipg_dsl.geometry import mesh
 from artipg_dsl.geometry.box import bounds
 from artipg_dsl.geometry.patches import find_existing
-from artipg_dsl.geometry.selftest import check_primitive
 from artipg_dsl.geometry.trial import draw_trial
 from artipg_dsl.graph.reading import from_text
 from artipg_dsl.graph.writing import to_text
@@ -18,6 +17,7 @@ from artipg_dsl.language import FACES
 from artipg_dsl.session import Session, check_text
 from artipg_dsl.source import Source
 
+from .selftest import check_primitive
 from .shipped import SHIPPED
 
 EVERY = os.environ.get("ARTIPG_EVERY") == "1"

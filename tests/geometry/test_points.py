@@ -7,13 +7,13 @@ import pytest
 
 from artipg_dsl import random
 from artipg_dsl.geometry import mesh, points
-from artipg_dsl.geometry.selftest import check_primitive
 from artipg_dsl.geometry.sites import SiteTable
 from artipg_dsl.graph.expr import ZERO
 from artipg_dsl.graph.formula import compile_formula
 from artipg_dsl.graph.substitution import substitute
 
 from . import scenes, shapes
+from .selftest import check_primitive
 
 KEY = random.key(7, "points")
 PRIMITIVES = [shapes.cuboid(), shapes.rounded_cuboid(), shapes.cylinder()]

@@ -2,11 +2,11 @@
 
 import pytest
 
-from artipg_dsl.geometry.selftest import check_primitive
 from artipg_dsl.graph.expr import const, maximum, wrap
 from artipg_dsl.graph.primitive import Piece
 
 from . import shapes
+from .selftest import check_primitive
 
 
 @pytest.mark.parametrize("make", shapes.ALL)

@@ -7,7 +7,6 @@ import pytest
 
 from artipg_dsl.geometry.box import bounds
 from artipg_dsl.geometry.mesh import build, moments
-from artipg_dsl.geometry.selftest import check_primitive
 from artipg_dsl.geometry.split import rows_of
 from artipg_dsl.geometry.surface import evaluate
 from artipg_dsl.geometry.trial import draw_trial
@@ -15,6 +14,7 @@ from artipg_dsl.graph.formula import compile_formula
 from artipg_dsl.lower.solids import loft
 from artipg_dsl.lower.solids.numbered import Bays, numbered
 from artipg_dsl.lower.solids.profiles import SLOPE
+from tests.geometry.selftest import check_primitive
 
 from .operators import (
     ARCH,

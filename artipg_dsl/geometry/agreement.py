@@ -1,7 +1,6 @@
-"""The self-test of a declared primitive over its test range: does everything that is said about it agree?
+"""Whether what is declared about a primitive agrees: box and inside function with the surfaces, convex pieces with the solid.
 
-Surfaces must close, the inside function must vanish on them and rise outwards, the box must be the box of the mesh,
-the volumes by mesh and by inside function must agree, and the convex pieces must lie within the solid and fill it.
+An author is told where they do not; the tests ask more of the primitives of the library (``tests/geometry/selftest.py``).
 """
 
 from __future__ import annotations
@@ -14,70 +13,33 @@ import numpy as np
 
 from .. import random
 from ..graph.primitive import Primitive
-from ..records import dataclass
-from . import mesh, pieces, quadrature, surface
+from . import mesh, pieces, surface
 from .box import bounds
-from .errors import PrimitiveError
 from .patches import inside_split, surfaces
 from .split import Params, rows_of
 from .topology import place_in_words, value_in_words
 from .trial import draw_trial
 
-_ON_SURFACE = 1e-9  # how far the inside function may be from 0 on a surface, relative to the diagonal
+ON_SURFACE = 1e-9  # how far the inside function may be from 0 on a surface, relative to the diagonal
 _JUMP = 0.005  # of the distance to the solid
-_OFF_SURFACE = 1e-6  # how far off a surface its sides are asked
 _LOOSE = 2e-3  # how much of its greatest side a box may exceed the mesh by
-_MOMENTS = 5e-3  # relative difference of volume, centre and inertia by quadrature and by a fine mesh
-_AREA = 5e-3  # relative difference of areas by formula and by a fine mesh
 _WITHIN = 1e-6  # how far out of the solid a piece may reach, relative to the diagonal
 _FILL = 0.5  # what pieces leave out may lie this deep, relative to the greatest depth: a quarter of a wall
-_MISSED = 0.015  # share of deeper places that may be missed all the same: the rim of a slice thinner than its rounding
 _OPEN = 1000  # places that no piece covers, of which the furthest is sought
 _FINE = 96  # steps per turn of the mesh that stands for the true shape
-_VOLUME = 4096  # places in the box
+VOLUME = 4096  # places in the box
 _PER_PLACE = 64  # of them for each place on a surface
 _FEW, _COARSE = 1024, 24  # places and steps where faults that matter are looked for alone
 _AT_ONCE = 8192  # places asked at a time, so that the terms stay in the caches
 
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """Something that does not agree. ``surface`` names the surface (or piece) at fault, where one is."""
-
-    primitive: str
-    check: str  # "closed", "inside", "normal", "slope", "box", "area", "volume", "pieces"
-    surface: str | None
-    message: str
-
-    def __str__(self) -> str:
-        place = f" {self.surface}" if self.surface else ""
-        return f"{self.primitive}{place}: {self.message}"
+Report = Iterator[tuple[str, str | None, str]]
+"""What does not agree (inside, normal, slope, box, area, volume, pieces), at which surface or piece if at one, and words."""
 
 
-def check_primitive(primitive: Primitive, samples: int = 12, each: int = _VOLUME) -> list[Finding]:
-    """All that is wrong with a primitive over ``samples`` test values and the ends of its test ranges, with ``each`` places in the
-    box of one and a share of them on each of its surfaces."""
-    try:
-        params = draw_trial(primitive, samples)
-        mesh.build(primitive, params)
-    except PrimitiveError as error:
-        check = "inside" if "inside function" in error.words else "closed"
-        return [Finding(primitive.name, check, error.patch, error.words)]
-    inspection = _Inspection(primitive, params, each)
-    out: list[Finding] = []
-    for examine in (_surfaces, _slope, _box, _areas, _filled, _moments, _pieces):
-        for name, where, message in examine(inspection):
-            out.append(Finding(primitive.name, name, where, message))
-    return out
-
-
-_Report = Iterator[tuple[str, str | None, str]]
-
-
-class _Inspection:
+class Inspection:
     """What the checks share: places on the surfaces and in the boxes of the test values."""
 
-    def __init__(self, primitive: Primitive, params: Params, each: int = _VOLUME, steps: int = _FINE):
+    def __init__(self, primitive: Primitive, params: Params, each: int = VOLUME, steps: int = _FINE):
         self.primitive, self.params, self.each = primitive, params, each
         self.count = rows_of(params)
         self.low, self.high = bounds(primitive, params)
@@ -136,38 +98,7 @@ class _Inspection:
         return value_in_words(self.primitive, self.params, row)
 
 
-def _surfaces(seen: _Inspection) -> _Report:
-    """The inside function is 0 on every surface, positive beyond and negative behind."""
-    for patch, made in enumerate(surfaces(seen.primitive)):
-        row, position, normal = seen.places(patch)
-        size = seen.diagonal[row]
-        value = np.abs(seen.inside(row, position)) / size
-        worst = int(np.argmax(value))
-        if value[worst] > _ON_SURFACE:
-            share = f"{100 * value[worst]:.3g} % of its size"
-            yield (
-                "inside",
-                made.name,
-                f"the inside function deviates from the surface by {share} ({seen.at(row[worst])})",
-            )
-            continue
-        step = _OFF_SURFACE * size
-        out = seen.inside(row, position + step[:, None] * normal) > 0
-        back = seen.inside(row, position - step[:, None] * normal) < 0
-        wrong = ~(out & back)
-        if wrong.mean() > 0.02:  # a place may lie within the step of an edge
-            worst = int(np.argmax(wrong))
-            yield (
-                "normal",
-                made.name,
-                (
-                    f"at {100 * wrong.mean():.3g} % of places the normal does not point from inside to outside "
-                    f"({seen.at(row[worst])})"
-                ),
-            )
-
-
-def _slope(seen: _Inspection, most: float = 1e-6) -> _Report:
+def slope_faults(seen: Inspection, most: float = 1e-6) -> Report:
     """The inside function is a length: it changes by no more than the distance, and outside by JUMP of itself more.
 
     A sweep of a section that is not round is measured from the nearest place of its path. Where two places are as near, far out in
@@ -189,7 +120,7 @@ def _slope(seen: _Inspection, most: float = 1e-6) -> _Report:
         )
 
 
-def _box(seen: _Inspection, most: float = _ON_SURFACE, wide: float = _LOOSE) -> _Report:
+def box_faults(seen: Inspection, most: float = ON_SURFACE, wide: float = _LOOSE) -> Report:
     """The stated box is that of the mesh, which reaches out of it by ``most`` of its size, and it is ``wide`` beyond it at most."""
     size = (seen.mesh_high - seen.mesh_low).max(axis=1)
     for axis, name in enumerate("xyz"):
@@ -220,7 +151,7 @@ def _box(seen: _Inspection, most: float = _ON_SURFACE, wide: float = _LOOSE) -> 
                 )
 
 
-def _reaching(seen: _Inspection, row: int, axis: int, find: Callable[..., Any]) -> str:
+def _reaching(seen: Inspection, row: int, axis: int, find: Callable[..., Any]) -> str:
     """The surface of the vertex that lies furthest out."""
     for group in seen.fine:
         at = np.flatnonzero(group.rows == row)
@@ -231,25 +162,7 @@ def _reaching(seen: _Inspection, row: int, axis: int, find: Callable[..., Any]) 
     raise AssertionError("every row has a mesh")
 
 
-def _areas(seen: _Inspection) -> _Report:
-    """Areas by formula agree with those of a fine mesh, surface by surface: patches of one name are one surface."""
-    names = np.array([surface.name for surface in surfaces(seen.primitive)])
-    for group in seen.fine:
-        corners = group.vertices[:, group.faces]
-        cross = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
-        area = np.sqrt((cross**2).sum(axis=-1)) / 2
-        there = np.unique(group.face_patch)
-        for name in dict.fromkeys(names[there]):
-            own = there[names[there] == name]
-            expected = area[:, np.isin(group.face_patch, own)].sum(axis=1)
-            error = np.abs(seen.areas[np.ix_(group.rows, own)].sum(axis=1) / expected - 1)
-            worst = int(np.argmax(error))
-            if error[worst] > _AREA:
-                row = int(group.rows[worst])
-                yield "area", name, f"its area differs from the mesh by {100 * error[worst]:.3g} % ({seen.at(row)})"
-
-
-def _filled(seen: _Inspection) -> _Report:
+def fill_faults(seen: Inspection) -> Report:
     """The share of the box that the inside function fills is that of the mesh."""
     _, _, value = seen.in_boxes
     filled = (value < 0).reshape(seen.count, -1).mean(axis=1)
@@ -270,41 +183,7 @@ def _filled(seen: _Inspection) -> _Report:
         yield "volume", None, f"the mesh fills {shares} ({seen.at(worst)})"
 
 
-def _moments(seen: _Inspection) -> _Report:
-    """Moments by quadrature are those of the mesh."""
-    expected, centre, inertia = seen.moments
-    if (expected <= 0).any():
-        return  # told with what is filled
-    exact = quadrature.volume_inertia(seen.primitive, seen.params)
-    far = np.sqrt(((exact[1] - centre) ** 2).sum(axis=1)) / seen.diagonal
-    off = {
-        "volume": np.abs(exact[0] / expected - 1),
-        "centre of mass": np.where(exact[0] > 0, far, np.inf),
-        "inertia": np.abs(exact[2] - inertia).max(axis=(1, 2)) / np.abs(inertia).max(axis=(1, 2)),
-    }
-    for what, error in off.items():
-        worst = int(np.argmax(error))
-        if error[worst] > _MOMENTS:
-            yield (
-                "volume",
-                None,
-                f"its {what} by quadrature differs from the mesh by {100 * error[worst]:.3g} % ({seen.at(worst)})",
-            )
-            return
-
-
-def _pieces(seen: _Inspection) -> _Report:
-    """Convex pieces lie within the solid and leave out no more than a quarter of a wall."""
-    for _, name, words in _beyond(seen):
-        yield "pieces", name, words
-    row, _, covered = _covered(seen, pieces.build(seen.primitive, seen.params))
-    share = 1 - covered.mean()
-    if share > _MISSED:
-        worst = int(np.argmin(covered))
-        yield "pieces", None, f"no piece covers {100 * share:.3g} % of the depth of the solid ({seen.at(row[worst])})"
-
-
-def _beyond(seen: _Inspection, most: float = _WITHIN) -> Iterator[tuple[float, str, str]]:
+def pieces_beyond(seen: Inspection, most: float = _WITHIN) -> Iterator[tuple[float, str, str]]:
     """How far the declared pieces reach out of the solid, as shares of its size above ``most``: each with its name, and in words."""
     groups = pieces.build(seen.primitive, seen.params)
     furthest: dict[str, tuple[float, int, str]] = {}  # per declared piece, the worst of all its indices
@@ -324,7 +203,7 @@ def _beyond(seen: _Inspection, most: float = _WITHIN) -> Iterator[tuple[float, s
         yield out_by, name, f"this piece reaches {length:.4g} mm out of the solid ({seen.at(at)})"
 
 
-def _covered(seen: _Inspection, groups: list[pieces.PieceGroup]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def covered_places(seen: Inspection, groups: list[pieces.PieceGroup]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows and places deep within the solid, and whether a piece covers them."""
     row, points = _deep(seen)
     covered = np.zeros(len(row), dtype=bool)
@@ -349,20 +228,22 @@ def _covered(seen: _Inspection, groups: list[pieces.PieceGroup]) -> tuple[np.nda
 
 def find_box_fault(primitive: Primitive, wide: float) -> str | None:
     """Where, at a few test values, surfaces leave the stated box or it is ``wide`` of their size beyond them; None if nowhere."""
-    return next((words for _, _, words in _box(_Inspection(primitive, draw_trial(primitive, 2)), _LOOSE, wide)), None)
+    return next(
+        (words for _, _, words in box_faults(Inspection(primitive, draw_trial(primitive, 2)), _LOOSE, wide)), None
+    )
 
 
 def find_inside_fault(primitive: Primitive, steep: float) -> str | None:
     """Where, at a few test values, the inside function rises by ``steep`` more than the distance, or does not fill what the surfaces
     enclose; None if nowhere."""
-    seen = _Inspection(primitive, draw_trial(primitive, 2), _FEW, _COARSE)
-    return next((words for _, _, words in (*_slope(seen, steep), *_filled(seen))), None)
+    seen = Inspection(primitive, draw_trial(primitive, 2), _FEW, _COARSE)
+    return next((words for _, _, words in (*slope_faults(seen, steep), *fill_faults(seen))), None)
 
 
 def find_piece_beyond(primitive: Primitive, most: float) -> tuple[str, str] | None:
     """The piece that reaches furthest out of the solid at a few test values, by ``most`` of its size at least: its name, and in words."""
-    seen = _Inspection(primitive, draw_trial(primitive, 2), _FEW, _COARSE)
-    found = max(_beyond(seen, most), default=None)
+    seen = Inspection(primitive, draw_trial(primitive, 2), _FEW, _COARSE)
+    found = max(pieces_beyond(seen, most), default=None)
     return None if found is None else found[1:]
 
 
@@ -370,9 +251,9 @@ def measure_missed(primitive: Primitive) -> tuple[float, str] | None:
     """How far (a share of its size) a place deep within a solid lies from all its convex pieces, at the worst of a few test
     values, and where; None where pieces cover it all.
     """
-    seen = _Inspection(primitive, draw_trial(primitive, 2))
+    seen = Inspection(primitive, draw_trial(primitive, 2))
     groups = pieces.build(primitive, seen.params)
-    row, points, covered = _covered(seen, groups)
+    row, points, covered = covered_places(seen, groups)
     some = np.flatnonzero(~covered)
     some = some[:: 1 + len(some) // _OPEN]
     row, points = row[some], points[some]
@@ -403,7 +284,7 @@ def _on_piece(group: pieces.PieceGroup) -> np.ndarray:
     return np.concatenate([group.vertices, middle, edges], axis=1)
 
 
-def _deep(seen: _Inspection) -> tuple[np.ndarray, np.ndarray]:
+def _deep(seen: Inspection) -> tuple[np.ndarray, np.ndarray]:
     """Rows and places that lie deeper than ``_FILL`` of the greatest depth, found from the box and below surfaces."""
     row, points, value = (of[::8] for of in seen.in_boxes)
     rows, places = [], []
