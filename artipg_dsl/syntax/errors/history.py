@@ -1,228 +1,212 @@
-"""What the tokens before the one at which the parser stopped tell."""
+"""What the tokens before the one at which the parser stopped tell: a rule each, the first that knows counts."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 
-from lark import Token, UnexpectedToken
+from lark import Token
 
-from ...diagnostics.suggest import suggest
-from ...source import Source, Span
 from ...units import UNITS
-from ..grammar import Machine, terminal_words
-from ..recover import opening_brace
-from ..words import COMPARISONS, OPERATORS, VALUE, file_words, statement_words
-from .foreign import CLAUSES_ELSEWHERE, STATEMENTS_ELSEWHERE
-from .found import Found, Notes, quoted, span_of
-from .unclosed import brace_never_closed, first_on_line, open_bracket
-
-_Maker = Callable[..., Found]
+from ..grammar import terminal_words
+from ..words import COMPARISONS, OPERATORS, file_words, statement_words
+from .beginning import at_beginning, misplaced_at_top, misplaced_within
+from .foreign import CLAUSES_ELSEWHERE
+from .found import Found, quoted
+from .stop import Stop
+from .unclosed import first_on_line, open_bracket
 
 _BEGINS_VALUE = frozenset("NUMBER QUANTITY FRACTION NAME STRING LPAR LSQB HOLE".split())
 _ENDS_VALUE = frozenset("NUMBER QUANTITY FRACTION NAME STRING RPAR RSQB HOLE".split())
-_CONDITIONS = frozenset("WHEN WHEN_BLOCK REQUIRE PREFER WHERE IF".split())
+_CONDITIONS = "WHEN", "WHEN_BLOCK", "REQUIRE", "PREFER", "WHERE", "IF"
+_ENDS = frozenset({"_NL", "RPAR", "RSQB", "BAR", "RBRACE", "LBRACE"})
+_JOINT = "for example `joint open : revolute body -> door about door.left.back`"
+_PARTS = "`joint name : kind parent -> child`"
 
 
-def by_history(error: UnexpectedToken, history: list[Token], tools: Machine, source: Source, text: str) -> Found | None:
+def by_history(stop: Stop) -> Found | None:
     """What the tokens before tell."""
-    token: Token = error.token
-    last = history[-1] if history else None
-    accepted = error.accepts or set()
-    span = span_of(token, source, text)
-
-    def found(message: str, hint: str | None = None, code: str = "syntax", notes: Notes = ()) -> Found:
-        return Found(code, span, message, span.start, hint, notes)
-
+    token, accepted = stop.token, stop.accepted
     if token.type == "RBRACE" and accepted & file_words() and "RBRACE" not in accepted:
-        return found("this brace has no matching `{`", "remove it, or add the missing `{` above")
-    if token.type == "ON" and accepted == {"LBRACE"} and [t.type for t in history[-2:]] == ["MATERIAL", "NAME"]:
-        # `material oak on` of a body, not the declaration `material oak {`
-        return _misplaced(history[-2], history[:-2], True, source, text)
-    if token.type == "LBRACE" and [t.type for t in history[-2:]] == ["MATERIAL", "NAME"] and accepted == {"ON"}:
-        return _misplaced(history[-2], history[:-2], False, source, text)  # the declaration within a body
+        return stop.found("this brace has no matching `{`", "remove it, or add the missing `{` above")
+    if stop.follows("MATERIAL", "NAME"):
+        *before, material, _ = stop.before
+        if token.type == "ON" and accepted == {"LBRACE"}:  # `material oak on` of a body, not a declaration
+            return misplaced_at_top(stop, material, before)
+        if token.type == "LBRACE" and accepted == {"ON"}:  # the declaration `material oak {` within a body
+            return misplaced_within(stop, material)
+    last = stop.before[-1] if stop.before else None
     if last is None or last.type in ("_NL", "LBRACE", "RBRACE"):
-        beginning = _at_beginning(token, history, accepted, found, source, text)
+        beginning = at_beginning(stop)
         return beginning._replace(line_alone=True) if beginning is not None else None
-    values = accepted >= VALUE
-    if values and token.type in statement_words() | file_words() and first_on_line(token, source):
-        at = last.start_pos or 0
-        where = Span(source, at, last.end_pos or at)
-        return Found(
-            "syntax", where, f"a value is missing after `{last.value}`", at, "a statement ends at the end of its line"
-        )
-    reserved = token.value in tools.layout.reserved and last.type != "IS"
-    if reserved and last.type == "USE":
-        return found(f"`{token.value}` is a word of the language, not a module", f"did you mean `{token.value}s`?")
-    if reserved and token.type == "NONE" and last.type in COMPARISONS:
-        tells = "a part by itself tells whether it is there: `when handle { }`, `when not handle { }`"
-        return found("`none` is no value: nothing equals it", tells)
-    if reserved and accepted & {"NAME", "WORD"}:
-        return found(
-            f"`{token.value}` is a word of the language and cannot be used as a name",
-            "choose another name",
-            "reserved-word",
-        )
-    if values and token.type == "EQUAL" and last.type in terminal_words():
-        return found(f"`{last.value}` is followed by its value alone", f"leave the `=` out: `{last.value} ...`")
-    doubled = last.type == token.type == "SLASH" and last.end_pos == token.start_pos
-    if doubled:
-        return found("a comment begins with `#`", "for integer division, write `floor(a / b)`")
-    statement = next(
-        (t for t in reversed(history) if t.type in statement_words() | file_words() | {"WHERE", "IF"}), None
-    )
-    if token.type in ("COMMA", "ARROW") and statement is not None and statement.type == "JOINT":
-        bracket = open_bracket(history)
-        if bracket is not None and all(t.type != "ARROW" for t in history[history.index(statement) :]):
-            message = "a joint names its parts without brackets"
-            return found(message, "for example `joint open : revolute body -> door about door.left.back`")
-    arrow = last.type == "MINUS" and token.type == "MORE" and last.end_pos == token.start_pos
-    if arrow and statement is not None and statement.type == "JOINT":
-        return found(
-            "the kind of joint is missing", "for example `joint open : revolute body -> door about door.left.back`"
-        )
-    if last.type == "EQUAL" and token.type in ("MORE", "LESS") and last.end_pos == token.start_pos:
-        return found(f"`={token.value}` is no comparison", f"write `{token.value}=`")
-    if values and token.type == "DOT" and text[span.end : span.end + 1].isdigit():
-        return found("a number must begin with a digit", "write `0.5`")
-    if last.type in ("AND", "OR") and token.type in COMPARISONS:
-        return found(
-            f"a value is missing between `{last.value}` and {quoted(token)}",
-            f"each comparison names both of its sides: `a > b {last.value} a {token.value} c`",
-        )
-    if last.type == "ON" and token.type == "STAR":
-        return found(
-            "`*` stands for nothing here", "name what is meant: `on body, door`; a part stands for all within it"
-        )
-    if (
-        values
-        and token.type in OPERATORS | {"_NL", "RPAR", "RSQB", "BAR", "RBRACE", "LBRACE"}
-        and last.type in OPERATORS | {"EQUAL"}
-    ):
-        if (last.type, token.type) not in (("STAR", "STAR"), ("UNTIL", "DOT")):
-            return found(
-                f"a value is missing between `{last.value}` and {quoted(token)}",
-                "write it, or remove one of the two signs",
-            )
-    if statement is not None and statement.type == "ALIGN" and token.type == "_NL":
-        begin = statement.end_pos or 0
-        compared = next((t for t in history if (t.start_pos or 0) >= begin and t.type in COMPARISONS), None)
-        if compared is not None:
-            return _compared(compared, source)
-    if statement is not None and statement.type == last.type == "LIMIT" and not first_on_line(last, source):
-        where = span_of(last, source, text)
-        return Found("syntax", where, "`joint` takes no `limit`", where.start, CLAUSES_ELSEWHERE["joint", "limit"])
-    if token.type == "EQUAL" and statement is not None and statement.type in _CONDITIONS:
-        if (sign := text[span.end : span.end + 1]) in ("<", ">"):
-            return found(f"`={sign}` is no comparison", f"write `{sign}=`")
-        return found("`=` gives a name its value; it does not compare", "to compare, write `==`")
-    if last.type in _ENDS_VALUE and token.type in _BEGINS_VALUE:
-        return _two_values(token, last, history, found)
-    return None
+    return next((found for rule in _RULES if (found := rule(stop, last)) is not None), None)
 
 
-def _compared(sign: Token, source: Source) -> Found:
-    """An ``align`` that compares."""
-    where = span_of(sign, source, source.text)
-    said = source.line(where.line).partition("align ")[2].split("#")[0].strip()
-    hint = f"to require a comparison, write `require {said}`"
-    return Found("syntax", where, "`align` states an equation with a single `=`", where.start, hint)
-
-
-def _at_beginning(
-    token: Token, before: list[Token], accepted: set[str], found: _Maker, source: Source, text: str
-) -> Found | None:
-    """The token stands where a statement begins, behind the tokens ``before``."""
-    last = before[-1] if before else None
-    top = "CATEGORY" in accepted
-    beginners = (file_words() if top else statement_words()) & accepted
-    if not beginners:
+def _ends_too_early(stop: Stop, last: Token) -> Found | None:
+    """The next statement begins where a value is missing."""
+    begins = stop.token.type in statement_words() | file_words() and first_on_line(stop.token, stop.source)
+    if not stop.values or not begins:
         return None
-    if token.type == "SLASH" and text[(token.end_pos or 0) : (token.end_pos or 0) + 1] in ("/", "*"):
-        return found("a comment begins with `#`", "`##` documents the next declaration")
-    if token.type in OPERATORS and last is not None and token.type != "IF":
-        return found(
-            f"a line cannot begin with `{token.value}`: the statement above ended at the end of its line",
-            "put the operator at the end of the line above, or put the whole expression in parentheses",
-        )
-    if token.value in STATEMENTS_ELSEWHERE:
-        return found(f"no statement begins with `{token.value}`", STATEMENTS_ELSEWHERE[token.value])
-    if not re.fullmatch(r"[A-Za-z_]\w*", token.value):
-        block = (
-            "a block stands behind its statement, as in `when lid { ... }`; the one above has a block, or takes none"
-        )
-        word = "a statement begins with its keyword, such as `part`, `let` or `align`"
-        return found(f"no statement begins with {quoted(token)}", block if token.value == "{" else word)
-    if top and token.type in statement_words() or not top and token.type in file_words():
-        return _misplaced(token, before, top, source, text)
-    words = terminal_words()
-    if token.type in words and last is not None and last.type == "_NL":
-        return found(
-            f"no statement begins with `{token.value}`; the one above ended at the end of its line",
-            f"move `{token.value} ...` up: a statement continues on the next line only in brackets or after `,`, `=` or an operator",
-        )
-    equation = re.match(r"((?:\.\w+|\[[^\]\n]*\])*) *=(?!=)", text[token.end_pos or 0 :])
-    if equation is not None and not top:
-        verb = "align" if equation[1] else "let"
-        return found(
-            f"no statement begins with `{token.value}`",
-            f"write `{verb} {token.value}{equation[1]} = ...`: `align` states an equation, `let` names a value",
-        )
-    near = suggest(token.value, [words[b] for b in beginners if b in words])
-    hint = f"did you mean `{near}`?" if near else None
-    if hint is None:
-        hint = (
-            "`let name = value` names a value, `align a = b` states an equation" if not top else "see docs/language.md"
-        )
-    return found(f"no statement begins with `{token.value}`", hint)
+    return stop.found_at(last, f"a value is missing after `{last.value}`", "a statement ends at the end of its line")
 
 
-def _misplaced(token: Token, before: list[Token], top: bool, source: Source, text: str) -> Found:
-    """A statement at the top of a file, or a declaration of the file within a body, behind the tokens ``before``."""
-    at = token.start_pos or 0
-    span = Span(source, at, token.end_pos or at)
-    brace = opening_brace(text)
-    if not top and brace is not None:
-        return brace_never_closed(brace, source)
-    if not top:
-        return Found(
-            "syntax", span, f"`{token.value}` is not allowed inside a body", at, "move it to the top level of the file"
-        )
-    notes: Notes = ()
-    last = next((t for t in reversed(before) if t.type != "_NL"), None)
-    end = 0 if last is None else last.end_pos or 0
-    told = text[end:at] != source.text[end:at]  # what opens its block has been blanked
-    if last is not None and last.type == "RBRACE":
-        notes = ((Span(source, end - 1, end), "this brace ends the declaration above: is it one too many?"),)
-    message = f"`{token.value}` is not allowed at the top level of a file"
-    hint = "put it in a category, template, role or primitive"
-    return Found("syntax", span, message, at, hint, notes, fatal=True, told=told)
-
-
-def _two_values(token: Token, last: Token, history: list[Token], found: _Maker) -> Found | None:
-    """Two values in a row."""
-    if last.type == "NUMBER" and last.value[-1].isdigit() and token.value in UNITS:
-        return found("a unit must directly follow its number", f"write `{last.value}{token.value}`")
-    if open_bracket(history) is not None:
-        return found(
-            f"a comma or an operator is missing before `{token.value}`", "values in brackets are separated by commas"
-        )
-    words = [t for t in history if t.type in statement_words() or t.type in ("IN", "RANGE", "EACH", "TEST")]
-    if words and words[-1].type in ("IN", "RANGE", "EACH", "TEST") and token.type in ("NUMBER", "QUANTITY", "FRACTION"):
-        return found("`..` is missing between the ends of this range", "a range is written `low .. high`")
-    if words and words[-1].type == "JOINT" and history[-1] is last and history[-2:-1] == [words[-1]]:
-        return found("`:` is missing between the name and its kind", "`joint name : kind parent -> child`")
-    if words and words[-1].type == "JOINT" and "ARROW" not in {t.type for t in history[history.index(words[-1]) :]}:
-        return found(f"`->` is missing before `{token.value}`", "`joint name : kind parent -> child`")
-    if (
-        words
-        and words[-1].type == "CONNECT"
-        and not {t.type for t in history[history.index(words[-1]) :]} & {"TO", "ON", "IN", "BETWEEN"}
-    ):
-        return found(
-            f"`on` or `to` is missing before `{token.value}`",
-            "`connect lid.bottom on body.top` for faces, `to` for ports",
-        )
-    if words and words[-1].type == "ALIGN" and "EQUAL" not in {t.type for t in history[history.index(words[-1]) :]}:
-        return found(f"`=` is missing before `{token.value}`", "an equation is written `align a.left = b.right + 1mm`")
+def _reserved(stop: Stop, last: Token) -> Found | None:
+    """A word of the language where a name stands."""
+    word = stop.token.value
+    if word not in stop.tools.layout.reserved or last.type == "IS":
+        return None
+    if last.type == "USE":
+        return stop.found(f"`{word}` is a word of the language, not a module", f"did you mean `{word}s`?")
+    if stop.token.type == "NONE" and last.type in COMPARISONS:
+        tells = "a part by itself tells whether it is there: `when handle { }`, `when not handle { }`"
+        return stop.found("`none` is no value: nothing equals it", tells)
+    if stop.accepted & {"NAME", "WORD"}:
+        message = f"`{word}` is a word of the language and cannot be used as a name"
+        return stop.found(message, "choose another name", "reserved-word")
     return None
+
+
+def _value_alone(stop: Stop, last: Token) -> Found | None:
+    """An equals sign behind a clause."""
+    if not stop.values or stop.token.type != "EQUAL" or last.type not in terminal_words():
+        return None
+    return stop.found(f"`{last.value}` is followed by its value alone", f"leave the `=` out: `{last.value} ...`")
+
+
+def _two_slashes(stop: Stop, last: Token) -> Found | None:
+    if not (last.type == stop.token.type == "SLASH" and stop.touches(last)):
+        return None
+    return stop.found("a comment begins with `#`", "for integer division, write `floor(a / b)`")
+
+
+def _joint(stop: Stop, last: Token) -> Found | None:
+    """A joint with brackets around its parts, or without a kind."""
+    if stop.opener is None or not stop.within("JOINT"):
+        return None
+    bracketed = stop.token.type in ("COMMA", "ARROW") and open_bracket(stop.before) is not None
+    if bracketed and "ARROW" not in stop.since(stop.opener):
+        return stop.found("a joint names its parts without brackets", _JOINT)
+    if last.type == "MINUS" and stop.token.type == "MORE" and stop.touches(last):  # `->` where a value may stand
+        return stop.found("the kind of joint is missing", _JOINT)
+    return None
+
+
+def _turned_comparison(stop: Stop, last: Token) -> Found | None:
+    """``=<`` and ``=>``."""
+    if not (last.type == "EQUAL" and stop.token.type in ("MORE", "LESS") and stop.touches(last)):
+        return None
+    return stop.found(f"`={stop.token.value}` is no comparison", f"write `{stop.token.value}=`")
+
+
+def _bare_fraction(stop: Stop, last: Token) -> Found | None:
+    """``.5``."""
+    end = stop.span.end
+    if not stop.values or stop.token.type != "DOT" or not stop.text[end : end + 1].isdigit():
+        return None
+    return stop.found("a number must begin with a digit", "write `0.5`")
+
+
+def _half_comparison(stop: Stop, last: Token) -> Found | None:
+    """``a > b and < c``."""
+    if last.type not in ("AND", "OR") or stop.token.type not in COMPARISONS:
+        return None
+    return stop.found(
+        f"a value is missing between `{last.value}` and {quoted(stop.token)}",
+        f"each comparison names both of its sides: `a > b {last.value} a {stop.token.value} c`",
+    )
+
+
+def _star(stop: Stop, last: Token) -> Found | None:
+    """``on *``."""
+    if last.type != "ON" or stop.token.type != "STAR":
+        return None
+    hint = "name what is meant: `on body, door`; a part stands for all within it"
+    return stop.found("`*` stands for nothing here", hint)
+
+
+def _missing_operand(stop: Stop, last: Token) -> Found | None:
+    """Two signs in a row."""
+    signs = stop.token.type in OPERATORS | _ENDS and last.type in OPERATORS | {"EQUAL"}
+    known_as_mistakes = (last.type, stop.token.type) in (("STAR", "STAR"), ("UNTIL", "DOT"))
+    if not stop.values or not signs or known_as_mistakes:
+        return None
+    message = f"a value is missing between `{last.value}` and {quoted(stop.token)}"
+    return stop.found(message, "write it, or remove one of the two signs")
+
+
+def _compared(stop: Stop, last: Token) -> Found | None:
+    """An ``align`` that compares."""
+    if stop.opener is None or not stop.within("ALIGN") or stop.token.type != "_NL":
+        return None
+    begin = stop.opener.end_pos or 0
+    sign = next((t for t in stop.before if (t.start_pos or 0) >= begin and t.type in COMPARISONS), None)
+    if sign is None:
+        return None
+    line = stop.source.line(stop.source.position(sign.start_pos or 0)[0])
+    said = line.partition("align ")[2].split("#")[0].strip()
+    hint = f"to require a comparison, write `require {said}`"
+    return stop.found_at(sign, "`align` states an equation with a single `=`", hint)
+
+
+def _limited(stop: Stop, last: Token) -> Found | None:
+    """A ``limit`` as a clause of a joint."""
+    if not stop.within("LIMIT") or last.type != "LIMIT" or first_on_line(last, stop.source):
+        return None
+    return stop.found_at(last, "`joint` takes no `limit`", CLAUSES_ELSEWHERE["joint", "limit"])
+
+
+def _assigned(stop: Stop, last: Token) -> Found | None:
+    """A single equals sign in a condition."""
+    if stop.token.type != "EQUAL" or not stop.within(*_CONDITIONS):
+        return None
+    end = stop.span.end
+    if (sign := stop.text[end : end + 1]) in ("<", ">"):
+        return stop.found(f"`={sign}` is no comparison", f"write `{sign}=`")
+    return stop.found("`=` gives a name its value; it does not compare", "to compare, write `==`")
+
+
+def _two_values(stop: Stop, last: Token) -> Found | None:
+    """Two values in a row."""
+    token = stop.token
+    if last.type not in _ENDS_VALUE or token.type not in _BEGINS_VALUE:
+        return None
+    if last.type == "NUMBER" and last.value[-1].isdigit() and token.value in UNITS:
+        return stop.found("a unit must directly follow its number", f"write `{last.value}{token.value}`")
+    if open_bracket(stop.before) is not None:
+        hint = "values in brackets are separated by commas"
+        return stop.found(f"a comma or an operator is missing before `{token.value}`", hint)
+    ranges = "IN", "RANGE", "EACH", "TEST"
+    word = next((t for t in reversed(stop.before) if t.type in statement_words() or t.type in ranges), None)
+    if word is None:
+        return None
+    since = stop.since(word)
+    if word.type in ranges and token.type in ("NUMBER", "QUANTITY", "FRACTION"):
+        return stop.found("`..` is missing between the ends of this range", "a range is written `low .. high`")
+    if word.type == "JOINT" and stop.before[-2:-1] == [word]:
+        return stop.found("`:` is missing between the name and its kind", _PARTS)
+    if word.type == "JOINT" and "ARROW" not in since:
+        return stop.found(f"`->` is missing before `{token.value}`", _PARTS)
+    if word.type == "CONNECT" and not since & {"TO", "ON", "IN", "BETWEEN"}:
+        hint = "`connect lid.bottom on body.top` for faces, `to` for ports"
+        return stop.found(f"`on` or `to` is missing before `{token.value}`", hint)
+    if word.type == "ALIGN" and "EQUAL" not in since:
+        hint = "an equation is written `align a.left = b.right + 1mm`"
+        return stop.found(f"`=` is missing before `{token.value}`", hint)
+    return None
+
+
+_RULES: tuple[Callable[[Stop, Token], Found | None], ...] = (
+    _ends_too_early,
+    _reserved,
+    _value_alone,
+    _two_slashes,
+    _joint,
+    _turned_comparison,
+    _bare_fraction,
+    _half_comparison,
+    _star,
+    _missing_operand,
+    _compared,
+    _limited,
+    _assigned,
+    _two_values,
+)

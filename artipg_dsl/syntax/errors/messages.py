@@ -19,6 +19,7 @@ from .characters import by_character
 from .examples import key, table
 from .found import Found, quoted, span_of
 from .history import by_history
+from .stop import Stop
 from .unclosed import never_closed_at_end, never_closed_before
 
 
@@ -37,7 +38,7 @@ def describe(error: UnexpectedInput, tools: Machine, source: Source, text: str) 
         at = bar.start_pos or 0
         return Found("syntax", Span(source, at, at + 1), dangling.MESSAGE, at, dangling.HINT)
     else:
-        found = never_closed_before(token, history, source) or by_history(error, history, tools, source, text)
+        found = never_closed_before(token, history, source) or by_history(Stop(error, history, tools, source, text))
     if found is not None:
         return found
     span = span_of(token, source, text)
