@@ -23,7 +23,7 @@ from .dead import (
 )
 from .distance import measure_distance
 from .duplicates import CLOSE, find_near_duplicates
-from .graphs import find_graphs
+from .graphs import Graphs, find_graphs
 from .sizes import Extent, Real, compare_ratios, compare_sizes, measure_extents
 from .variants import Given, Variant, find_variants
 
@@ -217,20 +217,7 @@ def make_card(
 
     step(1)
     found = find_graphs(batch)
-    distance, pairs = measure_distance(found)
-    kind, count = found.kinds
-    kinds = tuple((found.text[k], int(c)) for k, c in zip(kind[:_SHOWN], count[:_SHOWN], strict=True))
-    variety = Variety(
-        len(kind),
-        found.perplexity,
-        distance,
-        pairs,
-        float(found.joints.mean()),
-        float(found.joints.var()),
-        int(found.joints.min()),
-        int(found.joints.max()),
-        kinds,
-    )
+    variety = _variety(found)
     step(2)
     close = int(find_near_duplicates(batch, found.code).sum())
     together = measure_coverage(sampler, batch, step(3))
@@ -264,6 +251,16 @@ def make_card(
         tuple(models),
         prior,
     )
+
+
+def _variety(found: Graphs) -> Variety:
+    """How different the kinematic graphs of objects are."""
+    distance, pairs = measure_distance(found)
+    kind, count = found.kinds
+    kinds = tuple((found.text[k], int(c)) for k, c in zip(kind[:_SHOWN], count[:_SHOWN], strict=True))
+    joints = found.joints
+    spread = float(joints.mean()), float(joints.var()), int(joints.min()), int(joints.max())
+    return Variety(len(kind), found.perplexity, distance, pairs, *spread, kinds)
 
 
 def program_lines(text: str) -> int:

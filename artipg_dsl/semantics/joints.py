@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..diagnostics.suggest import any_of, suggest
-from ..language import FACES, JOINTS
+from ..language import FACES, JOINTS, Kind
 from ..syntax import ast
 from ..syntax.walk import walk
 from ..units import UNITS
@@ -119,35 +119,11 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
     slides = row is not None and row.slides
     wanted = LENGTH if slides else ANGLE
     if (interval := _taken(ck, kind, node.range)) is not None:
-        motion_range(ck, ctx, interval.value, wanted if row is not None else UNKNOWN)
-        first, last = (components(end, ctx.module) for end in (interval.value.low, interval.value.high))
-        if len(first) == 1 and first[0] is not None and first == last:
-            ck.error(
-                "empty-range",
-                interval.value.span,
-                "the joint cannot move: both ends of its range are the same",
-                hint="give it room, or attach the part by `connect`",
-            )
-        if row is not None and row.tilts and next(iter(components(interval.value.low, ctx.module)), None) != 0.0:
-            ck.error(
-                "illegal-value",
-                interval.value.low.span,
-                "the range of a ball joint must begin at 0",
-                hint="write `range 0deg .. 30deg`: the angle by which the joint tilts to any side",
-            )
+        _range(ck, ctx, interval.value, wanted, row)
     if (rest := _taken(ck, kind, node.rest)) is not None:
         ck.expect(ctx, rest.value, wanted, "the rest of the joint")
         if interval is not None:
-            ends = (interval.value.low, rest.value, interval.value.high)
-            low, value, high = (next(iter(components(end, ctx.module)), None) for end in ends)
-            if value is not None and (low is not None and value < low or high is not None and value > high):
-                text = interval.value.span.text
-                ck.error(
-                    "illegal-value",
-                    rest.value.span,
-                    f"the rest value of the joint lies outside its range {text}",
-                    hint="choose a rest value in the range, or widen the range",
-                )
+            _rest(ck, ctx, rest.value, interval.value)
     for axis in ast.present(_taken(ck, kind, node.about), _taken(ck, kind, node.along)):
         axis_value(ck, axis.word, axis.value, ck.infer(ctx, axis.value))
     if (mimic := _taken(ck, kind, node.mimic)) is not None:
@@ -169,28 +145,57 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
     for physics in (node.damping, node.friction, node.stiffness, node.effort, node.velocity):
         if (number := _taken(ck, kind, physics)) is not None:
             given = ck.infer(ctx, number.value)
-            units = _UNITS[number.word][slides]
-            fitting = [ScalarType(UNITS[unit][1]) for unit in units]
-            if row is None or given == UNKNOWN or isinstance(given, ScalarType) and (given.zero or given in fitting):
-                continue
-            if isinstance(given, ScalarType):
-                text = number.value.span.text
-                bare = isinstance(number.value, ast.NumberExpr) and not number.value.unit
-                code, hint = (
-                    ("missing-unit", f"write {text}{units[0]}")
-                    if bare
-                    else ("wrong-dimension", f"write a number in `{units[0]}`")
-                )
-                ck.error(
-                    code,
-                    number.value.span,
-                    f"the `{number.word}` of a {kind} joint must be in {any_of(units)}",
-                    hint=hint,
-                )
-            else:
-                ck.unfit(
-                    number.value, given, f"`{number.word}` must be a number", hint=f"write a number in `{units[0]}`"
-                )
+            if row is not None and given != UNKNOWN:
+                _physics(ck, number, given, kind, _UNITS[number.word][slides])
+
+
+def _range(ck: Checker, ctx: Context, interval: ast.RangeExpr, wanted: Type, row: Kind | None) -> None:
+    """The range of a joint, whose kind is None if there is no such kind."""
+    motion_range(ck, ctx, interval, wanted if row is not None else UNKNOWN)
+    first, last = (components(end, ctx.module) for end in (interval.low, interval.high))
+    if len(first) == 1 and first[0] is not None and first == last:
+        ck.error(
+            "empty-range",
+            interval.span,
+            "the joint cannot move: both ends of its range are the same",
+            hint="give it room, or attach the part by `connect`",
+        )
+    if row is not None and row.tilts and next(iter(first), None) != 0.0:
+        ck.error(
+            "illegal-value",
+            interval.low.span,
+            "the range of a ball joint must begin at 0",
+            hint="write `range 0deg .. 30deg`: the angle by which the joint tilts to any side",
+        )
+
+
+def _rest(ck: Checker, ctx: Context, rest: ast.Expr, interval: ast.RangeExpr) -> None:
+    """A joint rests in its range, as far as both are known."""
+    ends = (interval.low, rest, interval.high)
+    low, value, high = (next(iter(components(end, ctx.module)), None) for end in ends)
+    if value is not None and (low is not None and value < low or high is not None and value > high):
+        ck.error(
+            "illegal-value",
+            rest.span,
+            f"the rest value of the joint lies outside its range {interval.span.text}",
+            hint="choose a rest value in the range, or widen the range",
+        )
+
+
+def _physics(ck: Checker, number: ast.Clause[ast.Expr], given: Type, kind: str, units: tuple[str, ...]) -> None:
+    """A number in one of the units that a clause takes of such a joint."""
+    if not isinstance(given, ScalarType):
+        hint = f"write a number in `{units[0]}`"
+        ck.unfit(number.value, given, f"`{number.word}` must be a number", hint=hint)
+        return
+    if given.zero or given in [ScalarType(UNITS[unit][1]) for unit in units]:
+        return
+    bare = isinstance(number.value, ast.NumberExpr) and not number.value.unit
+    code, hint = "wrong-dimension", f"write a number in `{units[0]}`"
+    if bare:
+        code, hint = "missing-unit", f"write {number.value.span.text}{units[0]}"
+    message = f"the `{number.word}` of a {kind} joint must be in {any_of(units)}"
+    ck.error(code, number.value.span, message, hint=hint)
 
 
 def _positions(ck: Checker, ctx: Context, node: ast.JointDecl, positions: ast.Clause[ast.Expr]) -> None:
