@@ -7,7 +7,9 @@ bounds of one variable could exclude one another, that they do not is a new requ
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Collection, Iterator
+from typing import NamedTuple
 
 from ...graph import expr as E
 from ...graph.depend import SIDEWAYS
@@ -24,84 +26,127 @@ _MOST_DERIVED = 400
 DEPTH = 24
 
 
+class Inequality(NamedTuple):
+    """``low <= high`` in the rows of ``scope`` in which ``guard`` holds, said by the requirement ``number`` and, of what follows from
+    several, by ``also``; ``depth``: how many eliminations it comes from."""
+
+    scope: Scope
+    low: Expr
+    high: Expr
+    guard: Expr
+    number: int
+    depth: int = 0
+    also: tuple[int, ...] = ()
+
+
 def attach_bounds(program: Program, strict: Collection[int]) -> list[tuple[Scope, tuple[int, ...]]]:
     """Fill ``bounds`` of the draws and ``limits`` of the choices from the requirements.
 
     The sides of the requirements ``strict`` must differ, if only a little. Returns the requirements that contradict one another
     whatever is drawn, with the rows in which they do.
     """
-    apart = frozenset(strict)
-    hollow: list[tuple[Scope, tuple[int, ...]]] = []
-    draws = {d.column: d for d in program.draws}
-    readers = Readers(program)
-    pending: list[tuple[Scope, Expr, Expr, Expr, int, int, tuple[int, ...]]] = []
-    for number, requirement in enumerate(program.requirements):
-        if requirement.slack is not None:
-            low, high = requirement.slack
-            pending.append((requirement.scope, low, high, requirement.guard, number, 0, ()))
-            continue
-        last = readers.last(requirement.scope, requirement.condition, requirement.guard)
-        if last is None:
-            continue
-        if draws[last].kind == "choice":
-            _limit_choice(readers, draws[last], requirement.scope, requirement.condition, requirement.guard, number)
-            continue
-        whole = E.either(E.negate(requirement.guard), requirement.condition)
-        rest = unite(readers, draws[last], requirement.scope, whole, number)
-        if rest is not None:
-            pending.append((requirement.scope, *rest, E.TRUE, number, 1, ()))
-    made = {False: 0, True: 0}  # derived from linear bounds, and from others
-    told: dict[object, float] = {}
-    while pending:
-        scope, low, high, guard, number, depth, also = pending.pop(0)
-        if depth and guard is E.TRUE and not apart.isdisjoint((number, *also)):
-            form = readers.drawn.form(E.sub(low, high))
-            left = None if form is None or form[0] else form[1].constant
-            if left is not None and abs(left) < 1e-12:  # they meet, and must not
-                hollow.append((scope, (number, *also)))
+    elimination = _Elimination(program, strict)
+    elimination.begin()
+    while elimination.pending:
+        elimination.follow(elimination.pending.popleft())
+    return elimination.hollow
+
+
+class _Elimination:
+    """Inequalities that are still to be turned into bounds, first those of the requirements, then what these ask of earlier draws."""
+
+    def __init__(self, program: Program, strict: Collection[int]):
+        self.requirements, self.apart = program.requirements, frozenset(strict)
+        self.draws = {d.column: d for d in program.draws}
+        self.readers = Readers(program)
+        self.pending: deque[Inequality] = deque()
+        self.hollow: list[tuple[Scope, tuple[int, ...]]] = []
+        self.made = {False: 0, True: 0}  # derived from linear bounds, and from others
+        self.told: dict[object, float] = {}
+
+    def begin(self) -> None:
+        """What the requirements themselves say."""
+        readers = self.readers
+        for number, requirement in enumerate(self.requirements):
+            scope, guard = requirement.scope, requirement.guard
+            if requirement.slack is not None:
+                self.pending.append(Inequality(scope, *requirement.slack, guard, number))
                 continue
-        if readers.intervals.of(E.call("le", low, high))[0] >= 1.0:
-            continue
-        difference = E.sub(low, high)
+            last = readers.last(scope, requirement.condition, guard)
+            if last is None:
+                continue
+            if self.draws[last].kind == "choice":
+                _limit_choice(readers, self.draws[last], scope, requirement.condition, guard, number)
+                continue
+            whole = E.either(E.negate(guard), requirement.condition)
+            rest = unite(readers, self.draws[last], scope, whole, number)
+            if rest is not None:
+                self.pending.append(Inequality(scope, *rest, E.TRUE, number, 1))
+
+    def follow(self, one: Inequality) -> None:
+        """Bounds of the value that is drawn last among those it names, and what they ask of those drawn before."""
+        scope, guard, readers = one.scope, one.guard, self.readers
+        derived = one.depth > 0 and guard is E.TRUE
+        if derived and not self.apart.isdisjoint((one.number, *one.also)) and self._meet(one):
+            self._note_hollow(one)
+            return
+        holds, difference = E.call("le", one.low, one.high), E.sub(one.low, one.high)
+        if readers.intervals.of(holds)[0] >= 1.0:
+            return
         last = readers.last(scope, difference, guard)
         if last is None:
-            continue
-        if draws[last].kind == "choice":
-            _limit_choice(readers, draws[last], scope, E.call("le", low, high), guard, number)
-            continue
+            return
+        draw = self.draws[last]
+        if draw.kind == "choice":
+            _limit_choice(readers, draw, scope, holds, guard, one.number)
+            return
         form = readers.drawn.form(difference)
-        if depth and guard is E.TRUE and form is not None and not form[0] and form[1].constant is not None:
+        if derived and form is not None and not form[0] and form[1].constant is not None:
             if form[1].constant > 1e-9:
-                hollow.append((scope, (number, *also)))
-            continue
-        if form is not None and _weaker(form, scope, guard, last, told) and depth:
-            continue
+                self._note_hollow(one)
+            return
+        if form is not None and _weaker(form, scope, guard, last, self.told) and one.depth:
+            return
         alone = readers.ends(last)
         if alone.linear.reads(guard) or alone.linear.form(difference) is None:  # it may leave several intervals
-            whole = E.either(E.negate(guard), E.call("le", low, high))
-            rest = unite(readers, draws[last], scope, whole, number, also)
-            if rest is not None and depth < DEPTH and made[True] < _MOST_DERIVED:
-                made[True] += 1
-                pending.append((scope, *rest, E.TRUE, number, depth + 1, also))
+            rest = unite(readers, draw, scope, E.either(E.negate(guard), holds), one.number, one.also)
+            if rest is not None and self._may_go_on(one, True):
+                self._derive(one, True, scope, *rest, E.TRUE)
         bent = linear(alone, scope, difference, guard) is None and not readers.open_ended(difference)
-        if bent and depth < DEPTH and made[bent] < _MOST_DERIVED:  # that the value drawn last has a chance at all
+        if bent and self._may_go_on(one, bent):  # that the value drawn last has a chance at all
             least = least_of(difference, alone)
             if least is not None and scope.within(least.scope) and not readers.late(last, [least, guard]):
-                made[bent] += 1
-                pending.append((scope, least, E.ZERO, guard, number, depth + 1, also))
-        for draw, bound, stated, inner in bind(readers, draws[last], scope, low, high, guard, number, also):
-            if depth >= DEPTH or made[bent] >= _MOST_DERIVED:
+                self._derive(one, bent, scope, least, E.ZERO, guard)
+        self._oppose(one, draw, bent)
+
+    def _oppose(self, one: Inequality, draw: Draw, bent: bool) -> None:
+        """Bind the value drawn last: between its bound and those on the other side there is room."""
+        for bound, stated, inner in bind(self.readers, draw, one):
+            if not self._may_go_on(one, bent):
                 break
             for other in _opposite(draw, bound):
-                made[bent] += 1
                 lower, upper = (other, stated) if bound.side == "high" else (stated, other)
-                reasons = tuple(
-                    dict.fromkeys((*also, *other.also, *(() if other.requirement == number else (other.requirement,))))
-                )
-                pending.append(
-                    (inner, lower.value, upper.value, E.both(lower.guard, upper.guard), number, depth + 1, reasons)
-                )
-    return hollow
+                more = () if other.requirement == one.number else (other.requirement,)
+                also = tuple(dict.fromkeys((*one.also, *other.also, *more)))
+                guard = E.both(lower.guard, upper.guard)
+                self._derive(one._replace(also=also), bent, inner, lower.value, upper.value, guard)
+
+    def _may_go_on(self, one: Inequality, bent: bool) -> bool:
+        """Whether more may be derived: it grows fast with the depth, and says less and less."""
+        return one.depth < DEPTH and self.made[bent] < _MOST_DERIVED
+
+    def _derive(self, one: Inequality, bent: bool, scope: Scope, low: Expr, high: Expr, guard: Expr) -> None:
+        self.made[bent] += 1
+        self.pending.append(Inequality(scope, low, high, guard, one.number, one.depth + 1, one.also))
+
+    def _meet(self, one: Inequality) -> bool:
+        """Whether both sides are always equal."""
+        form = self.readers.drawn.form(E.sub(one.low, one.high))
+        left = None if form is None or form[0] else form[1].constant
+        return left is not None and abs(left) < 1e-12
+
+    def _note_hollow(self, one: Inequality) -> None:
+        self.hollow.append((one.scope, (one.number, *one.also)))
 
 
 def _weaker(form: LinearForm, scope: Scope, guard: Expr, last: Column, told: dict[object, float]) -> bool:
@@ -167,28 +212,19 @@ def _opposite(draw: Draw, bound: Bound) -> Iterator[Bound]:
             yield other
 
 
-def bind(
-    readers: Readers,
-    draw: Draw,
-    scope: Scope,
-    low: Expr,
-    high: Expr,
-    guard: Expr,
-    number: int,
-    also: tuple[int, ...] = (),
-) -> list[tuple[Draw, Bound, Bound, Scope]]:
-    """Turn ``low <= high`` into bounds of the variable that is drawn last, as far as it can be solved for it.
+def bind(readers: Readers, draw: Draw, one: Inequality) -> list[tuple[Bound, Bound, Scope]]:
+    """Turn an inequality into bounds of the variable that is drawn last, as far as it can be solved for it.
 
     Each is returned twice: as one of the variable's table, and as stated in the rows of the scope that follows.
     """
-    column, difference = draw.column, E.sub(low, high)
+    column, difference = draw.column, E.sub(one.low, one.high)
     alone = readers.ends(column)
-    halves = linear(alone, scope, difference, guard)
+    halves = linear(alone, one.scope, difference, one.guard)
     bent = None
     if halves is None:
         if readers.open_ended(difference):
             return []
-        halves = bent = bounds_of(low, high, guard, scope, alone)
+        halves = bent = bounds_of(one.low, one.high, one.guard, one.scope, alone)
     found = []
     for half in halves:
         lifted = lift(half.scope, column.scope, half.value, half.guard, half.side)
@@ -196,11 +232,11 @@ def bind(
             continue
         if halves is bent and readers.late(column, lifted):
             continue
-        bound = Bound(half.side, lifted[0], lifted[1], number, also)
+        bound = Bound(half.side, lifted[0], lifted[1], one.number, one.also)
         if any(b.side == bound.side and b.value is bound.value and b.guard is bound.guard for b in draw.bounds):
             continue
         draw.bounds.append(bound)
-        found.append((draw, bound, Bound(half.side, half.value, half.guard, number, also), half.scope))
+        found.append((bound, Bound(half.side, half.value, half.guard, one.number, one.also), half.scope))
     return found
 
 
