@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
 from ...graph import expr as E
@@ -23,6 +24,7 @@ from ..values.kinds import Value, Vec
 from ..values.vectors import times
 from .curves import Curve, let
 from .lowered import Condition, Lowered, blame
+from .made import Made
 from .paths import handed
 from .probe import possible, test_ranges
 from .recalled import entry_of, keep, recall
@@ -108,33 +110,71 @@ def _beyond_tests(
 
 
 def make(context: Draft, symbol: Symbol, title: str, paths: dict[str, Handed]) -> Lowered:
-
-    root = Scope(f"primitive {symbol.name}")
-    env = Env(context, symbol.module, symbol, root, "")
+    """The formulas of a primitive, with the paths that a use hands in."""
+    env = Env(context, symbol.module, symbol, Scope(f"primitive {symbol.name}"), "")
     parameters = [s for s in symbol.body if isinstance(s, ast.ParamDecl)]
     env.names.update(paths)
     conditions = [c for s in parameters if s.type.name != "curve" for c in _declare_parameters(env, s)]
     tests = dict(test_ranges(env))
-    stated: list[str] = []
+    stated = _declare_names(env, symbol.body)
     for statement in symbol.body:
+        if isinstance(statement, ast.RequireStmt) and statement.condition is not None:
+            conditions.append(_condition_of(Evaluator(env), statement))
+    whole = [n for s in parameters if s.type.name in ("count", "bool") for n in s.names]
+    made = _solid(env, symbol.body)
+    if made is None or not made.patches:
+        raise context.internal(symbol.decl.name_span, f"the primitive `{symbol.name}` is incomplete")
+    for demand in made.requires:
+        pair = demand.low, demand.high
+        within = E.call("le", *pair)
+        if within is not E.TRUE:
+            conditions.append(Condition(within, pair, demand.message, "requirement of the operator", demand.bend))
+    primitive = Primitive(
+        title,
+        tuple(tests),
+        tuple(tests.values()),
+        made.patches,
+        made.inside,
+        made.low,
+        made.high,
+        made.pieces,
+        tuple(c.holds for c in conditions),
+        str(where(symbol.decl.span)),
+        tuple(dict.fromkeys(p.name for p in made.patches)),
+        tuple(whole),
+    )
+    ports = {**made.ports, **{name: env.force(name) for name in stated}}
+    lowered = Lowered(primitive, tuple(n for s in parameters for n in s.names), ports, conditions)
+    size = [E.var(f"size.{a}") for a in "xyz"]
+    half = [E.mul(s, E.const(0.5)) for s in size]
+    lowered.possible = not paths or not conditions or possible(env, [c.holds for c in conditions])
+    lowered.centred_size = all(h is c for h, c in zip(half, made.high, strict=True))
+    return lowered
+
+
+def _declare_names(env: Env, body: tuple[ast.Stmt, ...]) -> list[str]:
+    """Give the names of a primitive that are no parameters what they stand for; the names of its ports."""
+    ports = []
+    for statement in body:
         if isinstance(statement, ast.LetDecl | ast.CurveDecl):
             env.names[statement.name] = let(env, statement)
         elif isinstance(statement, ast.SurfaceDecl):
             env.names[statement.name] = Function(statement.name, (statement.u, statement.v), statement.value, env)
         elif isinstance(statement, ast.PortDecl) and statement.value is not None:
-            stated.append(statement.name)
+            ports.append(statement.name)
             env.names[statement.name] = Thunk(partial(bound, env, statement), statement.name_span)
-    for statement in symbol.body:
-        if isinstance(statement, ast.RequireStmt) and statement.condition is not None:
-            conditions.append(_condition_of(Evaluator(env), statement))
-    limits = domains(env, symbol.body)
-    whole = [n for s in parameters if s.type.name in ("count", "bool") for n in s.names]
-    patches, pieces = [], []
+    return ports
+
+
+def _solid(env: Env, body: tuple[ast.Stmt, ...]) -> Made | None:
+    """The solid that surfaces bound, or that an operator makes of curves, with the pieces and the box that are stated, if any."""
+    limits = domains(env, body)
+    patches: list[Patch] = []
+    pieces: list[Piece] = []
     inside: Expr | None = None
-    low = high = None
-    solid: ast.SolidDecl | None = None
-    ports: dict[str, Value] = {}
-    for statement in symbol.body:
+    box: tuple[Triple, Triple] | None = None
+    operator: ast.SolidDecl | None = None
+    for statement in body:
         match statement:
             case ast.SurfaceDecl():
                 patches.append(_patch_of(env, statement, limits))
@@ -144,46 +184,18 @@ def make(context: Draft, symbol: Symbol, title: str, paths: dict[str, Handed]) -
                 point = Vec(tuple(E.var(f"p.{a}") for a in "xyz"))
                 inside = Evaluator(env, {statement.parameter: point}).scalar(statement.value)
             case ast.BoxDecl():
-                low, high = box_of(Evaluator(env), statement)
+                box = box_of(Evaluator(env), statement)
             case ast.SolidDecl():
-                solid = statement
+                operator = statement
             case _:
                 pass
-    if solid is not None:
+    if operator is not None:
         from .operators import solid_of  # start-up: most solids are kept
 
-        made = solid_of(env, solid)
-        patches, pieces, inside = list(made.patches), pieces or list(made.pieces), made.inside
-        for demand in made.requires:
-            pair = demand.low, demand.high
-            within = E.call("le", *pair)
-            if within is not E.TRUE:
-                conditions.append(Condition(within, pair, demand.message, "requirement of the operator", demand.bend))
-        low, high = (low, high) if low is not None else (made.low, made.high)
-        ports = made.ports
-    if inside is None or low is None or high is None or not patches:
-        raise context.internal(symbol.decl.name_span, f"the primitive `{symbol.name}` is incomplete")
-    primitive = Primitive(
-        title,
-        tuple(tests),
-        tuple(tests.values()),
-        tuple(patches),
-        inside,
-        low,
-        high,
-        tuple(pieces),
-        tuple(c.holds for c in conditions),
-        str(where(symbol.decl.span)),
-        tuple(dict.fromkeys(p.name for p in patches)),
-        tuple(whole),
-    )
-    ports = {**ports, **{name: env.force(name) for name in stated}}
-    lowered = Lowered(primitive, tuple(n for s in parameters for n in s.names), ports, conditions)
-    size = [E.var(f"size.{a}") for a in "xyz"]
-    half = [E.mul(s, E.const(0.5)) for s in size]
-    lowered.possible = not paths or not conditions or possible(env, [c.holds for c in conditions])
-    lowered.centred_size = all(h is c for h, c in zip(half, high, strict=True))
-    return lowered
+        made = solid_of(env, operator)
+        low, high = box or (made.low, made.high)
+        return replace(made, pieces=tuple(pieces) or made.pieces, low=low, high=high)
+    return None if inside is None or box is None else Made(tuple(patches), tuple(pieces), inside, *box)
 
 
 def _declare_parameters(env: Env, statement: ast.ParamDecl) -> list[Condition]:
