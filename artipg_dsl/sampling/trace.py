@@ -120,7 +120,7 @@ def _drawn(stage: Stage) -> Iterable[tuple[int, Step]]:
         scope = draw.column.scope
         old, new = rows_of_draw(before, number, everything), rows_of_draw(after, number, everything)
         a, b = before.state.values[number], after.state.values[number]
-        _, here, there = np.intersect1d(old.key, new.key, assume_unique=True, return_indices=True)
+        here, there = _pair(old.key, new.key)
         apart = a[old.row[here]] != b[new.row[there]]
         here_gone = np.setdiff1d(np.arange(len(old.key)), here, assume_unique=True)
         there_new = np.setdiff1d(np.arange(len(new.key)), there, assume_unique=True)
@@ -149,6 +149,13 @@ def _drawn(stage: Stage) -> Iterable[tuple[int, Step]]:
             )
 
 
+def _pair(old: np.ndarray, new: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where the keys lie that both have, in the order of the new ones: that of keys differs from batch to batch."""
+    _, here, there = np.intersect1d(old, new, assume_unique=True, return_indices=True)
+    order = np.argsort(there)
+    return here[order], there[order]
+
+
 def _ranks(batch: Batch, scope: Scope) -> list[tuple[int, ...]]:
     """The ranks of the repeats above each row, outermost first."""
     found = [rank.tolist() for _, rank in batch.rowmap.ranks(scope)]
@@ -165,7 +172,7 @@ def _determined(stage: Stage) -> Iterable[tuple[int, Step]]:
         rows = [batch.rowmap.rows(scope) for batch in (before, after)]
         was, now = (mix(r.address, r.owner) for r in rows)
         a, b = (batch.read([expr], scope)[0] for batch in (before, after))
-        _, here, there = np.intersect1d(was, now, assume_unique=True, return_indices=True)
+        here, there = _pair(was, now)
         apart = np.abs(a[here] - b[there]) > _TOLD
         if not apart.any():
             continue

@@ -166,6 +166,11 @@ def test_traces_say_what_was_done_and_do_it_again(microwave, batch):
     assert found >= {"changed", "new", "gone", "determined"}
 
 
+def test_a_trace_is_the_same_in_any_batch(microwave):
+    few, alone = (trace_lines(mutate(microwave, microwave.batch(np.arange(first, 9), seed=2))) for first in (0, 8))
+    assert few.splitlines()[-1] == alone.splitlines()[-1]
+
+
 def test_a_trace_ends_where_the_mutant_stands(microwave, batch):
     mutant = mutate(microwave, batch, variant=5)
     for index, made in enumerate(trace_objects(mutant)[:20]):
