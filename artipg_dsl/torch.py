@@ -77,7 +77,7 @@ class Stream(IterableDataset[Batch]):
     def __iter__(self) -> Iterator[Batch]:
         info, epoch = get_worker_info(), int(self._epoch)
         first, step = (0, 1) if info is None else (info.id, info.num_workers)
-        numbers = [k * self.world + self.rank for k in range(first, len(self), step)]
+        numbers = range(first * self.world + self.rank, len(self) * self.world, step * self.world)
         for made in self.source.batches(numbers, epoch):
             yield Batch(_to_tensors(made))
 

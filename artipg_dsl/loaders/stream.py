@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..annotate.cloud import Dress
+from ..annotate.sampling import MOST
 from ..api.bound import Worn, lend_details
 from ..arguments import read_flag, read_paths, read_whole
 from ..details.dressing import refuse_idle_strength
@@ -22,10 +24,11 @@ from ..errors import SettingError, UsageError
 from ..run.job import Job, open_job, open_program, prepare
 from ..run.prior import PriorFile, read_prior
 from ..run.request import read_request
+from ..run.schema import LARGEST
 from ..run.settings import Value
 from .classes import find_classes
 from .draws import Draws, read_epoch
-from .tasks import Arrays, find_task, make_arrays, state_of
+from .tasks import Arrays, find_task, make_arrays, one_camera, state_of
 from .transforms import Transform, apply_transform, read_transforms
 
 if TYPE_CHECKING:
@@ -85,10 +88,11 @@ class Stream:
         if view is not None and not self.task.partial:
             raise UsageError(f"{self.task.name} has no camera to look through", "leave out `view`, or take completion")
         refuse_idle_strength(details, detail_strength)
-        counts = {"size": size, "batch": batch, "points": points}
-        self.size, self.each, self.points = (read_whole(name, number, 1) for name, number in counts.items())
+        self.size, self.each = read_whole("size", size, 1, LARGEST), read_whole("batch", batch, 1)
+        self.points = read_whole("points", points, 1, MOST)
         self.seed = read_whole("seed", seed)
-        self.states, self.fresh, self.view = states, read_flag("fresh", fresh), dict(view or {})
+        self.states, self.fresh = states, read_flag("fresh", fresh)
+        self.camera = one_camera(view or {}, self.points) if self.task.partial else None
         self.transforms, self._chosen = read_transforms(transforms), classes
         self._nested, self._checked = (
             isinstance(set, Mapping) and any(isinstance(v, Mapping) for v in set.values()),
@@ -199,14 +203,18 @@ class Stream:
 
         Those of many categories take less time together: of each, one object takes nearly as long as ten.
         """
-        wanted, epoch = [read_whole("the number of a batch", k) for k in numbers], read_epoch(epoch)
-        for k in wanted:
-            if not 0 <= k < len(self):
-                raise IndexError(f"there are {len(self)} batches, no batch {k}")
+        epoch, wanted = read_epoch(epoch), iter(numbers)
+        if self.fresh and (epoch + 1) * self.size > LARGEST:
+            raise UsageError(f"epoch is {epoch}", f"up to {LARGEST // self.size - 1:,} there are objects of their own")
         together = min(-(-_OF_EACH * len(self.sources) // self.each), _MOST_POINTS // (self.each * self.points))
-        step = max(1, together)
-        for first in range(0, len(wanted), step):
-            yield from self._make(wanted[first : first + step], epoch)
+        while some := [self._number(k) for k in islice(wanted, max(1, together))]:
+            yield from self._make(some, epoch)
+
+    def _number(self, k: int) -> int:
+        number = read_whole("the number of a batch", k)
+        if not 0 <= number < len(self):
+            raise IndexError(f"there are {len(self)} batches, no batch {number}")
+        return number
 
     def _make(self, numbers: Sequence[int], epoch: int) -> Iterator[Arrays]:
         """Some batches, whose objects are made at once."""
@@ -229,7 +237,7 @@ class Stream:
             yield {"object": number[rows], "category": category[rows]} | found
 
     def _arrays(self, category: int, made: Batch, state: np.ndarray) -> Arrays:
-        found = make_arrays(made, self.task, self.points, state, self.words, self.view, self._dresses[category])
+        found = make_arrays(made, self.task, self.points, state, self.words, self.camera, self._dresses[category])
         tables = self._classes[1]
         return (
             found

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..annotate.camera_file import cameras_of
+from ..annotate.cameras import Cameras
 from ..annotate.cloud import Dress, sample_points, sample_surface
 from ..annotate.sampling import Sampling
 from ..annotate.states import draw_values, joint_values, read_states
@@ -71,23 +72,32 @@ def state_of(batch: Batch, states: str, epoch: int) -> np.ndarray:
     return np.asarray(joint_values(batch, wanted)[0])
 
 
+def one_camera(view: Mapping[str, object], points: int) -> Cameras:
+    """The camera that a view describes, whose clouds have so many points unless it says otherwise. Raises UsageError, UserError."""
+    camera = cameras_of({"points": points, **({} if "poses" in view else {"views": 1}), **view})
+    if camera.count != 1:
+        raise UsageError(
+            f"view has {camera.count} cameras", "each object is seen by one: leave out `views`, give one pose"
+        )
+    return camera
+
+
 def make_arrays(
     batch: Batch,
     task: Task,
     points: int,
     states: np.ndarray,
     words: Mapping[str, Sequence[str]],
-    views: Mapping[str, object],
+    camera: Cameras | None,
     dress: Dress | None,
 ) -> Arrays:
     """The arrays of a task for B objects with their joints at ``states`` (J,), in the object's frame, metres.
 
     ``points``, ``normals``, ``npcs``, ``motion`` (B, n, 3) float32, ``motion`` the velocity by the own joint per radian or metre;
     ``semantic``, ``instance``, ``link`` (B, n) int64; ``affordance`` (B, n, W) float32 in the order of ``words["affordance"]``;
-    ``partial`` (B, n, 3): what one camera sees. ``dress`` moves points to where their details are.
+    ``partial`` (B, n, 3): what the one ``camera`` sees, which other tasks have not. ``dress`` moves points to where their details are.
     """
-    if task.partial:
-        camera = cameras_of(1, **{"points": points, **views})
+    if camera is not None:
         # for one picture embree's tree takes longer to build than a z-buffer to fill, which is there without an extra, too
         seen = see_points(batch, camera, states, "numpy")[:, 0]
         return {"points": sample_surface(batch, Sampling(points), states).position.astype(np.float32), "partial": seen}

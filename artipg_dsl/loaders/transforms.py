@@ -23,6 +23,7 @@ Transform = Callable[[Arrays, Draws], Arrays]
 _PLACES = ("points", "partial")
 _VECTORS = (*_PLACES, "normals", "motion")
 _PER_BATCH = ("object", "category")
+_MOST_PIXELS = 1 << 20  # of a side: farther apart no float32 tells points
 _AXES = {"x": 0, "y": 1, "z": 2}
 _NUMBERS = "biuf"
 _RETURNS = "it returns the NumPy arrays by name: arrays | {...}"
@@ -60,6 +61,8 @@ def apply_transform(transform: Transform, arrays: Arrays, draws: Draws) -> Array
     made = transform(arrays, draws)
     if not isinstance(made, dict):
         raise UsageError(f"the transform {transform!r} gives {type(made).__name__}", _RETURNS)
+    if "points" not in made:
+        raise UsageError(f"the transform {transform!r} gives no `points`", _RETURNS)
     count, found = len(arrays["points"]), {}
     for name, array in made.items():
         if not isinstance(array, np.ndarray):
@@ -207,7 +210,7 @@ class View:
     depth: float = 0.05
 
     def __post_init__(self) -> None:
-        read_whole("pixels", self.pixels, 1)
+        read_whole("pixels", self.pixels, 1, _MOST_PIXELS)
         read_amount("depth", self.depth)
 
     def __call__(self, arrays: Arrays, draws: Draws) -> Arrays:
@@ -224,8 +227,9 @@ class View:
         size = place.max(axis=1)
         step = np.maximum(size[:, :2].max(axis=1), 1e-12)[:, None, None] / self.pixels
         pixel = np.minimum(place[..., :2] / step, self.pixels - 1).astype(np.int64)
-        at = ((np.arange(b)[:, None] * self.pixels + pixel[..., 0]) * self.pixels + pixel[..., 1]).ravel()
-        nearest = np.full(b * self.pixels * self.pixels, np.inf)
+        at = (np.arange(b)[:, None] * self.pixels + pixel[..., 0]) * self.pixels + pixel[..., 1]
+        known, at = np.unique(at.ravel(), return_inverse=True)  # those that show a point: of all there may be too many
+        nearest = np.full(len(known), np.inf)
         np.minimum.at(nearest, at, place[..., 2].ravel())
         slack = self.depth * np.sqrt((size * size).sum(axis=-1))
         return _keep(arrays, name, place[..., 2] <= nearest[at].reshape(b, n) + slack[:, None], draws)

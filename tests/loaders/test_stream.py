@@ -35,6 +35,13 @@ def test_the_last_batch_is_shorter_and_there_is_no_other(stream: Stream) -> None
         stream.batch(3)
 
 
+def test_a_stream_may_be_longer_than_any_memory(chest: Path) -> None:
+    endless = Stream(chest, size=2**60, batch=1, points=8)
+    np.testing.assert_array_equal(next(endless.batches(range(5, 2**60)))["object"], [5])
+    with pytest.raises(UserError, match="up to 6 there are objects"):
+        endless.batch(0, 7)
+
+
 def test_epochs_count_from_0(stream: Stream) -> None:
     for wrong in (-1, 0.5, 2**32, 2**64):
         with pytest.raises(UserError, match="epoch is"):
@@ -84,6 +91,9 @@ def test_completion_has_what_one_camera_sees(chest: Path) -> None:
     batch = Stream(chest, "completion", size=2, batch=2, points=128, view={"width": 80, "height": 60}).batch(0)
     assert batch["partial"].shape == batch["points"].shape == (2, 128, 3)
     assert (batch["partial"].min(axis=1) > batch["points"].min(axis=1) - 0.05).all()
+    above = {"poses": [{"eye": [0.1, 0, 3]}]}
+    seen = Stream(chest, "completion", size=1, batch=1, points=128, view=above).batch(0)["partial"]
+    assert seen[..., 2].min() > batch["points"][:1, :, 2].max() - 0.01
 
 
 def test_transforms_do_not_depend_on_the_batch(chest: Path) -> None:
@@ -121,6 +131,10 @@ def test_it_travels_to_another_process(stream: Stream) -> None:
         ({"states": None}, "states is None: text is needed"),
         ({"classes": 3}, "classes is 3"),
         ({"task": "completion", "view": 3}, "view is 3"),
+        ({"task": "completion", "view": {"views": 5}}, "view has 5 cameras"),
+        ({"task": "completion", "view": {"widht": 5}}, "`widht` is not known"),
+        ({"points": 10**12}, "points is 1000000000000"),
+        ({"size": 2**70}, "size is"),
     ],
 )
 def test_what_is_wrong_is_said_at_once(chest: Path, options: dict[str, object], message: str) -> None:
@@ -144,6 +158,7 @@ def test_categories_are_names_each_once(chest: Path) -> None:
     ("transform", "message"),
     [
         (lambda arrays, draws: None, "gives NoneType"),
+        (lambda arrays, draws: {"semantic": arrays["semantic"]}, "gives no `points`"),
         (lambda arrays, draws: arrays | {"extra": 3}, "makes 'extra' int"),
         (lambda arrays, draws: arrays | {"name": np.array(["a", "b"])}, "makes 'name' of type <U1"),
         (lambda arrays, draws: arrays | {"semantic": arrays["semantic"] * 0.5}, "'semantic' of type float64.*int64"),

@@ -103,6 +103,8 @@ def test_view_shows_the_near_side(draws: Draws, arrays: Arrays) -> None:
     hidden = [np.setdiff1d(np.arange(N), made["semantic"][b]) for b in range(B)]
     assert all((arrays["normals"][b][hidden[b]] @ look[b]).max() < 0.5 for b in range(B))
     assert all(len(h) > N / 4 for h in hidden)
+    fine = View(pixels=1 << 20, depth=0)(arrays, draws)  # each point in a pixel of its own
+    np.testing.assert_array_equal(fine["semantic"], arrays["semantic"])
 
 
 def test_of_partial_clouds_the_whole_stays(arrays: Arrays, draws: Draws) -> None:
