@@ -60,7 +60,8 @@ class Chunk:
         return len(self.each) < len(self.formats)
 
     def write(self, job: Job, room: Room, progress: ReportProgress | None = None) -> None:
-        """Write what is missing, as many objects at a time as there is room for; ``progress(done, of)`` hears of objects with files."""
+        """Write what is missing, as many objects at a time as there is room for; ``progress(done, of)`` hears of objects that have their
+        files, or, where all of them share files, that are made."""
         missing = [e for e in self.formats if e.shard and not is_there(shard_path(self.out, e, self.shard))]
         absent = self.numbers if self.force and self.each else self.absent()
         uncounted = self.counts and not is_there(self.out / self.counts)
@@ -79,6 +80,8 @@ class Chunk:
             )
             room.end(size)
             done += size
+            if progress and not self.each:
+                progress(done, len(numbers))
         for entry in missing:  # force: the same command elsewhere may have written the same bytes meanwhile
             write_bytes(shard_path(self.out, entry, self.shard), entry.joined(parts.pop(entry.name)), force=True)
         if uncounted:

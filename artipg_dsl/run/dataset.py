@@ -126,8 +126,11 @@ def _carry_out(job: Job, pieces: list[Chunk], progress: ReportProgress | None, w
     total, done = sum(len(piece.numbers) for piece in pieces if piece.each or not each), 0
     room = Room(share_of(workers.memory, 1), _taken(job, pieces))
 
+    def is_counted(piece: Chunk) -> bool:
+        return bool(piece.each) or not each
+
     def write(piece: Chunk) -> Chunk:
-        piece.write(job, room, offset_progress(progress, done, total))
+        piece.write(job, room, offset_progress(progress, done, total) if is_counted(piece) else None)
         return piece
 
     def others(rest: Sequence[Chunk], many: int) -> Iterable[Chunk]:
@@ -146,7 +149,7 @@ def _carry_out(job: Job, pieces: list[Chunk], progress: ReportProgress | None, w
         pace = 0.0 if not pieces or pieces[0].is_complete() else room.pace() * len(pieces[0].numbers)
         made = share(pieces, workers.count, write, others, most=most_processes(workers.memory), pace=pace)
     for piece in made:
-        done += len(piece.numbers) if piece.each or not each else 0
+        done += len(piece.numbers) if is_counted(piece) else 0
         if progress:
             progress(done, total)
     if workers.cluster and pieces:

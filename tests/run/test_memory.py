@@ -183,6 +183,13 @@ def test_parts_leave_nothing_to_make(tmp_path: Path, made: list[int]) -> None:
     assert tree(tmp_path / "o") == tree(tmp_path / "whole")
 
 
+def test_a_shard_tells_how_far_it_is(tmp_path: Path) -> None:
+    heard: list[tuple[int, int]] = []
+    output = Output(("points",), Content(Sampling(8)), 32)
+    write_dataset(job(20, checked=False), tmp_path / "o", output, progress=lambda *told: heard.append(told))
+    assert heard[0] in ((16, 20), (20, 20)) and heard[-1] == (20, 20) and len(heard) >= 2
+
+
 def test_counts_come_back_as_they_were() -> None:
     counted = Statistics(3, 2, 7, {1: 2}, {0: 4}, {("a", "b", "j"): 1}, {"it tips over": 2}, 1, {0: 1}, 32, 9, 1.5)
     counted.repaired = {("draw", 1): 2, ("collision", ("a", "b", "")): 1, ("solid", "it tips over"): 3}
