@@ -45,9 +45,10 @@ def run(options: argparse.Namespace) -> int:
     job = open_wanted(options, every=True)
     tell_frame(job, formats, options.frame)
     details = choose_details(options, job)
+    written = True
     with Progress(job.program.name) as progress:
         if folder.is_dir() and is_same(out, folder):
-            add_formats(
+            written = add_formats(
                 job,
                 out,
                 formats,
@@ -63,7 +64,8 @@ def run(options: argparse.Namespace) -> int:
             write_dataset(job, out, output, force=options.force, progress=progress, workers=read_workers(options))
     done = plural(len(job.request.objects), "object")
     names = ", ".join(entry.name for entry in formats)
-    say(f"{done} as {names} in {out} {took(begun)}")
+    kept = "" if written else ", which were there: --force writes them again"
+    say(f"{done} as {names} in {out}{kept} {took(begun)}")
     return 0
 
 

@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from .. import cache
 from ..details.dressing import Dressing
 from ..errors import UsageError, UserError
@@ -85,6 +87,7 @@ def write_dataset(
         if manifest is wanted and part[1] == 1:  # nobody else goes by it
             withdraw(out)
         raise
+    _refuse_removed(out, manifest, pieces)
     try:
         job.statistics.take(read_counts(out, pieces))
     except ExportError:
@@ -99,6 +102,17 @@ def write_dataset(
     if "counts" in manifest:
         drop_counts(out)
     return manifest
+
+
+def _refuse_removed(out: Place, manifest: Manifest, pieces: Sequence[Chunk]) -> None:
+    """Whether somebody has removed the folder meanwhile, and files with it. Raises ExportError; the same command then finds its manifest."""
+    if manifests.read_manifest(out) is None and not all(piece.is_complete() for piece in pieces):
+        write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
+        raise _removed(out)
+
+
+def _removed(out: Place) -> ExportError:
+    return ExportError(f"files were removed from {out} while others were written", "the same command makes them again")
 
 
 def number_of(objects: int, shard: int, part: tuple[int, int]) -> int:
@@ -175,8 +189,9 @@ def add_formats(
     force: bool,
     progress: ReportProgress | None,
     workers: Workers,
-) -> None:
-    """Further files for the objects of a job in their folder; formats that it has are refused, or written again by ``force``.
+) -> bool:
+    """Further files for the objects of a job in their folder; those that it has are left alone, or written again by ``force``;
+    whether any are written.
 
     ``resolution`` of the meshes, None: that of the folder; ``details`` that they wear.
     The manifest names the new formats once all objects have them; until then the same call completes what is missing.
@@ -185,13 +200,9 @@ def add_formats(
     manifest = manifests.read_manifest(out)
     assert manifest is not None
     identity = manifest["identity"]
-    listed = identity["formats"]
     own = Output.from_manifest(identity, out)
     resolution = resolution or own.content.resolution
-    doubled = [entry.name for entry in formats if entry.name in listed]
-    there = {n for n in numbers.tolist() if not find_lacking(object_folder(out, n), formats)}
-    if doubled and len(there) == len(numbers) and not force:
-        raise ExportError(f"{out} already has its objects as {', '.join(doubled)}", "use --force to write them again")
+    begun = force or any(find_lacking(object_folder(out, n), formats) for n in numbers.tolist())
     sweep_all(out)
     content = Content(resolution=resolution, details=details)
     anew = force and len(numbers) == manifest["objects"]
@@ -203,10 +214,15 @@ def add_formats(
         for first in range(0, len(numbers), SHARD)
     ]
     _carry_out(job, _pieces(chunks, workers.are_several), progress, workers)
-    new = [entry.name for entry in formats if entry.name not in listed]
-    if new and not any(find_lacking(object_folder(out, n), formats) for n in expand(identity["numbers"]).tolist()):
-        identity["formats"] = [name for name in FORMATS if name in {*listed, *new}]
+    lacking = [n for n in expand(identity["numbers"]).tolist() if find_lacking(object_folder(out, n), formats)]
+    if np.isin(lacking, numbers).any():
+        raise _removed(out)
+    manifest = manifests.read_manifest(out) or manifest  # another export into this folder may have ended meanwhile
+    listed = manifest["identity"]["formats"]
+    if not lacking and not set(listed).issuperset(entry.name for entry in formats):
+        manifest["identity"]["formats"] = [n for n in FORMATS if n in {*listed, *(entry.name for entry in formats)}]
         write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
+    return begun
 
 
 def _tell_shown(manifest: Manifest, out: Place, formats: Sequence[Format], now: Shown, own: Shown, anew: bool) -> bool:

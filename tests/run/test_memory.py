@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import json
+import shutil
 import tracemalloc
 import weakref
 from pathlib import Path
@@ -19,6 +20,7 @@ from artipg_dsl.export.content import Content
 from artipg_dsl.export.objects import write_objects
 from artipg_dsl.export.registry import FORMATS
 from artipg_dsl.export.remote import place_of
+from artipg_dsl.export.write import ExportError
 from artipg_dsl.robot.pose import link_poses, open_values
 from artipg_dsl.robot.robots import Robots
 from artipg_dsl.run import memory as memories
@@ -188,6 +190,20 @@ def test_a_shard_tells_how_far_it_is(tmp_path: Path) -> None:
     output = Output(("points",), Content(Sampling(8)), 32)
     write_dataset(job(20, checked=False), tmp_path / "o", output, progress=lambda *told: heard.append(told))
     assert heard[0] in ((16, 20), (20, 20)) and heard[-1] == (20, 20) and len(heard) >= 2
+
+
+def test_a_folder_that_is_removed_meanwhile_is_not_called_whole(tmp_path: Path) -> None:
+    out, output, asked = tmp_path / "o", Output(("points",), Content(Sampling(8)), 4), job(8, checked=False)
+
+    def remove(done: int, _: int) -> None:
+        if done == 4 and out.exists():
+            shutil.rmtree(out)
+
+    with pytest.raises(ExportError, match="files were removed from .*o while"):
+        write_dataset(asked, out, output, progress=remove)
+    write_dataset(asked.fresh(), out, output)
+    write_dataset(asked.fresh(), tmp_path / "other", output)
+    assert tree(out) == tree(tmp_path / "other")
 
 
 def test_counts_come_back_as_they_were() -> None:
