@@ -73,7 +73,9 @@ def is_there(path: Place) -> bool:
 
 def refuse_existing(path: Place, force: bool) -> None:
     if not force and (is_there(path) or path.is_symlink()):
-        raise ExportError(f"{path} exists", "remove it, choose another name, or use --force to replace it")
+        raise ExportError(
+            f"{path} exists", "remove it, choose another name, or use --force (in Python force=True) to replace it"
+        )
 
 
 def require_place(path: Path, force: bool) -> None:

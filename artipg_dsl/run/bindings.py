@@ -230,7 +230,7 @@ def _refuse_changes(out: Path, work: Sequence[Fit], options: Mapping[str, Any]) 
         if changed := manifests.describe_changes(_TITLES, old, options):
             raise UserError(
                 f"{out} holds details bound with other options: {changed}",
-                "choose another folder, repeat the old options to complete them, or use --force to replace them",
+                "choose another folder, repeat the old options to complete them, or use --force (in Python force=True) to replace them",
             )
 
 

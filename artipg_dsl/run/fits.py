@@ -191,7 +191,7 @@ def _refuse_changes(folder: Folder, items: Sequence[Item], asked: Asked, options
         if changed := describe_options(old, options):
             raise UserError(
                 f"{folder.out} holds fits made with other options: {changed}",
-                "choose another folder, repeat the old options to complete them, or use --force to replace them",
+                "choose another folder, repeat the old options to complete them, or use --force (in Python force=True) to replace them",
             )
         if facts and item.name not in asked.facts:
             raise UserError(

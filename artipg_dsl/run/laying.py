@@ -72,7 +72,10 @@ def write_layout(
     known = entries(out, layout, refuse=True, but=entry.category if force else "")
     others = [other for other in known if other.category != entry.category]
     if place.exists() and not force:
-        raise ExportError(f"{out} already has {entry.category}", "use --force to write it again, or another folder")
+        raise ExportError(
+            f"{out} already has {entry.category}",
+            "use --force (in Python force=True) to write it again, or another folder",
+        )
     _check_alone(out, layout, entry, others)
     _clear(out, layout, entry.category, others)
     record = {

@@ -77,7 +77,7 @@ def make_ready(out: Place, manifest: Manifest, force: bool) -> Manifest:
         if changed and not force:
             raise ExportError(
                 f"{out} holds samples made with other options: {changed}",
-                "choose another folder, repeat the old options to complete them, or use --force to replace them",
+                "choose another folder, repeat the old options to complete them, or use --force (in Python force=True) to replace them",
             )
         if not changed and not force:
             sweep_all(out)
@@ -99,7 +99,11 @@ def _read_or_replace(out: Place, force: bool) -> Manifest | None:
         ours = bool(_find_shards(out) or _find_objects(out)) if out.is_dir() else False
         if ours and force:
             return None
-        hint = "choose another folder, or use --force to replace what is there" if ours else wrong.hint
+        hint = (
+            "choose another folder, or use --force (in Python force=True) to replace what is there"
+            if ours
+            else wrong.hint
+        )
         raise ExportError(wrong.message, hint) from None
 
 
@@ -109,7 +113,7 @@ def _replace_unknown(out: Place, left: list[Place], force: bool) -> None:
     if not force and manifests.read_manifest(out) is None:  # else the same command elsewhere has begun meanwhile
         raise ExportError(
             f"{out} holds {str(left[0]).removeprefix(f'{out}/')}, but there is no {manifests.NAME} that describes it",
-            "choose another folder, or use --force to replace what is there",
+            "choose another folder, or use --force (in Python force=True) to replace what is there",
         )
     try:
         for place in left if force else ():
