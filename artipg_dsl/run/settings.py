@@ -109,7 +109,7 @@ def read_setting(draw: Draw, value: Value, *, anywhere: bool = False) -> tuple[f
     outside = (low is not None and number < low - 1e-9) or (high is not None and number > high + 1e-9)
     if outside and not anywhere:
         raise SettingError(
-            f"`{draw.column.name}` cannot be {value}: it lies in {_show_domain(draw)}",
+            f"`{draw.column.name}` cannot be {value}: it {_show_domain(draw)}",
             f"see {draw.where}; a program of your own may have another range (apgc new NAME --from CATEGORY)"
             if draw.where
             else None,
@@ -173,11 +173,11 @@ def _number(draw: Draw, text: str) -> float:
 
 def _example(draw: Draw) -> str:
     """A setting of a draw that is in its domain, if that is known."""
-    low, high = (None if end is None else end.constant for end in (draw.low, draw.high))
-    if low is None or high is None:
+    known = [end.constant for end in (draw.low, draw.high) if end is not None and end.constant is not None]
+    if not known:
         shown = _EXAMPLES.get(draw.unit, "3" if draw.kind == "count" else f"1{draw.unit}" if draw.unit else "0.5")
     else:
-        middle = (low + high) / 2
+        middle = sum(known) / len(known)
         shown = show_value(float(int(middle) if draw.kind == "count" else middle), draw.unit)
     return f"for example {draw.column.name}={shown}"
 
@@ -209,9 +209,12 @@ def unknown_name(program: Program, name: str) -> SettingError:
 
 
 def _show_domain(draw: Draw) -> str:
-    """``40cm .. 60cm``; ends that depend on other values are left open."""
-    ends = [None if e is None else e.constant for e in (draw.low, draw.high)]
-    return " .. ".join("?" if e is None else show_value(float(e), draw.unit) for e in ends)
+    """``lies in 40cm .. 60cm``; an end that depends on other values is left out."""
+    low, high = (
+        None if e is None or e.constant is None else show_value(float(e.constant), draw.unit)
+        for e in (draw.low, draw.high)
+    )
+    return f"is at least {low}" if high is None else f"is at most {high}" if low is None else f"lies in {low} .. {high}"
 
 
 def show_value(value: float, unit: str) -> str:
