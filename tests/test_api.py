@@ -222,6 +222,20 @@ def test_a_folder_of_a_program_given_as_text_says_so(tmp_path: Path) -> None:
         slab.states(open=1)
 
 
+def test_the_end_of_a_domain_that_is_known_is_told() -> None:
+    text = """apg 1
+use primitives { Cuboid }
+category Slab {
+  param wide : length in 10cm .. 20cm = 15cm
+  param deep : length in wide / 2 .. 52mm = 52mm
+  root part body : Cuboid(size = [deep, wide, 1cm])
+}
+"""
+    for value, words in (("9m", "`deep` cannot be 9m: it is at most 5.2cm"), ("9", "for example deep=5.2cm")):
+        with pytest.raises(UserError, match=words):
+            apg.load(text, set={"deep": value})
+
+
 def test_details_that_a_folder_keeps_from_other_objects_are_told(tmp_path: Path) -> None:
     slab = apg.load(
         "apg 1\nuse primitives { Cuboid }\ncategory Slab { root part body : Cuboid(size = [1m, 1m, 1m]) }\n"

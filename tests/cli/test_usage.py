@@ -36,7 +36,6 @@ from .helpers import CHEST, Apgc, command, environment
         (f"sample {CHEST} --gripper stroke=10cm,stroke=9cm", "stroke is given twice", ""),
         (f"sample {CHEST} --set width=45..60cm", "`width` cannot be a range, 45..60cm", "--prior"),
         (f"sample {CHEST} --set width=9m", "it lies in 30cm .. 60cm", "apgc new NAME --from CATEGORY"),
-        ("sample Mug --set radius=9m", "`radius` cannot be 9m: it is at most 5.2cm", "apgc new NAME --from CATEGORY"),
         (f"sample {CHEST} --set width=4furlong", "`furlong` in width=4furlong is not a unit", "mm, cm, m"),
         (f"sample {CHEST} -o -", "- means standard output, but a folder is needed", ""),
         (f"export {CHEST} --format obj -o -", "- means standard output, but a folder is needed", ""),
