@@ -8,6 +8,7 @@ import pytest
 from artipg_dsl import api as apg
 from artipg_dsl.annotate.annotation import annotate
 from artipg_dsl.annotate.states import joint_values, read_states
+from artipg_dsl.diagnostics import CompileError
 from artipg_dsl.errors import UserError
 
 TEXT = """
@@ -148,3 +149,37 @@ category Stick {
     file.write_text(file.read_text().replace("barrel.bottom - 0.4mm", "barrel.bottom + 1mm"))
     with pytest.raises(UserError, match="barrel and foot collide"):
         apg.sample(str(file), 1)
+
+
+FIRST = """
+apg 1
+use primitives { Cuboid }
+category Ladder {
+  root part body : Cuboid(size = [4cm, 40cm, 4cm])
+  repeat step[i] in 0 ..< 3 {
+    part bar : Cuboid(size = [4cm, 40cm, 1cm])
+    when i == 0 {
+      align bar.top = body.bottom - 1cm
+      joint fall : prismatic body -> bar along -z range 0cm .. 5cm
+    } else {
+      align bar.top = previous.bar.bottom - 1cm
+      joint fall : prismatic previous.bar -> bar along -z range 0cm .. 5cm mimic previous.fall
+    }
+  }
+  part rail : Cuboid(size = [4cm, 1cm, 4cm])
+  align rail.right = body.left + 1mm
+  joint swing : prismatic body -> rail along y range 0cm .. 5cm when step[0].fall > 4cm
+}
+"""
+
+
+def test_a_joint_waits_for_the_element_that_leads_the_others(tmp_path: Path) -> None:
+    """Both branches name their joint alike: that of the first element moves by itself, and is the one that is named."""
+    file = tmp_path / "ladder.apg"
+    file.write_text(FIRST, encoding="utf-8")
+    made = apg.sample(str(file), 1, checked=False)
+    values = joint_values(made.batch, read_states("swing=5cm,swing=5cm+step_0.fall=1cm"))
+    assert values.tolist() == pytest.approx(np.array([[0.05] * 4, [0.0, 0.01, 0.01, 0.01]]))
+    file.write_text(FIRST.replace("step[0]", "step[1]"), encoding="utf-8")
+    with pytest.raises(CompileError, match="follows another joint"):
+        apg.sample(str(file), 1, checked=False)

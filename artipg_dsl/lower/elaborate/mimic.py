@@ -9,6 +9,7 @@ from ...graph import expr as E
 from ...graph.derive import derive
 from ...graph.program import LEAD
 from ...graph.reference import Elsewhere, Reference, definitions_of
+from ...graph.scopes import Scope
 from ...graph.substitution import substitute
 from ...semantics.meanings import Previous
 from ...semantics.mimic import paths
@@ -95,15 +96,19 @@ def refuse_loops(links: Links) -> None:
 def leader_of(links: Links, env: Env, node: ast.Expr) -> Reference:
     """The joints that a path names; ``previous`` and ``half[0]`` lead to another element."""
     leaders, ev, at = ordered(links, joints(links, env, node)), Evaluator(env), node
+    homes = {k: links.context.program.joints[k].scope for k in leaders if isinstance(k, int)}
     while isinstance(at, ast.MemberExpr):
         at = at.obj
     meaning = env.context.meaning(at)
     if isinstance(at, ast.IndexExpr) and isinstance(repeat := ev.value(at.obj), Element):
-        return (Elsewhere(env.scope, repeat.scope, ev.position(repeat, at.index), leaders),)
+        rank = ev.position(repeat, at.index)
+        there = tuple(k for k, home in homes.items() if not _never(home, repeat.scope, rank))
+        return (Elsewhere(env.scope, repeat.scope, rank, there or leaders),)
     if isinstance(meaning, Previous) and (element := env.element_at(meaning.depth)) is not None:
         return (Elsewhere(env.scope, element.scope, None, leaders),)
-    homes = (links.context.program.joints[k].scope for k in leaders if isinstance(k, int))
-    if any(scope.kind == "repeat" for home in homes for scope in home.ancestors() if not env.scope.within(scope)):
+    if any(
+        scope.kind == "repeat" for home in homes.values() for scope in home.ancestors() if not env.scope.within(scope)
+    ):
         raise env.context.error(
             "many-elements",
             node.span,
@@ -111,6 +116,13 @@ def leader_of(links: Links, env: Env, node: ast.Expr) -> Reference:
             hint="name one: `row[0].open`, `row[last].open`, or inside the repeat `previous.open`",
         )
     return leaders
+
+
+def _never(home: Scope, repeat: Scope, rank: E.Expr) -> bool:
+    """Whether a guard around a table leaves the element of this rank without rows of it, as far as constants tell."""
+    guards = [scope for scope in home.ancestors() if scope.kind == "guard" and scope.within(repeat)]
+    at = {E.rank(repeat): rank}
+    return any(scope.count is not None and substitute(scope.count, at).constant == 0 for scope in guards)
 
 
 def ordered(links: Links, joints: list[int]) -> Reference:
