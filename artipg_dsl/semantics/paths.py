@@ -113,10 +113,16 @@ def _unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
         or _within_role(ck, ctx, word)
         or " ".join(filter(None, (near, owned)))
         or foreign.NAMES.get(word)
-        or (f"a unit directly follows its number: `1{word}`" if word in UNITS else None)
+        or (f"a unit directly follows its number: `1{word}`" if word in UNITS and _in_formula(span) else None)
         or _within_category(ck, ctx, word)
     )
     return ck.unknown(ctx.module, word, "unknown-name", span, f"there is no `{word}` here", hint)
+
+
+def _in_formula(span: Span) -> bool:
+    """Whether a word stands behind a number or an operator, where a unit may have been meant; `turn` is also a good name."""
+    before = span.source.text[: span.start].rstrip()[-1:]
+    return before.isdigit() or before in ("*", "/")
 
 
 def _option(ctx: Context, word: str) -> str | None:
