@@ -10,7 +10,7 @@ import numpy as np
 from .diagnostics import CompileError, Report
 from .errors import plural
 from .examined import Examined, how_to_place, why_endless
-from .measured import place_of
+from .measured import line_of, place_of
 from .source import Span
 
 if TYPE_CHECKING:
@@ -83,11 +83,14 @@ def _drawn(draw: Draw, lowering: Lowering, span: Span, report: Report) -> Batch 
             )
         elif requirement is not None and part is not None:
             hint = hint_of_size(lowering.context, part, requirement.message) or hint
+        elif requirement is not None:
+            hint = lowering.context.remedies.get(worst[1], hint)
+        here = None if requirement is None else line_of(span.source, requirement.where)
         report.error(
             "none-drawn",
-            span,
+            here or span,
             f"no valid `{program.name}` in {plural(error.attempts, 'attempt')} at an object; what failed most: "
-            + describe_cause(program, worst)
+            + (describe_cause(program, worst) if requirement is None or here is None else requirement.message)
             + (why_endless(lowering, worst[1]) if worst[0] == "requirement" else ""),
             hint=hint,
         )

@@ -10,7 +10,7 @@ import numpy as np
 from .diagnostics import Report
 from .diagnostics.suggest import any_of
 from .records import dataclass
-from .source import Span
+from .source import Source, Span
 
 if TYPE_CHECKING:
     from .graph.program import Where
@@ -266,13 +266,16 @@ class Measured:
         return place_of(self.lowering, path, self.span)
 
     def _line(self, where: Where | None) -> Span | None:
-        """The whole of a line, if it is in the file of the category."""
-        source = self.span.source
-        if where is None or where.file != source.name:
-            return None
-        text = source.line(where.line)
-        start = source.start(where.line) + len(text) - len(text.lstrip())
-        return Span(source, start, start + len(text.strip()))
+        return line_of(self.span.source, where)
+
+
+def line_of(source: Source, where: Where | None) -> Span | None:
+    """The whole of a line, if it is in ``source``, as a rule the file of the category."""
+    if where is None or where.file != source.name:
+        return None
+    text = source.line(where.line)
+    start = source.start(where.line) + len(text) - len(text.lstrip())
+    return Span(source, start, start + len(text.strip()))
 
 
 def place_of(lowering: Lowering, path: str, category: Span) -> Span | None:

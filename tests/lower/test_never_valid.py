@@ -20,6 +20,15 @@ category Chest {{
   {more}
 }}
 """
+REVERSED = """repeat dial[k] in 0 ..< 2 spread body along x margin 2cm {
+    part disc : Cuboid(size = [1cm, 1cm, 1cm])
+    align disc.center.x = dial.center.x
+    when k == 0 {
+      joint turn : prismatic body -> disc along z range away .. 0cm
+    } else {
+      joint turn : prismatic body -> disc along z range 0cm .. away
+    }
+  }"""
 SWING = """apg 1
 use primitives {{ Cuboid }}
 category Swing {{
@@ -110,6 +119,14 @@ def test_an_equation_that_is_demanded_is_told_apart_from_a_range_that_is_too_nar
     session.advise()
     (found,) = [d for d in session.report.diagnostics if d.code == "none-drawn"]
     assert found.severity == "error" and hint in str(found.hint) and demand in found.message
+
+
+def test_a_range_that_is_reversed_where_it_may_be_absent_is_told_at_its_line() -> None:
+    session = Session.of_text(CHEST.format(away="1mm", more=REVERSED), "programs/some.apg")
+    session.advise()
+    (found,) = [d for d in session.report.diagnostics if d.code == "none-drawn"]
+    assert found.span.text.startswith("joint turn") and found.hint == "swap the ends, or correct one"
+    assert "the length of the range of the joint `dial.turn`: the low end must not" in found.message
 
 
 def test_a_size_that_equations_make_negative_is_named() -> None:

@@ -99,6 +99,8 @@ def legalize(links: Links, env: Env) -> None:
             if one.operation is None and (endless := _find_endless(several, context, intervals, defined)) is not None:
                 context.endless[len(program.requirements)] = endless
             place, text = one.where, several[0].name
+            if several[0].legal.remedy and several[0].place is None and one.operation is None:
+                context.remedies[len(program.requirements)] = several[0].legal.remedy
             if one.operation is not None:
                 span = context.operations[one.operation]
                 place, text = where(span), span.words
@@ -361,7 +363,7 @@ def _of_joint(joint: Joint, statement: ast.JointDecl | None) -> Iterator[Quantit
         ordered = Legal(
             -1e-9, 2e4, "the low end must not lie above the high end", unit, remedy="swap the ends, or correct one"
         )
-        extent = f"the high end less the low end of the range of {name}"
+        extent = f"the length of the range of {name}"
         yield Quantity(extent, scope, E.sub(joint.high, joint.low), ordered, place, span=behind("range"))
         if joint.rest is not E.minimum(E.maximum(E.ZERO, joint.low), joint.high):
             inside = E.minimum(E.sub(joint.rest, joint.low), E.sub(joint.high, joint.rest))

@@ -156,6 +156,7 @@ class Draft:
     # requirement -> the operation that it asks to have a value: where, and why it may have none
     undefined: dict[int, tuple[Span, str]] = field(default_factory=dict)
     endless: dict[int, tuple[Span, str]] = field(default_factory=dict)  # the same, of what makes a number infinite
+    remedies: dict[int, str] = field(default_factory=dict)  # requirement -> what to try where it is broken
     bends: dict[int, Bend] = field(default_factory=dict)  # those of the requirements that are about one
     ledger: list[tuple[Component | None, Unknown]] = field(default_factory=list)
     parts: list[Component] = field(default_factory=list)
