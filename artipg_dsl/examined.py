@@ -16,9 +16,11 @@ if TYPE_CHECKING:
     from .lower.program import Lowering
     from .validity.floating import Solids
     from .validity.stuck import Stuck
+    from .validity.validate import Collisions
 
 _NAMED = 6  # parts that a warning names
 _APART = 1e-4  # metres: what is farther apart does not touch
+_OF_ALL = {"floating-part", "colliding-links", "never-valid"}  # what is told of each of the objects
 _ROUND = (
     "turn its axis round, as by `lid.back.bottom` for `lid.bottom.back`, or the signs of its range",
     "let it slide the other way, as by `along -x` for `along x`",
@@ -246,6 +248,32 @@ class Examined(Measured):
                 hint=f"no object would be valid{': ' * bool(fault.example)}{fault.example}; "
                 "`apgc render --unchecked` draws some as they are",
             )
+        if not {each.code for each in self.report.diagnostics} & _OF_ALL:
+            self.warn_rare(solids, found)
+
+    def warn_rare(self, solids: Solids, found: Collisions) -> None:
+        """Report that half of the objects or more are invalid, by what fails most."""
+        from .runtime.tables import plain_name  # start-up
+        from .validity.rare import find_rare  # start-up
+
+        rare = find_rare(solids, found)
+        if rare is None:
+            return
+        others = "" if rare.count == rare.many else f"; {rare.many} are invalid in all"
+        few = len(self.batch)
+        seen = "in every object examined" if rare.count == few else f"in {rare.count} of {few} objects examined{others}"
+        self.report.warning(
+            "rarely-valid",
+            self._line(rare.where) or self._of(plain_name(rare.part)) or self.span,
+            f"{rare.worst}, {seen}",
+            hint=f"{rare.example}; " * bool(rare.example)
+            + (
+                "broaden what it stands on, or bring its weight over that"
+                if rare.where is not None and rare.where in {one.where for one in self.batch.program.stable}
+                else "state by `require` or by ranges what must hold"
+            )
+            + "; `apgc validate` counts all that fails",
+        )
 
     def warn_of_cost(self) -> None:
         """Name the parts that the check of an object takes long for."""

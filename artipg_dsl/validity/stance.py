@@ -30,6 +30,8 @@ TILT = float(np.tan(np.radians(2.0)))
 _STEEP = 1.001  # a margin changes by no more than this, times what the centre of mass moves
 _ROUNDING = 1e-9  # metres
 _SHARES = np.linspace(0.0, 1.0, 33)  # of the range of a joint that moves by itself
+_LOW = 0.01  # of the height of an object: what is so near the floor may touch it
+_WELL = 0.1  # of its size: how far inside is well within
 _NAMED = 4  # of the parts that an object stands on
 _APART = 4  # of these, one in so many of what moves others, which takes a pose each
 _BLOCK = 10_000  # links at a time, each in a state
@@ -64,6 +66,35 @@ def find_falling(tree: Tree, body: Pieces) -> list[np.ndarray]:
         np.flatnonzero(own & (tipped if statement.open else still))
         for own, statement in zip(asked, program.stable, strict=True)
     ]
+
+
+def find_toppling(tree: Tree, body: Pieces) -> list[np.ndarray]:
+    """For each ``require stable`` of the program, the indices of the objects with narrow feet that do not stand at rest, by bounds of
+    their masses alone; none unless half of the objects have such feet, so that of most programs nothing is weighed."""
+    program, batch = tree.batch.program, tree.batch
+    asked = np.zeros((len(program.stable), len(batch)), dtype=bool)
+    for own, statement in zip(asked, program.stable, strict=True):
+        own[batch.owner(statement.scope)] = True
+    if asked.any():
+        asked &= _narrow(tree, body)
+    if 2 * asked.any(axis=0).sum() >= len(batch) > 0 and asked.any():
+        rough = weighing(batch).rough
+        asked &= Stance(tree, body, rough).decided(rough, False)[0]
+        return [np.flatnonzero(own) for own in asked]
+    return [np.zeros(0, dtype=np.int64) for _ in asked]
+
+
+def _narrow(tree: Tree, body: Pieces) -> np.ndarray:
+    """Which objects (B,) have a middle that is not well within the rectangle of what is near the floor, by boxes of pieces."""
+    shape = len(tree.batch), 3
+    low, high, feet = np.full(shape, np.inf), np.full(shape, -np.inf), [np.full(shape, np.inf), np.full(shape, -np.inf)]
+    np.minimum.at(low, body.owner, body.low)
+    np.maximum.at(high, body.owner, body.high)
+    near = body.low[:, 2] <= low[body.owner, 2] + _LOW * (high - low)[body.owner, 2]
+    np.minimum.at(feet[0], body.owner[near], body.low[near])
+    np.maximum.at(feet[1], body.owner[near], body.high[near])
+    middle, spare = (low + high) / 2, _WELL * (high - low)
+    return ~((feet[0] <= middle - spare) & (feet[1] >= middle + spare))[:, :2].all(axis=1)
 
 
 def name_feet(tree: Tree, body: Pieces, owner: int) -> str:

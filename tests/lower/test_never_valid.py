@@ -189,3 +189,38 @@ def test_a_limited_follower_of_a_joint_without_end() -> None:
     session.advise()
     (found,) = [d for d in session.report.diagnostics if d.code == "bad-mimic"]
     assert "`follow` follows `lead`, which turns without end, and its range is 0 .. 3cm" in found.message
+
+
+def _rare(text: str) -> Diagnostic | None:
+    found = [d for d in _advised(text) if d.code in ("rarely-valid", "colliding-links", "never-valid")]
+    assert [d.code for d in found] in ([], ["rarely-valid"])
+    return found[0] if found else None
+
+
+@pytest.mark.parametrize(("low", "told"), [("-5mm", None), ("-4cm", "in 5 of 8 objects examined")])
+def test_what_makes_half_of_the_objects_invalid_is_told(low: str, told: str | None) -> None:
+    """A gap that is drawn: below 0 the drawer is in the body, at rest or when its joint draws it there."""
+    text = CHEST.format(away="away - 1cm", more="").replace("1cm .. 3cm", f"1cm + ({low}) .. 2cm")
+    found = _rare(text)
+    if told is None:
+        assert found is None
+    else:
+        assert found is not None and found.message == f"`body` and `drawer` collide at rest, {told}"
+
+
+@pytest.mark.parametrize(("foot", "falls"), [("1cm .. 2cm", True), ("8cm .. 9cm", False)])
+def test_a_foot_that_is_too_narrow_is_told(foot: str, falls: bool) -> None:
+    found = _rare(f"""apg 1
+use primitives {{ Cuboid }}
+category Chest {{
+  param foot : length in {foot}
+  root part body : Cuboid(size = [10cm, 10cm, 10cm])
+  part leg : Cuboid(size = [foot, foot, 50cm])
+  connect leg.top on body.bottom
+  align leg.front = body.front
+  require stable else "it tips over"
+}}
+""")
+    assert falls == (found is not None)
+    if found is not None:
+        assert found.message == "it tips over, in every object examined" and "it stands on `leg`" in str(found.hint)

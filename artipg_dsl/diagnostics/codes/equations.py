@@ -84,6 +84,33 @@ EQUATIONS = (
         """,
     ),
     Code(
+        "rarely-valid",
+        "half of the objects or more are invalid",
+        """
+        `apgc check` draws eight objects. At least four of them are invalid, though not all for one and the same reason, or
+        they tip over at rest. Told is what fails most, with an example. Often a length that is right for large objects is
+        too much for small ones, or one range is to be narrowed by another with `require`; a foot may be too narrow for what
+        it carries. `apgc validate` looks at more objects and counts all that fails, and `apgc render --unchecked` draws
+        them as they are.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Chest {
+          param gap : length in -4cm .. 1cm
+          root part body : Cuboid(size = [30cm, 40cm, 20cm])
+          part drawer : Cuboid(size = [20cm, 20cm, 10cm])
+          align drawer.back = body.front + gap
+          joint slide : prismatic body -> drawer along x range 0cm .. 10cm
+          material oak on body, drawer
+          label semantic.body on body
+          label semantic.drawer on drawer
+        }
+        """,
+    ),
+    Code(
         "floating-part",
         "a part touches nothing else of its link",
         """
