@@ -223,7 +223,9 @@ class Examined(Measured):
                 self._line(joint.where) or self._later(one, other),
                 f"`{driven.parts[0]}` and `{driven.parts[1]}` collide while `{joint.path}` moves, at {driven.value}, "
                 f"in every object examined that has both{_on_links(driven)}",
-                hint=f"to the other side they would not meet: {_ROUND[joint.kind == 'prismatic']}"
+                hint=f"`{driven.follower}` moves them, which follows it: check its `mimic` and its axis, or shorten the ranges of both"
+                if driven.follower
+                else f"to the other side they would not meet: {_ROUND[joint.kind == 'prismatic']}"
                 if driven.turned
                 else "leave room where it moves, shorten its range, or place its axis elsewhere; "
                 f'if the overlap is meant, write `allow overlap {one}, {other} because "..."`',
@@ -327,7 +329,7 @@ def _on_links(stuck: Stuck) -> str:
 
     names = zip(map(plain_name, stuck.parts), stuck.links, strict=True)
     on = [f"`{part}` is on the link of `{link}`" for part, link in names if not f"{part}.".startswith(f"{link}.")]
-    return f" ({' and '.join(on)})" if on else ""
+    return f" ({' and '.join(dict.fromkeys(on))})" if on else ""
 
 
 def why_endless(lowering: Lowering, requirement: int) -> str:

@@ -31,11 +31,13 @@ class Stuck:
 @dataclass(frozen=True, slots=True)
 class Driven(Stuck):
     """The same of links that a joint, by its definition, drives into one another: at a value, in words, of the first object;
-    ``turned``: they would not meet with its range on the other side of its rest value."""
+    ``turned``: they would not meet with its range on the other side of its rest value. ``follower``: the path of the joint that
+    moves them where that one only leads it, else nothing."""
 
     joint: int
     value: str
     turned: bool
+    follower: str
 
 
 def find_meeting(tree: Tree, body: Pieces) -> Collisions:
@@ -78,8 +80,20 @@ def find_driven(tree: Tree, body: Pieces, found: Collisions) -> list[Driven]:
         assert contact.value is not None
         first, second = sorted(tree.batch.program.links[link].path for link in (one, other))
         value = value_in_words(tree.batch.program.joints[joint].kind, contact.value)
-        driven.append(Driven((first, second), contact.parts, joint, value, turned is not None and key not in turned))
+        free = turned is not None and key not in turned
+        driven.append(Driven((first, second), contact.parts, joint, value, free, _follower(tree, found, int(rows[0]))))
     return driven
+
+
+def _follower(tree: Tree, found: Collisions, row: int) -> str:
+    """The path of the joint that moves one of two links which the joint of the row carries neither of, nothing where it does."""
+    owner = found.owner[row]
+    lead = int(np.searchsorted(tree.joints.owner, owner)) + int(found.joint[row])
+    carried = tree.chain[tree.first[owner] + np.array([found.first[row], found.second[row]])].ravel()
+    carried = carried[carried >= 0]
+    moving = tree.joint[carried]
+    moving = moving[(moving >= 0) & (tree.leader[moving] == lead)] if lead not in tree.joint[carried] else moving[:0]
+    return tree.batch.program.joints[tree.joints.definition[moving[0]]].path if len(moving) else ""
 
 
 def _driving(tree: Tree, found: Collisions) -> np.ndarray:

@@ -168,3 +168,40 @@ def test_links_that_collide_while_a_joint_moves_are_warned_of(joint: str, more: 
     for one in found:
         assert one.span is not None and one.span.text.startswith("joint open : ")
         assert " collide while `open` moves, at " in one.message and str(told) in str(one.hint)
+
+
+CHAIN = """apg 1
+use primitives { Cuboid }
+category Blind {
+  root part head : Cuboid(size = [2cm, 30cm, 2cm])
+  part cord : Cuboid(size = [1cm, 1cm, 1cm])
+  align cord.back = head.front + 1mm
+  joint pull : prismatic head -> cord along -z range 0cm .. 5cm
+  part slat : Cuboid(size = [2cm, 30cm, 2mm])
+  part rung : Cuboid(size = [2cm, 1mm, 2mm])
+  connect rung.right on slat.left
+  align slat.top = head.bottom - 1cm
+  align rung.top = slat.top
+  joint lift : prismatic head -> slat along z range 0cm .. 5cm mimic pull
+}
+"""
+
+
+def test_what_a_follower_moves_is_told_with_it() -> None:
+    """The axis of the joint that leads has nothing to do with it, though to its other side nothing would meet."""
+    session = Session.of_text(CHAIN, "blind.apg")
+    session.advise()
+    (found,) = [d for d in session.report.diagnostics if d.code == "colliding-links"]
+    assert str(found.hint).startswith("`lift` moves them, which follows it: check its `mimic`")
+    session = Session.of_text(CHAIN.replace("mimic pull", ""), "blind.apg")
+    session.advise()
+    (found,) = [d for d in session.report.diagnostics if d.code == "colliding-links"]
+    assert str(found.hint).startswith("to the other side they would not meet")
+
+
+def test_on_which_link_two_elements_of_a_part_are_is_told_once() -> None:
+    from artipg_dsl.examined import _on_links
+    from artipg_dsl.validity.stuck import Stuck
+
+    said = _on_links(Stuck(("row.pipe", "row.pipe"), ("row[1].clamp", "row[2].clamp")))
+    assert said == " (`row.clamp` is on the link of `row.pipe`)"
