@@ -27,6 +27,30 @@ EQUATIONS = (
         """,
     ),
     Code(
+        "turned-again",
+        "a mount turns a part away from its `along`",
+        """
+        A part that lies `along` an axis has faces of the scope: of a cylinder `along y`, `bottom` is a place on its side.
+        Mounted by a face, with `to` or by two faces of a joint, it is turned until that face meets the other, so that it
+        comes to lie along another axis than is written. Mount the face that meets the other already, or leave `along` out:
+        then `bottom` is the end of the cylinder.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid, Cylinder }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Churn {
+          root part body : Cuboid(size = [30cm, 30cm, 40cm])
+          part hub : Cylinder(radius = 3cm, height = 5cm) along y
+          joint turn : continuous body.left -> hub.bottom gap 1mm
+          material oak on body, hub
+          label semantic.body on body
+          label semantic.axle on hub
+        }
+        """,
+    ),
+    Code(
         "colliding-links",
         "two links overlap in every object",
         """

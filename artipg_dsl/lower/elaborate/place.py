@@ -21,7 +21,7 @@ from ..expressions.rows import has_row
 from ..solve.cases import covered
 from ..solve.recurrent import closed
 from ..values.carry import merged
-from ..values.faces import frame_of
+from ..values.faces import FACES, frame_of
 from ..values.kinds import Branch, Face, Frame, Line, Ref, Value
 from ..values.vectors import (
     AXES,
@@ -232,7 +232,10 @@ def _mount_pose(part: Component, mount: Mount) -> Pose:
         offset = E.sub(offset, ev.scalar(statement.sink.value))
     origin = plus(origin, times(out, offset))
     shift = minus(origin, turn(rotation, own.origin))
-    return Pose(rotation if inner == IDENTITY else product(rotation, inner), shift, ONE)
+    if inner != IDENTITY:
+        rotation = product(rotation, inner)
+        _warn_turned(part, mount, inner, rotation, out)
+    return Pose(rotation, shift, ONE)
 
 
 def _mounted(ev: Evaluator, value: Value, node: ast.Expr, way: E.Expr) -> Frame:
@@ -262,6 +265,25 @@ def _turned_in_vain(part: Component, mount: Mount) -> None:
         said[0].span,
         f"`{part.name}` is turned here, but its mount turns with it, so the turn has no effect",
         hint="turn the port in its template, or place the part by a face of its box (`connect lid.back on ...`) and equations",
+        notes=((mount.statement.span, "the mount"),),
+    )
+
+
+def _warn_turned(part: Component, mount: Mount, inner: Matrix, turned: Matrix, out: Triple) -> None:
+    """Report that a part whose face is mounted comes to lie along another axis than its `along` says; ``out``: of the target."""
+    written, found = (signed_axis(triple(row[2] for row in matrix)) for matrix in (inner, turned))
+    if written is None or found is None or written[0] == found[0]:
+        return
+    placements = part.declaration.placements or tuple(p for o in part.options for p in o.source.placements)
+    span = placements[0].span if placements else part.span
+    meeting = signed_axis(times(out, MINUS))
+    there = next((f"`{part.name}.{name}`" for name, axis in FACES.items() if axis == meeting), "the face that meets it")
+    part.context.report.warning(
+        "turned-again",
+        span,
+        f"`{part.name}` lies along {'xyz'[found[0]]}, not along {'xyz'[written[0]]}: "
+        f"`{mount.subject.span.words}` is turned until it meets the other face",
+        hint=f"mount {there}, which meets it as the part lies, or leave the `along` out",
         notes=((mount.statement.span, "the mount"),),
     )
 
