@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .lower.program import Lowering
     from .validity.floating import Solids
     from .validity.stuck import Stuck
+    from .validity.tree import Tree
     from .validity.validate import Collisions
 
 _NAMED = 6  # parts that a warning names
@@ -168,6 +169,20 @@ class Examined(Measured):
                 hint="exchange the signs of the range of the joint, turn its axis round, or label the face on the other side",
             )
 
+    def warn_unhandled(self, tree: Tree) -> None:
+        """Report joints that no label of an affordance is about, of programs that have such labels."""
+        from .quality.unhandled import find_unhandled  # start-up
+
+        for number in find_unhandled(tree):
+            joint = self.batch.program.joints[number]
+            self.report.warning(
+                "missing-affordance",
+                self._line(joint.where) or self.span,
+                f"no label says how to move `{joint.path}`: nothing that it carries has an affordance",
+                hint=f"write for example `label affordance.{'slide' if joint.kind == 'prismatic' else 'turn'} on ...` for what a hand takes; "
+                "if another joint drives it, give it a `mimic`",
+            )
+
     def _how_to_hold(self, part: Component, solids: Solids) -> str:
         """What to write so that a part that floats touches its link. Axes along which it reaches what carries it are not to blame."""
         from .lower.values.kinds import part_of  # start-up
@@ -250,6 +265,7 @@ class Examined(Measured):
                 hint=f"no object would be valid{': ' * bool(fault.example)}{fault.example}; "
                 "`apgc render --unchecked` draws some as they are",
             )
+        self.warn_unhandled(tree)
         if not {each.code for each in self.report.diagnostics} & _OF_ALL:
             self.warn_rare(solids, found)
 

@@ -26,6 +26,37 @@ ADVICE = (
         """,
     ),
     Code(
+        "missing-affordance",
+        "no label says how to move a joint",
+        """
+        The program says by labels what hands do to its parts, but not for this joint: nothing that it carries, or that
+        follows it, has a label other than what it is. A robot that learns from these objects would not try it. Label what a
+        hand takes, pushes or turns. A joint that something else drives, as a wheel that the ground turns, may have a word of
+        its own (`roll`), or follow the joint that drives it. Programs without any such labels get no warning.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic, affordance }
+        category Chest {
+          root part body : Cuboid(size = [30cm, 40cm, 20cm])
+          part drawer : Cuboid(size = [20cm, 20cm, 10cm])
+          align drawer.back = body.front + 1mm
+          joint slide : prismatic body -> drawer along x range 0cm .. 10cm
+          part lid : Cuboid(size = [30cm, 40cm, 2cm])
+          align lid.bottom = body.top + 1mm
+          align lid.back = body.back
+          joint open : revolute body -> lid about lid.back.bottom range 0deg .. 90deg
+          material oak on body, drawer, lid
+          label semantic.body on body
+          label semantic.drawer on drawer
+          label semantic.lid on lid
+          label affordance.pull on drawer.front
+        }
+        """,
+    ),
+    Code(
         "missing-material",
         "parts have no material",
         """
