@@ -28,9 +28,10 @@ Draw = Callable[[np.ndarray, "Statistics"], "Batch"]
 
 
 def advise(typed: TypedProgram, lowering: Lowering | None, draw: Draw, report: Report) -> None:
-    """Report names that nothing reads, ranges in two units, parts that nothing places, float, or collide at rest, what no object is
+    """Report names and places that nothing reads, ranges in two units, parts that nothing places, float, or collide at rest, what no object is
     free of, surface without a semantic label, parts without a material, whose mass is a guess, and what makes checks slow or
     wrong."""
+    from .lower.elaborate.idle import warn_idle_places  # start-up
     from .lower.elaborate.unlabelled import warn_unlabelled  # start-up
     from .semantics.mixed import warn_mixed  # start-up
     from .semantics.unused import warn_unused  # start-up
@@ -48,6 +49,7 @@ def advise(typed: TypedProgram, lowering: Lowering | None, draw: Draw, report: R
             f"nothing places `{part.name}`: it is centred along x, y and z",
             hint=f"place it {how_to_place(part)}; if the centre is meant, write `align {part.name}.center = ...`",
         )
+    warn_idle_places(lowering)
     batch = _drawn(draw, lowering, span, report)
     if batch is not None:
         Examined(batch, lowering, span, report).warn()
