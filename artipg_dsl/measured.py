@@ -111,6 +111,7 @@ class Measured:
         beyond = (least < joints.low[led] - _SLACK) | (most > joints.high[led] + _SLACK)
         endless = np.isnan(joints.low[leader]) & np.isfinite(joints.low[led]) & (joints.multiplier[led] != 0.0)
         beyond |= endless
+        beyond_turned = endless | (-most < joints.low[led] - _SLACK) | (-least > joints.high[led] + _SLACK)
         for number, k in _always(joints.definition[led], beyond):
             joint = self.batch.program.joints[number]
             if joint.curve is not None:
@@ -122,6 +123,8 @@ class Measured:
             )
             said = f"is taken through {taken}"
             hint = "widen its range, narrow that of what it follows, or change the factor or the offset"
+            if not joints.offset[led][k] and not beyond_turned[k]:
+                hint = "change the sign of its factor, or the signs of its range and its axis"
             if endless[k]:
                 lead = self.batch.program.joints[joints.definition[leader[k]]].path
                 said = f"follows `{lead}`, which turns without end"

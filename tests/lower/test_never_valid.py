@@ -182,6 +182,12 @@ def test_followers_that_leave_their_range(mimic: str, code: str | None, told: st
         assert told in about[code][0] and about[code][1] == 10
 
 
+@pytest.mark.parametrize(("mimic", "hint"), [("-lead", "change the sign of its factor"), ("-2 * lead", "widen its range")])
+def test_a_factor_with_the_wrong_sign(mimic: str, hint: str) -> None:
+    (found,) = (d for d in _advised(FOLLOWER.replace("MIMIC", mimic)) if d.code == "bad-mimic")
+    assert str(found.hint).startswith(hint)
+
+
 def test_a_limited_follower_of_a_joint_without_end() -> None:
     endless = "joint lead : continuous body -> one about line(at = one.center, along = x)"
     text = FOLLOWER.replace("joint lead : prismatic body -> one along x range 0cm .. 2cm", endless)
