@@ -19,6 +19,9 @@ from .settings import Value
 
 _NARROW = "widen the ranges, or state what one value leaves to the next"
 _SHOWN = "leave a gap between links, and let each come near what holds it; `apgc render --unchecked` draws objects as they are"
+_LOOSE = (
+    "bring the part to what carries it, or write `allow floating`; `apgc render --unchecked` draws objects as they are"
+)
 _FALLEN = "broaden what it stands on, or bring its weight over that: with `require stable open` also while its joints are open"
 _KEPT = "a mutant keeps what its operations do not change: let them change more by --ops and --parts, or state what a value leaves to the next"
 _TURNED = "leave room where it turns or slides, or turn its axis round: `lid.back.bottom` for `lid.bottom.back`"
@@ -139,6 +142,8 @@ def _advise(
         return f"without {shown}, {100 * max(shares.values()):.0f} % of the first attempts are valid: {tell}"
     if worst and worst[0][0] in {("solid", f"{one.where}: {one.message}") for one in program.stable}:
         return _FALLEN
+    if " touches nothing else " in first:
+        return _LOOSE
     if " collide while " in first:
         return _TURNED
     return _SHOWN if solids else _NARROW

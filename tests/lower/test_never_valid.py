@@ -182,7 +182,9 @@ def test_followers_that_leave_their_range(mimic: str, code: str | None, told: st
         assert told in about[code][0] and about[code][1] == 10
 
 
-@pytest.mark.parametrize(("mimic", "hint"), [("-lead", "change the sign of its factor"), ("-2 * lead", "widen its range")])
+@pytest.mark.parametrize(
+    ("mimic", "hint"), [("-lead", "change the sign of its factor"), ("-2 * lead", "widen its range")]
+)
 def test_a_factor_with_the_wrong_sign(mimic: str, hint: str) -> None:
     (found,) = (d for d in _advised(FOLLOWER.replace("MIMIC", mimic)) if d.code == "bad-mimic")
     assert str(found.hint).startswith(hint)

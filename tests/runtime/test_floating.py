@@ -10,6 +10,7 @@ from artipg_dsl.errors import UserError
 from artipg_dsl.graph import expr as E
 from artipg_dsl.graph.reading import from_text
 from artipg_dsl.graph.writing import to_text
+from artipg_dsl.run.counts import explain_exhausted
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.sampling.statistics import Exhausted, Statistics
 from artipg_dsl.session import Session
@@ -207,6 +208,13 @@ def test_floating_objects_are_drawn_again() -> None:
     batch = sampler.batch(np.arange(30), 0, checked=True, statistics=statistics)
     assert (batch.values()["up"] <= 1.1e-4).all() and 0 < statistics.first_valid < 30
     assert list(statistics.unsound) == ["`shelf` touches nothing else of its link, that of `body`"]
+
+
+def test_what_to_do_where_a_part_always_floats_is_told() -> None:
+    with pytest.raises(Exhausted) as caught:
+        (sampler := program(SHELF.format(gap="1cm"))).batch(np.arange(1), 0, checked=True)
+    error = explain_exhausted(sampler.program, caught.value, {}, {}, lambda _: 0.0)
+    assert str(error.hint).startswith("bring the part to what carries it")
 
 
 def test_the_same_whatever_else_is_in_the_batch() -> None:
