@@ -80,6 +80,7 @@ OTHERS: dict[str, tuple[str, tuple[int, ...], int, str, int, int]] = {
     "desk_lamp": (str(HERE / "desk_lamp.apg"), tuple(range(12)), 0, "material", 160, 6),
     "arm_lamp": (str(HERE / "arm_lamp.apg"), tuple(range(6)), 0, "material", 160, 6),
     "scissor_jack": (str(HERE / "scissor_jack.apg"), tuple(range(6)), 0, "material", 160, 6),
+    "venetian_blind": (str(HERE / "venetian_blind.apg"), tuple(range(6)), 0, "material", 160, 6),
     "primitives": (str(HERE / "shapes.apg"), SHAPES, 0, "part", 96, 7),
 }
 

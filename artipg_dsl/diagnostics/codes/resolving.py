@@ -360,8 +360,9 @@ RESOLVING = (
         or of a template in its file, or such a template itself, is declared but never used, so objects would be the same
         without it. Often a number was
         written where the name was meant. Or a function ignores one of its parameters, or a grasp the one that it is
-        `for`, so that all grasps of the family are equal. This is a warning: the program works. Vocabularies count as
-        used, since their words are added to those of the program; so does what a role requires of its templates.
+        `for`, so that all grasps of the family are equal. Or the elements of a repeat have places along an axis (`pitch`,
+        `spread`, `fill`), and its parts are all placed along it by other equations. This is a warning: the program works.
+        Vocabularies count as used, since their words are added to those of the program; so does what a role requires of its templates.
         """,
         """
         apg 1
