@@ -128,15 +128,25 @@ def disc(rail: Stretch, v: Expr, end: float, radius: Expr) -> Expr:
     return E.where(here, beyond, before)
 
 
+_BROKEN = "a path must be continuous everywhere: narrow the ranges of its formula"
+_STEEP = (
+    "it stands still there, or is infinitely steep, as `sqrt(t)` at 0: begin beside that place, or use another formula"
+)
+_WHERE = {0: "at its beginning", 4: "in its middle", 8: "at its end"}  # by eighths of the parameter
+
+
 def check_directions(env: Env, probe: Probe, solid: ast.SolidDecl, rails: list[Stretch]) -> None:
     """Raises Abort after a diagnostic where a path stands still, has no value or winds without end at some test values."""
     seen = probe(*(c for rail in rails for k in range(9) for v in (rail.at(k / 8), rail.towards(k / 8)) for c in v))
-    if not np.isfinite(seen).all():
+    lost = np.flatnonzero(~np.isfinite(seen).reshape(len(seen), -1).all(axis=1))
+    if len(lost):
+        k, which = divmod(int(lost[0]) % 54, 6)
         raise env.context.error(
             "bad-curve",
             solid.span,
-            "the path has no place or no direction somewhere, at some of the test values",
-            hint="a path must be continuous everywhere: narrow the ranges of its formula",
+            f"the path has no {'place' if which < 3 else 'direction'} {_WHERE.get(k, f'at {k}/8 of its parameter')}, "
+            "at some of the test values",
+            hint=_BROKEN if which < 3 else _STEEP,
         )
     turns = max(windows(probe, rail) for rail in rails)
     if turns > _MOST_TURNS:
