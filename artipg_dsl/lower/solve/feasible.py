@@ -135,6 +135,11 @@ def _tell(context: Draft, conflict: Conflict) -> None:
             f"`{draw.column.name}` has no legal value: it would have to be at least {plain(conflict.low, draw.unit)} "
             f"and at most {plain(conflict.high, draw.unit)}"
         )
+        asked = [program.requirements[r].message for r in conflict.reasons if r in context.stated]
+        users = [(said, part) for said in asked if (part := of_part(context, said)) is not None]
+        for said, part in users[:1]:  # what a primitive requires stands in no line of the program
+            message += f"; else {said}"
+            hint = f"change the arguments of `{part.name}`, or the ranges that they come from"
         if own is not None and spans:
             chain.insert(0, (own, "its range"))
         elif settled:
