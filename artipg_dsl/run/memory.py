@@ -24,6 +24,7 @@ _LEAST = 256_000_000  # Python, NumPy and a program take half of this
 _UNITS = {"MB": 10**6, "GB": 10**9, "TB": 10**12}
 _MOST = 1 << 50
 _FIRST = 16  # objects, of which nothing is known yet
+_STEP = 8.0  # seconds after which a run tells how far it is: a block costs hundredths of that beside its objects
 _DOUBT = 2.0  # times what an object took in another run
 _TIMED = 32  # objects in a block that tells how long one takes: fewer say more of what is done once
 _SHARD = 0.256  # of the memory is what a shard may hold: there are its arrays, the file, and what they are made of
@@ -81,8 +82,9 @@ class Room:
     def begin(self, left: int) -> int:
         """How many of the objects that are left are made next."""
         self.begun, self.most, self.clock = _resident(), _peak(), time.monotonic()
-        each = self.each or _DOUBT * self._known()[0]
-        return min(left, max(1, int((self.memory - self.begun) / each)) if each else _FIRST)
+        each, pace = self.each or _DOUBT * self._known()[0], self.pace()
+        soon = max(_FIRST, int(_STEP / pace)) if pace else left
+        return min(left, soon, max(1, int((self.memory - self.begun) / each)) if each else _FIRST)
 
     def end(self, made: int) -> None:
         """So many have been made."""
