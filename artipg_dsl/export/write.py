@@ -32,6 +32,11 @@ def explain(error: OSError, path: Place) -> ExportError:
         place = place.with_name(place.name.split(MARK)[0].removeprefix("."))
     if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
         return ExportError(f"no permission to write {place}", "choose another output folder or change its permissions")
+    if error.errno == errno.EEXIST and place.is_symlink() and not place.exists():
+        there = os.readlink(place)
+        return ExportError(
+            f"{place} is a link to {there}, which is not there", "make that folder, or choose another one"
+        )
     if error.errno in (errno.ENOTDIR, errno.EEXIST):
         return ExportError(f"{place} is in the way: a folder is needed there", "choose another output folder")
     if error.errno == errno.EISDIR:

@@ -13,6 +13,7 @@ import pytest
 
 from artipg_dsl.export.write import (
     ExportError,
+    ensure_folder,
     replacing_file,
     replacing_folder,
     require_place,
@@ -54,6 +55,12 @@ def test_an_interrupted_folder_leaves_the_old_one(tmp_path: Path) -> None:
     with replacing_folder(tmp_path / "o", force=True) as folder:
         (folder / "y").write_bytes(b"new")
     assert names(tmp_path) == ["o"] and names(tmp_path / "o") == ["y"]
+
+
+def test_a_link_to_nothing_is_named(tmp_path: Path) -> None:
+    (tmp_path / "out").symlink_to(tmp_path / "gone")
+    with pytest.raises(ExportError, match="out is a link to .*gone, which is not there"):
+        ensure_folder(tmp_path / "out")
 
 
 def test_a_file_in_the_way_of_a_folder_is_named(tmp_path: Path) -> None:
