@@ -19,6 +19,7 @@ from .patches import inside_split, surfaces
 from .split import Params, rows_of
 from .topology import place_in_words, value_in_words
 from .trial import draw_trial
+from .vectors import cross
 
 ON_SURFACE = 1e-9  # how far the inside function may be from 0 on a surface, relative to the diagonal
 _JUMP = 0.005  # of the distance to the solid
@@ -216,7 +217,7 @@ def covered_places(seen: Inspection, groups: list[pieces.PieceGroup]) -> tuple[n
         near = (points[open_ones] >= low[row[open_ones]]) & (points[open_ones] <= high[row[open_ones]])
         asked = open_ones[near.all(axis=1)]
         corners = group.vertices[:, group.faces]
-        normal = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
+        normal = cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
         reach = (normal * corners[:, :, 0]).sum(axis=-1)
         behind = np.ones(len(asked), dtype=bool)
         for face in range(len(group.faces)):
@@ -265,7 +266,7 @@ def measure_missed(primitive: Primitive) -> tuple[float, str] | None:
         slot[group.rows] = np.arange(len(group.rows))
         there = np.flatnonzero(slot[row] >= 0)
         corners = group.vertices[:, group.faces][slot[row[there]]]
-        normal = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
+        normal = cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
         normal = normal / np.maximum(np.sqrt((normal**2).sum(axis=-1, keepdims=True)), 1e-300)
         beyond = (normal * (points[there, None] - corners[:, :, 0])).sum(axis=-1).max(axis=1)
         far[there] = np.minimum(far[there], beyond)

@@ -25,6 +25,7 @@ from artipg_dsl.geometry.agreement import (
 from artipg_dsl.geometry.errors import PrimitiveError
 from artipg_dsl.geometry.patches import surfaces
 from artipg_dsl.geometry.trial import draw_trial
+from artipg_dsl.geometry.vectors import cross, length
 from artipg_dsl.graph.primitive import Primitive
 
 _OFF_SURFACE = 1e-6  # how far off a surface its sides are asked
@@ -100,8 +101,8 @@ def _areas(seen: Inspection) -> Report:
     names = np.array([surface.name for surface in surfaces(seen.primitive)])
     for group in seen.fine:
         corners = group.vertices[:, group.faces]
-        cross = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
-        area = np.sqrt((cross**2).sum(axis=-1)) / 2
+        first = corners[:, :, 0]
+        area = length(cross(corners[:, :, 1] - first, corners[:, :, 2] - first))[..., 0] / 2
         there = np.unique(group.face_patch)
         for name in dict.fromkeys(names[there]):
             own = there[names[there] == name]

@@ -46,14 +46,18 @@ def fall(robot: Robot, leader: RobotJoint) -> tuple[float, float]:
     return 0.0 if held else abs(rise), rubs
 
 
-@pytest.mark.parametrize("category", categories() if os.environ.get("ARTIPG_EVERY") else ["Oven"])
+EVERY = os.environ.get("ARTIPG_EVERY") == "1"
+COUNT = 30 if EVERY else 8
+
+
+@pytest.mark.parametrize("category", categories() if EVERY else ["Oven"])
 def test_what_hangs_stays_where_it_rests(category: str) -> None:
-    robots = Robots(Session.of(category).sampler.batch(np.arange(30), 1))
+    robots = Robots(Session.of(category).sampler.batch(np.arange(COUNT), 1))
     seen = 0
-    for robot in map(robots.robot, range(30)):
+    for robot in map(robots.robot, range(COUNT)):
         for joint in robot.joints:
             if joint.kind != "fixed" and joint.mimic is None:
                 load, rubs = fall(robot, joint)
                 assert load <= rubs, (joint.name, load, rubs)
                 seen += load > 0
-    assert seen > 20 or category != "Oven", "of ovens something always hangs"
+    assert seen >= COUNT or category != "Oven", "of ovens something always hangs"
