@@ -20,15 +20,13 @@ from ..runtime.batch import Batch
 from .compare import FARTHEST, Targets, starts, words_of
 from .coverage import Coverage, Sight
 from .focus import Differing, Rows, small, spread
-from .match import Gaps, features, gaps
+from .match import REACH, Gaps, features, gaps
 from .model import Placed
 from .outer import Screens
 from .states import tables
-from .words import Nearest, unlike
+from .words import Twofold, unlike
 
 _POINTS = 3072, 2048  # of a candidate: of its large primitives and of the small ones
-# axes by which what is nearest is found: places and normals, and places alone, as normals of small parts are guessed
-_BY = 6, 3
 _AROUND, _NEAR = 512, 320  # of a copy: of what it shares with its origin, and of what is new
 LARGE = _NEAR / sum(_POINTS)  # of a surface: of more than this whole candidates have more points than copies
 _WITNESSES = 8192  # what a cloud counts for at most, in points: more of them, beside one another, say the same
@@ -38,6 +36,7 @@ _MARGIN = 0.02  # diagonals around what is new
 _MANY = 1 << 20  # more than rows of a site in an object, or sites
 _ODD = 1.0  # a point that is less likely than this, in logarithms, may belong to something else
 _LEAST_SEEN = 0.1  # of a surface: what less was seen of is no surface of this cloud
+_ROUNDED = 1.0 + 1e-9  # what is so much farther off is farther off, however it was rounded
 _LEAST_NOISE = 1.5e-3  # diagonals: by so much described surfaces differ from real ones in any case,
 _CLOSE_NOISE = 1e-3  # and by so much once all numbers are refined
 
@@ -90,9 +89,9 @@ class Clouds:
         own = np.repeat(np.arange(len(targets)), targets.points.shape[1])
         theirs = features(targets.points, targets.normals, targets.diagonal[:, None]).reshape(-1, 6)
         word = targets.word.ravel()
-        self._trees = [Nearest(theirs[:, :axes], own, word, targets.meant) for axes in _BY]
+        self._points = Twofold(theirs, own, word, targets.meant)
         self.screens = Screens(few.points, few.apart[:, 0])
-        self._sight = Sight(self._trees[0].every, targets.apart[:, 0] / targets.diagonal)
+        self._sight = Sight(self._points.both.every, targets.apart[:, 0] / targets.diagonal)
 
     def unlikely(self, laid: _Laid, target: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(K, n) how unlikely the points of candidates that are ``asked`` (K, n) are for the cloud of each, the ``target`` (K,); and (K, n)
@@ -100,15 +99,13 @@ class Clouds:
         own, point = np.nonzero(asked)
         targets, of = self.targets, target[own]
         places, position, word = laid.places[own, point], laid.position[own, point], laid.word[own, point]
-        found, far = [], []
-        for tree, axes in zip(self._trees, _BY, strict=True):
-            nearest, away = tree.find(places[:, :axes], of, word)
-            far.append(away)
+        found, both = [], self._points.find(places, of, word)
+        for nearest, _ in both:
             at = of, nearest - of * targets.points.shape[1]
             off = gaps(position, targets.points[at], targets.normals[at], targets.apart[at], targets.diagonal[of])
             found.append(_unlikely(off, unlike(word, targets.word[at]), self.noise(of)))
         told, seen = np.zeros(asked.shape), np.zeros(asked.shape, dtype=bool)
-        told[own, point], seen[own, point] = np.minimum(*found), self._sight.near(far[0], of)
+        told[own, point], seen[own, point] = np.minimum(*found), self._sight.near(both[0][1], of)
         return told, seen
 
     def seen(self, laid: _Laid, target: np.ndarray, asked: np.ndarray) -> np.ndarray:
@@ -152,10 +149,16 @@ class _Laid:
         return np.asarray(self.area[:, 1] / np.maximum(self.area.sum(axis=1), 1e-12))
 
     def unlikely(
-        self, clouds: Clouds, target: np.ndarray, some: np.ndarray, asked: np.ndarray, taken: np.ndarray
+        self,
+        clouds: Clouds,
+        target: np.ndarray,
+        some: np.ndarray,
+        asked: np.ndarray,
+        taken: np.ndarray,
+        known: np.ndarray | None = None,
     ) -> tuple[np.ndarray, np.ndarray]:
         """(K, m) how unlikely the points ``some`` (K, m) of clouds that are ``asked`` (K, m) are for those ``taken`` (K, n) of these, inf where
-        there are none, and which of these is nearest."""
+        there are none, and which of these is nearest. What is no likelier than is ``known`` (K, m) need not be told."""
         targets = clouds.targets
         apart, near = np.full(asked.shape, np.inf), np.zeros(asked.shape, dtype=np.int64)
         own, column = np.nonzero(asked & taken.any(axis=1, keepdims=True))
@@ -170,9 +173,15 @@ class _Laid:
         for pool in (taken & large, taken & ~large) if clouds.closely else (taken,):
             mine, place = np.nonzero(pool)
             some = np.flatnonzero(np.asarray(pool.any(axis=1))[own])
-            for axes in _BY if len(some) else ():
-                tree = Nearest(self.places[mine, place, :axes], mine, self.word[mine, place], targets.meant)
-                there = own[some], place[tree.find(theirs[some, :axes], own[some], word[some])[0]]
+            if not len(some):
+                continue
+            points_of = Twofold(self.places[mine, place], mine, self.word[mine, place], targets.meant)
+            told = least if known is None else np.minimum(least, known[own, column])
+            aside = REACH * np.where(pool, self.apart, 0.0).max(axis=1)  # as far as it does not count
+            reach = _gap(told, clouds.noise(of)) + aside[own] / diagonal
+            some = some[points_of.within(theirs[some], own[some], reach[some])]
+            for nearest, _ in points_of.find(theirs[some], own[some], word[some]):
+                there = own[some], place[nearest]
                 off = gaps(self.position[there], points[some], self.normal[there], self.apart[there], diagonal[some])
                 told = _unlikely(off, unlike(self.word[there], word[some]), clouds.noise(of[some]))
                 which[some] = np.where(told < least[some], there[1], which[some])
@@ -370,9 +379,9 @@ def _told(laid: _Laid, copies: Copies, clouds: Clouds, told: Asked) -> tuple[np.
     """How unlikely the points asked are (K, m), and the points of what is marked (K, n), as far as they lie where the cloud was
     seen; and where that is."""
     target, shown = copies.target, ~laid.hidden
-    fresh = laid.unlikely(clouds, target, told.some, told.asked, laid.fresh & shown)[0]
     every = laid.unlikely(clouds, target, told.some, told.owned, shown)[0]
-    cloud = np.minimum(fresh, np.where(told.owned, every, told.before))
+    known = np.where(told.owned, every, told.before)
+    cloud = np.minimum(laid.unlikely(clouds, target, told.some, told.asked, laid.fresh & shown, known)[0], known)
     shared = laid.shared & shown
     seen = clouds.seen(laid, target, shared)
     coverage = Coverage.of(laid.places, shared, seen)
@@ -395,3 +404,8 @@ def _unlikely(off: Gaps, unlike: np.ndarray, noise: np.ndarray) -> np.ndarray:
     """(m,) of distances, in logarithms: Cauchy's, which is 0 at none. Points of different words lie far apart."""
     gap = np.where(unlike, np.maximum(np.abs(off.value), FARTHEST), off.value)
     return np.asarray(np.log1p(0.5 * (gap / noise) ** 2))
+
+
+def _gap(told: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """(m,) the distances in diagonals that are so unlikely (m,), and no less."""
+    return np.asarray(_ROUNDED * noise * np.sqrt(2.0 * np.expm1(told)))

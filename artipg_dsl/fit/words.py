@@ -16,6 +16,8 @@ from ..runtime.batch import Batch
 
 SETS_APART = 1e3  # diagonals
 OTHER = 0.15  # what another word adds to a distance, in diagonals
+_PLACE = 3  # axes of places, which come before those of normals
+_NEAR = 0.05  # diagonals: to look for what lies farther off takes long
 # diagonals, in which points are looked for: no farther than need be, and nothing lies beyond
 _REACHES = 1.05 * OTHER, 2.0 * OTHER, 2.0
 
@@ -84,3 +86,37 @@ class Nearest:
     def _worded(self, of: np.ndarray, word: np.ndarray) -> np.ndarray:
         """Sets of a set and a word: of what says nothing, the first."""
         return np.asarray(of * (len(self._meant) + 1) + np.searchsorted(self._meant, word, side="right") * (word > 0))
+
+
+class Twofold:
+    """Points (n, 6) by place and normal, with words (n,), each in the set ``of`` (n,); searched by both, and by places alone, as normals of
+    small parts are guessed."""
+
+    def __init__(self, points: np.ndarray, of: np.ndarray, word: np.ndarray, meant: np.ndarray):
+        self._points = points
+        self.both = Nearest(points, of, word, meant)
+        self.places = Nearest(points[:, :_PLACE], of, word, meant)
+        self._worded = len(meant) > 0
+
+    def find(
+        self, points: np.ndarray, of: np.ndarray, word: np.ndarray
+    ) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
+        """The index (m,) of the nearest of their sets ``of`` (m,), for points (m, 6) with words (m,), and how far the nearest one is whatever
+        its word (m,): by both, and by places."""
+        if self._worded:
+            return self.both.find(points, of, word), self.places.find(points[:, :_PLACE], of, word)
+        near, index = self.places.every.two(points[:, :_PLACE], of)
+        found = index[:, 0].copy()
+        off = points - self._points[found]
+        far = np.sqrt((off * off).sum(axis=1))
+        rest = np.flatnonzero(far >= near[:, 1])  # in all others, places alone lie farther off
+        far[rest], found[rest] = self.both.every.find(points[rest], of[rest])
+        return (found, far), (index[:, 0], near[:, 0])
+
+    def within(self, points: np.ndarray, of: np.ndarray, reach: np.ndarray) -> np.ndarray:
+        """(m,) bool: of which points (m, 6) the nearest place of their sets ``of`` (m,) may lie within ``reach`` (m,)."""
+        found = np.ones(len(points), dtype=bool)
+        some = np.flatnonzero(reach < _NEAR)
+        far, _ = self.places.every.find(points[some, :_PLACE], of[some], _NEAR)
+        found[some] = far <= reach[some]
+        return found

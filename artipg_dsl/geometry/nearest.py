@@ -21,6 +21,12 @@ class Nearest:
         distance, index = self._tree.query(self._parted(points, of), distance_upper_bound=within)
         return distance, index
 
+    def two(self, points: np.ndarray, of: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(m, 2) the distances of points (m, d) to the nearest two of their sets ``of`` (m,), and their indices: inf and the number of points
+        where there is one in all, and something far off where a set has one."""
+        distance, index = self._tree.query(self._parted(points, of), k=2)
+        return distance, index
+
     def several(self, points: np.ndarray, of: np.ndarray, count: int) -> np.ndarray:
         """(m, count) the nearest ones of the sets ``of`` (m,) of points (m, d), the nearest first. After all of a set follow others, and
         after all there are the number of points."""

@@ -14,7 +14,7 @@ from artipg_dsl.fit.measure import agreement, surfaces
 from artipg_dsl.fit.model import Model, Placed
 from artipg_dsl.fit.pose import Frame, Posed, pose, targets
 from artipg_dsl.fit.reading import Cloud
-from artipg_dsl.fit.words import OTHER, Nearest, factors, unlike
+from artipg_dsl.fit.words import OTHER, Nearest, Twofold, factors, unlike
 
 from .helpers import TEXT, N
 from .test_states import LITTLE
@@ -115,3 +115,22 @@ def test_knobs_in_noise_are_counted_by_their_labels(
     whole, _ = surfaces(batch, batch.sites(), np.ones(N), np.zeros((N, 3)))
     for k, (one, (*cloud, _, meant, names)) in enumerate(zip(told, asked, strict=True)):
         assert one.told["iou"]["handle"] >= 0.6 * agreement(*cloud, whole[k], meant, names)["handle"] > 0.1
+
+
+def test_places_alone_tell_what_is_nearest_by_both_where_they_can() -> None:
+    chance = np.random.default_rng(4)
+    points, asked = (
+        np.concatenate([chance.random((m, 3)), 0.06 * np.eye(3)[chance.integers(3, size=m)]], axis=1)
+        for m in (900, 400)
+    )
+    of, theirs, none = chance.integers(2, size=900), chance.integers(2, size=400), np.zeros(900, dtype=np.int64)
+    both = Twofold(points, of, none, np.zeros(0))
+    found = both.find(asked, theirs, none[:400])
+    for axes, (index, far) in zip((6, 3), found, strict=True):
+        apart = np.sqrt(((asked[:, None, :axes] - points[:, :axes]) ** 2).sum(axis=2))
+        apart = np.where(theirs[:, None] == of, apart, np.inf)
+        assert (index == apart.argmin(axis=1)).all() and far == pytest.approx(apart.min(axis=1))
+    assert (found[0][0] != found[1][0]).any()
+    reach = chance.random(400) * 0.09
+    assert both.within(asked, theirs, reach)[found[1][1] <= reach].all()
+    assert not both.within(asked, theirs, reach).all()
