@@ -86,7 +86,7 @@ def margins(model: Model, true: Batch, posed: list[Posed]) -> tuple[dict[Row, fl
     base = weigh(true, every, whole.placed, asked)
     drawn: dict[Row, float] = {}
     moved: dict[Row, float] = {}
-    named = {number: rows_of(true, number) for number in model.discrete}
+    named = {number: rows_of(true, number) for number in (*model.discrete, *model.ruling)}
     for one in tries(model, true, LANES, 1):
         copies = copied(whole, one.batch, one.of)
         origins = Copies(model.assembled([(true, one.of)]), one.of, one.of, whole.placed.take(one.of))

@@ -22,6 +22,7 @@ from ..sampling.known import DrawRows, evaluate_again, keep_draw, make_batch, ro
 from ..sampling.sample import Sampler
 from ..sampling.search import domain_ends
 from .gather import gather
+from .ruled import ruled_by, ruling_of
 from .states import Moved, Opened, resting, shut
 from .states import opened as open_program
 
@@ -78,7 +79,8 @@ class Changes:
 
 
 class Model:
-    """The draws on which the surface depends: ``discrete`` (choices, counts, values of a list) and ``smooth``."""
+    """The draws on which the surface depends: ``discrete`` (choices, counts, values of a list) and ``smooth``; and the choices, ``ruling``,
+    that only say which options of the discrete ones there may be."""
 
     def __init__(self, sampler: Sampler, *, opened: bool = False):
         self.sampler = sampler
@@ -88,6 +90,8 @@ class Model:
         listed = [k for k in behind if draws[k].kind != "real" or draws[k].distribution == "values"]
         self.discrete = listed
         states = self.program.states.values() if isinstance(self.program, Opened) else ()
+        self.ruling = ruling_of(self.program, listed, behind)
+        self.ruled = ruled_by(self.program, listed, self.ruling)
         self.smooth = [*(k for k in behind if k not in set(listed)), *states]
 
     @cached_property
@@ -100,7 +104,7 @@ class Model:
         for part in program.parts:
             wanted += [(holds, part.scope) for _, holds in part.semantic]
             wanted += ranks_of(part.link)
-        for number in self.discrete:
+        for number in (*self.discrete, *self.ruling):
             wanted += [(weight, program.draws[number].column.scope) for weight in program.draws[number].weights]
         if isinstance(program, Moved):
             wanted += motion_of(program)
@@ -212,12 +216,21 @@ class Model:
             np.add.at(found, batch.owner(scope), said)
         return found
 
-    def altered(self, batch: Batch, copies: np.ndarray, changes: Changes, lane: np.ndarray | None = None) -> Batch:
+    def altered(
+        self,
+        batch: Batch,
+        copies: np.ndarray,
+        changes: Changes,
+        lane: np.ndarray | None = None,
+        alike: np.ndarray | None = None,
+    ) -> Batch:
         """Copies of candidates, each with the changed values; what no longer fits moves to where it does.
 
         ``copies``: the place in the batch of what each copy is of. ``lane``: what the rows that are new are drawn by.
+        ``alike`` (copies,): in which of them what stands in the place of its twin holds what that held.
         """
-        values, altered = [], set(changes.draw.tolist())
+        kept, altered = [], set(changes.draw.tolist())
+        theirs: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
         known: dict[Scope, tuple[DrawRows, np.ndarray, np.ndarray]] = {}
         for number, draw in enumerate(self.program.draws):
             scope = draw.column.scope
@@ -231,8 +244,18 @@ class Model:
                 size = int(chosen.row.max(initial=0)) + 1
                 where = chosen.owner * size + chosen.row  # ascending
                 value[np.searchsorted(where, changes.copy[mine] * size + changes.row[mine])] = changes.value[mine]
-            values.append(_kept(key, value[order]))
-        return evaluate_again(batch, copies, values=values, lane=lane, plan=self.plan)
+            kept.append(_kept(key, value[order]))
+            if alike is not None:
+                theirs[number] = key, value[order], alike[chosen.owner[order]]
+        for one, other in [pair for ruled in self.ruled for pair in ruled.same] if alike is not None else ():
+            key, value, mine = theirs[one]
+            keys, values = (
+                np.concatenate([kept[other].address, key[mine]]),
+                np.concatenate([kept[other].value, value[mine]]),
+            )
+            order = np.argsort(keys, kind="stable")
+            kept[other] = _kept(keys[order], values[order])
+        return evaluate_again(batch, copies, values=kept, lane=lane, plan=self.plan)
 
     def freedoms(self, batch: Batch) -> Freedoms:
         """The numbers of all candidates of a batch that can be moved."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import fields
 
 import numpy as np
@@ -15,6 +15,7 @@ from ..runtime.laws import TOLERANCE
 from ..sampling.search import domain_ends
 from .focus import differing
 from .model import Changes, Model
+from .ruled import Ruled
 from .search import best_of
 
 _BLOCK = 96  # copies at a time
@@ -50,21 +51,21 @@ def tries(model: Model, batch: Batch, lanes: int, first: int) -> Iterator[Tries]
     before, unseen = model.structures(batch), _unseen(model, batch, told, first)
     hidden, odds = _Hidden.of(told, unseen, len(batch)), odds_of(batch, told)
     shown = np.flatnonzero(unseen <= 0)
+    twins = _twins(model, batch)
+    shown, partner = _beside(model, batch, told, shown, odds, twins, first)
     turn = np.repeat(np.arange(len(shown)) - np.searchsorted(told.copy[shown], told.copy[shown]), lanes)
-    at, lane = np.repeat(shown, lanes), np.tile(np.arange(lanes), len(shown))
+    at, lane, partner = np.repeat(shown, lanes), np.tile(np.arange(lanes), len(shown)), np.repeat(partner, lanes)
     step = max(1, _BLOCK // lanes) * lanes
     for start in range(0, len(at), step):
         part = slice(start, start + step)
         of, draw, row = told.copy[at[part]], told.draw[at[part]], told.row[at[part]]
         other = np.flatnonzero(lane[part] > 0)
         copy, more = hidden.others(other, of, turn[part])
-        changes = Changes(
-            np.concatenate([np.arange(len(of)), copy]),
-            np.concatenate([draw, told.draw[more]]),
-            np.concatenate([row, told.row[more]]),
-            np.concatenate([told.value[at[part]], told.value[more]]),
-        )
-        tried = model.altered(batch, of, changes, lane=lane[part] + first)
+        paired = np.flatnonzero(partner[part] >= 0)
+        asked = [_taken(told, at[part], np.arange(len(of))), _taken(told, more, copy)]
+        asked += [_taken(told, partner[part][paired], paired), *_alike(twins, of, draw)]
+        alike = np.isin(draw, list(twins)) if twins else None
+        tried = model.altered(batch, of, _joined(asked), lane=lane[part] + first, alike=alike)
         good = ~tried.state.failed & differing(batch, tried, of).anywhere(len(of))
         good &= model.structures(tried) != before[of]
         base = other - lane[part][other]
@@ -80,6 +81,86 @@ def tries(model: Model, batch: Batch, lanes: int, first: int) -> Iterator[Tries]
                 told.value[at[part]][kept],
                 odds[at[part]][kept],
             )
+
+
+def _taken(told: Changes, at: np.ndarray, copy: np.ndarray) -> Changes:
+    """Some changes of candidates, each made in a ``copy`` (n,)."""
+    return Changes(copy, told.draw[at], told.row[at], told.value[at])
+
+
+def _joined(several: list[Changes]) -> Changes:
+    return Changes(*(np.concatenate([getattr(one, field.name) for one in several]) for field in fields(Changes)))
+
+
+def _twins(model: Model, batch: Batch) -> dict[int, Changes]:
+    """By the number of a choice that rules others: the changes of all rows that have a twin to this."""
+    found = {}
+    for one in model.ruled:
+        none = np.zeros(0, dtype=np.int64)
+        told = [Changes(none, none, none, np.zeros(0))]
+        for number, twin in one.twins:
+            value = twin[batch.state.values[number].astype(np.int64)]
+            row = np.flatnonzero(value >= 0)
+            owner = batch.owner(model.program.draws[number].column.scope)[row]
+            told.append(Changes(owner, np.full(len(row), number), row, value[row].astype(np.float64)))
+        found[one.ruling] = _joined(told)
+    return found
+
+
+def _alike(twins: dict[int, Changes], of: np.ndarray, draw: np.ndarray) -> list[Changes]:
+    """The changes to twins in copies made ``of`` candidates, in which a ``draw`` (K,) is changed."""
+    found = []
+    for ruling, changes in twins.items():
+        copies = np.flatnonzero(draw == ruling)
+        copy, at = np.nonzero(of[copies][:, None] == changes.copy)
+        found.append(_taken(changes, at, copies[copy]))
+    return found
+
+
+def _beside(
+    model: Model, batch: Batch, told: Changes, shown: np.ndarray, odds: np.ndarray, twins: dict[int, Changes], lane: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """The changes that are tried, by candidate, of those ``shown`` (n,); and beside which other one each is made, -1 for none. What rules
+    others is tried with each other value of each choice that twins do not share as well: handles of two kinds are no likelier than of one
+    while that is the kind of the rest. A rarer value is not tried if nothing shows such a choice any longer: it would only hide it."""
+    first, second = [shown], [np.full(len(shown), -1)]
+    for one in model.ruled:
+        changes, apart = twins[one.ruling], np.isin(told.draw[shown], one.apart)
+        leading = shown[(told.draw[shown] == one.ruling) & np.isin(told.copy[shown], changes.copy)]
+        lost = leading[(odds[leading] < 0.0) & _hides(model, batch, told, leading, shown[apart], one, twins, lane)]
+        first[0], second[0] = (column[~np.isin(first[0], lost)] for column in (first[0], second[0]))
+        leading, others = np.setdiff1d(leading, lost), shown[apart]
+        number, other = np.nonzero(told.copy[leading][:, None] == told.copy[others])
+        first.append(leading[number])
+        second.append(others[other])
+    every, partner = np.concatenate(first), np.concatenate(second)
+    order = np.argsort(told.copy[every], kind="stable")
+    return every[order], partner[order]
+
+
+def _hides(
+    model: Model,
+    batch: Batch,
+    told: Changes,
+    leading: np.ndarray,
+    shown: np.ndarray,
+    one: Ruled,
+    twins: dict[int, Changes],
+    lane: int,
+) -> np.ndarray:
+    """(n,) bool of changes ``leading`` (n,) of a choice that rules: whether they hide one of the choices that the changes ``shown`` are of."""
+    of = told.copy[leading]
+    if not len(of):
+        return np.zeros(0, dtype=bool)
+    changes = [_taken(told, leading, np.arange(len(of))), *_alike(twins, of, told.draw[leading])]
+    alike, lanes = np.ones(len(of), dtype=bool), np.full(len(of), lane)
+    made = model.altered(batch, of, _joined(changes), lane=lanes, alike=alike)
+    others = alternatives(model, made, one.apart)
+    many, idle = len(model.program.draws), _unseen(model, made, others, lane) > 0
+    named = others.copy * many + others.draw
+    still = np.setdiff1d(named, named[idle])  # a value may show by what it rules out, so each has to
+    copy, at = np.nonzero(of[:, None] == told.copy[shown])
+    return np.bincount(copy, ~np.isin(copy * many + told.draw[shown[at]], still), minlength=len(of)) > 0
 
 
 def _unseen(model: Model, batch: Batch, told: Changes, lane: int) -> np.ndarray:
@@ -146,10 +227,10 @@ def odds_of(batch: Batch, told: Changes) -> np.ndarray:
     return found
 
 
-def alternatives(model: Model, batch: Batch) -> Changes:
-    """Every other value that one discrete row of a candidate can have."""
+def alternatives(model: Model, batch: Batch, numbers: Iterable[int] | None = None) -> Changes:
+    """Every other value that one discrete row of a candidate can have, or one of the draws of some ``numbers``."""
     found: list[list[np.ndarray]] = [[], [], [], []]
-    for number in model.discrete:
+    for number in (*model.discrete, *model.ruling) if numbers is None else numbers:
         draw = model.program.draws[number]
         owner, old = batch.owner(draw.column.scope), batch.state.values[number]
         if draw.kind == "choice":
