@@ -170,7 +170,7 @@ class Examined(Measured):
             )
 
     def warn_unhandled(self, tree: Tree) -> None:
-        """Report joints that no label of an affordance is about, of programs that have such labels."""
+        """Report joints that no label of an affordance is about, of programs that say of others how to move them."""
         from .quality.unhandled import find_unhandled  # start-up
 
         for number in find_unhandled(tree):

@@ -32,7 +32,7 @@ ADVICE = (
         The program says by labels what hands do to its parts, but not for this joint: nothing that it carries, or that
         follows it, has a label other than what it is. A robot that learns from these objects would not try it. Label what a
         hand takes, pushes or turns. A joint that something else drives, as a wheel that the ground turns, may have a word of
-        its own (`roll`), or follow the joint that drives it. Programs without any such labels get no warning.
+        its own (`roll`), or follow the joint that drives it. Programs that say so of no joint get no warning.
         """,
         """
         apg 1
