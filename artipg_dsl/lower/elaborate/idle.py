@@ -12,6 +12,7 @@ from ...syntax.walk import walk
 if TYPE_CHECKING:
     from ..program import Lowering
 
+_AXES = "xyz"
 _FORMS = ("pitch", "spread", "fill")
 _OF_BOX = {*FACES, "center", "size", "box"}
 
@@ -21,9 +22,11 @@ def warn_idle_places(lowering: Lowering) -> None:
     tree = lowering.root.module.tree
     for declaration in tree.declarations:
         for repeat in walk(declaration):
-            if isinstance(repeat, ast.RepeatStmt) and repeat.form in _FORMS and _idle(lowering, declaration, repeat):
+            if not isinstance(repeat, ast.RepeatStmt) or repeat.form not in _FORMS or repeat.along is None:
+                continue
+            axis = repeat.along.value.span.words.lstrip("-")
+            if axis in _AXES and _idle(lowering, declaration, repeat, _AXES.index(axis)):
                 part = next(node for node in walk(repeat.body) if isinstance(node, ast.PartDecl))
-                axis = repeat.along.value.span.words.lstrip("-") if repeat.along is not None else "x"
                 lowering.context.report.warning(
                     "unused",
                     repeat.name_span,
@@ -33,7 +36,7 @@ def warn_idle_places(lowering: Lowering) -> None:
                 )
 
 
-def _idle(lowering: Lowering, declaration: ast.Node, repeat: ast.RepeatStmt) -> bool:
+def _idle(lowering: Lowering, declaration: ast.Node, repeat: ast.RepeatStmt, axis: int) -> bool:
     """Whether the text never names an element as a place, and no part of the body is centred in one along the axis."""
     if any(isinstance(node, ast.NameExpr) and node.name == repeat.name for node in walk(repeat.body)):
         return False
@@ -41,8 +44,7 @@ def _idle(lowering: Lowering, declaration: ast.Node, repeat: ast.RepeatStmt) -> 
         return False
     spans = {node.name_span for node in walk(repeat.body) if isinstance(node, ast.PartDecl)}
     parts = [part for part in lowering.context.parts if part.span in spans]
-    axis = "xyz".find(repeat.along.value.span.words.lstrip("-")) if repeat.along is not None else -1
-    return axis >= 0 and bool(parts) and not any(axis in lowering.context.centred.get(part, ()) for part in parts)
+    return bool(parts) and not any(axis in lowering.context.centred.get(part, ()) for part in parts)
 
 
 def _members(node: ast.Node) -> Iterator[ast.MemberExpr]:
