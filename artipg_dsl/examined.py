@@ -277,6 +277,12 @@ class Examined(Measured):
         rare = find_rare(solids, found)
         if rare is None:
             return
+        topples = rare.where is not None and rare.where in {one.where for one in self.batch.program.stable}
+        remedy = (
+            "broaden what it stands on, or bring its weight over that"
+            if topples
+            else "state by `require` or by ranges what must hold"
+        )
         others = "" if rare.count == rare.many else f"; {rare.many} are invalid in all"
         few = len(self.batch)
         seen = "in every object examined" if rare.count == few else f"in {rare.count} of {few} objects examined{others}"
@@ -284,13 +290,7 @@ class Examined(Measured):
             "rarely-valid",
             self._line(rare.where) or self._of(plain_name(rare.part)) or self.span,
             f"{rare.worst}, {seen}",
-            hint=f"{rare.example}; " * bool(rare.example)
-            + (
-                "broaden what it stands on, or bring its weight over that"
-                if rare.where is not None and rare.where in {one.where for one in self.batch.program.stable}
-                else "state by `require` or by ranges what must hold"
-            )
-            + "; `apgc validate` counts all that fails",
+            hint="; ".join(filter(None, (rare.example, remedy, "`apgc validate` counts all that fails"))),
         )
 
     def warn_of_cost(self) -> None:
