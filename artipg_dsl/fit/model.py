@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import fields
 from functools import cached_property
 
 import numpy as np
@@ -76,6 +77,15 @@ class Changes:
     draw: np.ndarray
     row: np.ndarray
     value: np.ndarray
+
+    def take(self, at: np.ndarray, copy: np.ndarray | None = None) -> Changes:
+        """Some of them, each in its own copy or in another ``copy`` (n,)."""
+        return Changes(self.copy[at] if copy is None else copy, self.draw[at], self.row[at], self.value[at])
+
+    @staticmethod
+    def joined(several: Sequence[Changes]) -> Changes:
+        """Of several, one after the other."""
+        return Changes(*(np.concatenate([getattr(one, field.name) for one in several]) for field in fields(Changes)))
 
 
 class Model:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import fields
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -11,16 +10,13 @@ from ..geometry.runs import runs
 from ..random import mix
 from ..records import dataclass
 from ..runtime.batch import Batch
-from ..runtime.laws import TOLERANCE
-from ..sampling.search import domain_ends
+from .alternatives import alternatives, odds_of
 from .focus import differing
 from .model import Changes, Model
 from .ruled import Ruled
 from .search import best_of
 
 _BLOCK = 96  # copies at a time
-_RARE = 1e-4  # a weight of what the text does not have
-_COUNTED = 8  # a count changes by as much at a time, at most
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,27 +41,26 @@ def tries(model: Model, batch: Batch, lanes: int, first: int) -> Iterator[Tries]
     """Every other value of each choice and count of candidates, with ``lanes`` draws of what is new, numbered from ``first``; some at a time.
     Those that change no surface are left out, and those that cannot be. In all lanes but the first, the choices and counts that nothing
     shows have other values as well: a handle would never be found that is on the other side than one that is not there was thought to be."""
-    told = alternatives(model, batch)
-    order = np.argsort(told.copy, kind="stable")
-    told = Changes(*(getattr(told, field.name)[order] for field in fields(Changes)))
-    before, unseen = model.structures(batch), _unseen(model, batch, told, first)
-    hidden, odds = _Hidden.of(told, unseen, len(batch)), odds_of(batch, told)
-    shown = np.flatnonzero(unseen <= 0)
-    twins = _twins(model, batch)
-    shown, partner = _beside(model, batch, told, shown, odds, twins, first)
-    turn = np.repeat(np.arange(len(shown)) - np.searchsorted(told.copy[shown], told.copy[shown]), lanes)
+    options = _Options.of(model, batch, first)
+    changes, before = options.changes, model.structures(batch)
+    unseen = _unseen(model, batch, changes, first)
+    hidden = _Hidden.of(changes, unseen, len(batch))
+    shown, partner = options.beside(np.flatnonzero(unseen <= 0))
+    of = changes.copy[shown]
+    turn = np.repeat(np.arange(len(shown)) - np.searchsorted(of, of), lanes)
     at, lane, partner = np.repeat(shown, lanes), np.tile(np.arange(lanes), len(shown)), np.repeat(partner, lanes)
     step = max(1, _BLOCK // lanes) * lanes
     for start in range(0, len(at), step):
         part = slice(start, start + step)
-        of, draw, row = told.copy[at[part]], told.draw[at[part]], told.row[at[part]]
+        one = changes.take(at[part])
+        of = one.copy
         other = np.flatnonzero(lane[part] > 0)
         copy, more = hidden.others(other, of, turn[part])
         paired = np.flatnonzero(partner[part] >= 0)
-        asked = [_taken(told, at[part], np.arange(len(of))), _taken(told, more, copy)]
-        asked += [_taken(told, partner[part][paired], paired), *_alike(twins, of, draw)]
-        alike = np.isin(draw, list(twins)) if twins else None
-        tried = model.altered(batch, of, _joined(asked), lane=lane[part] + first, alike=alike)
+        asked = [changes.take(at[part], np.arange(len(of))), changes.take(more, copy)]
+        asked += [changes.take(partner[part][paired], paired), *options.alike(one)]
+        alike = np.isin(one.draw, list(options.twins)) if options.twins else None
+        tried = model.altered(batch, of, Changes.joined(asked), lane=lane[part] + first, alike=alike)
         good = ~tried.state.failed & differing(batch, tried, of).anywhere(len(of))
         good &= model.structures(tried) != before[of]
         base = other - lane[part][other]
@@ -73,103 +68,96 @@ def tries(model: Model, batch: Batch, lanes: int, first: int) -> Iterator[Tries]
         kept = np.flatnonzero(good)
         kept = np.sort(kept[best_of(model.fingerprints(tried)[kept], of[kept], np.zeros(len(kept)), len(kept))])
         if len(kept):
-            yield Tries(
-                model.assembled([(tried, kept)]),
-                of[kept],
-                draw[kept],
-                row[kept],
-                told.value[at[part]][kept],
-                odds[at[part]][kept],
-            )
+            one = one.take(kept)
+            found = model.assembled([(tried, kept)])
+            yield Tries(found, one.copy, one.draw, one.row, one.value, options.odds[at[part]][kept])
 
 
-def _taken(told: Changes, at: np.ndarray, copy: np.ndarray) -> Changes:
-    """Some changes of candidates, each made in a ``copy`` (n,)."""
-    return Changes(copy, told.draw[at], told.row[at], told.value[at])
+@dataclass(frozen=True, slots=True, eq=False)
+class _Options:
+    """What can be tried on a ``batch`` of candidates: ``changes`` (n,) of one row each, sorted by candidate, and their ``odds`` (n,). New parts
+    are drawn in ``lane``. ``twins``: by the number of a choice that rules others, the changes of all rows that have a twin to this."""
+
+    model: Model
+    batch: Batch
+    changes: Changes
+    odds: np.ndarray
+    twins: Mapping[int, Changes]
+    lane: int
+
+    @staticmethod
+    def of(model: Model, batch: Batch, lane: int) -> _Options:
+        changes = alternatives(model, batch)
+        changes = changes.take(np.argsort(changes.copy, kind="stable"))
+        twins = {one.ruling: _to_twins(model, batch, one) for one in model.ruled}
+        return _Options(model, batch, changes, odds_of(batch, changes), twins, lane)
+
+    def alike(self, changes: Changes) -> list[Changes]:
+        """What else changes in copies that have one of the ``changes`` each: if that is of a choice that rules others, these to their twins."""
+        found = []
+        for ruling, theirs in self.twins.items():
+            copies = np.flatnonzero(changes.draw == ruling)
+            copy, at = np.nonzero(changes.copy[copies][:, None] == theirs.copy)
+            found.append(theirs.take(at, copies[copy]))
+        return found
+
+    def beside(self, shown: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The changes that are tried, by candidate, of those ``shown`` (n,); and beside which other one each is made, -1 for none. What rules
+        others is tried with each other value of each choice that twins do not share as well: handles of two kinds are no likelier than of one
+        while that is the kind of the rest. A rarer value is not tried if nothing shows such a choice any longer: it would only hide it."""
+        draw, of = self.changes.draw, self.changes.copy
+        first, second = [shown], [np.full(len(shown), -1)]
+        for one in self.model.ruled:
+            others = shown[np.isin(draw[shown], one.apart)]
+            leading = shown[(draw[shown] == one.ruling) & np.isin(of[shown], self.twins[one.ruling].copy)]
+            lost = leading[(self.odds[leading] < 0.0) & self.hides(leading, others, one)]
+            first[0], second[0] = (column[~np.isin(first[0], lost)] for column in (first[0], second[0]))
+            leading = np.setdiff1d(leading, lost)
+            number, other = np.nonzero(of[leading][:, None] == of[others])
+            first.append(leading[number])
+            second.append(others[other])
+        every, partner = np.concatenate(first), np.concatenate(second)
+        order = np.argsort(of[every], kind="stable")
+        return every[order], partner[order]
+
+    def hides(self, leading: np.ndarray, others: np.ndarray, ruled: Ruled) -> np.ndarray:
+        """(n,) bool of changes ``leading`` (n,) of a choice that rules: whether they hide a choice that one of the changes ``others`` is of."""
+        if not len(leading):
+            return np.zeros(0, dtype=bool)
+        model, one, other = self.model, self.changes.take(leading), self.changes.take(others)
+        many, of = len(model.program.draws), one.copy
+        asked = Changes.joined([self.changes.take(leading, np.arange(len(of))), *self.alike(one)])
+        made = model.altered(
+            self.batch, of, asked, lane=np.full(len(of), self.lane), alike=np.ones(len(of), dtype=bool)
+        )
+        left = alternatives(model, made, ruled.apart)
+        named = left.copy * many + left.draw
+        idle = _unseen(model, made, left, self.lane) > 0
+        still = np.setdiff1d(named, named[idle])  # a value may show by what it rules out, so each has to
+        copy, at = np.nonzero(of[:, None] == other.copy)
+        return np.bincount(copy, ~np.isin(copy * many + other.draw[at], still), minlength=len(of)) > 0
 
 
-def _joined(several: list[Changes]) -> Changes:
-    return Changes(*(np.concatenate([getattr(one, field.name) for one in several]) for field in fields(Changes)))
+def _to_twins(model: Model, batch: Batch, ruled: Ruled) -> Changes:
+    """The changes of all rows that have a twin to this."""
+    none = np.zeros(0, dtype=np.int64)
+    found = [Changes(none, none, none, np.zeros(0))]
+    for number, twin in ruled.twins:
+        value = twin[batch.state.values[number].astype(np.int64)]
+        row = np.flatnonzero(value >= 0)
+        owner = batch.owner(model.program.draws[number].column.scope)[row]
+        found.append(Changes(owner, np.full(len(row), number), row, value[row].astype(np.float64)))
+    return Changes.joined(found)
 
 
-def _twins(model: Model, batch: Batch) -> dict[int, Changes]:
-    """By the number of a choice that rules others: the changes of all rows that have a twin to this."""
-    found = {}
-    for one in model.ruled:
-        none = np.zeros(0, dtype=np.int64)
-        told = [Changes(none, none, none, np.zeros(0))]
-        for number, twin in one.twins:
-            value = twin[batch.state.values[number].astype(np.int64)]
-            row = np.flatnonzero(value >= 0)
-            owner = batch.owner(model.program.draws[number].column.scope)[row]
-            told.append(Changes(owner, np.full(len(row), number), row, value[row].astype(np.float64)))
-        found[one.ruling] = _joined(told)
-    return found
-
-
-def _alike(twins: dict[int, Changes], of: np.ndarray, draw: np.ndarray) -> list[Changes]:
-    """The changes to twins in copies made ``of`` candidates, in which a ``draw`` (K,) is changed."""
-    found = []
-    for ruling, changes in twins.items():
-        copies = np.flatnonzero(draw == ruling)
-        copy, at = np.nonzero(of[copies][:, None] == changes.copy)
-        found.append(_taken(changes, at, copies[copy]))
-    return found
-
-
-def _beside(
-    model: Model, batch: Batch, told: Changes, shown: np.ndarray, odds: np.ndarray, twins: dict[int, Changes], lane: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """The changes that are tried, by candidate, of those ``shown`` (n,); and beside which other one each is made, -1 for none. What rules
-    others is tried with each other value of each choice that twins do not share as well: handles of two kinds are no likelier than of one
-    while that is the kind of the rest. A rarer value is not tried if nothing shows such a choice any longer: it would only hide it."""
-    first, second = [shown], [np.full(len(shown), -1)]
-    for one in model.ruled:
-        changes, apart = twins[one.ruling], np.isin(told.draw[shown], one.apart)
-        leading = shown[(told.draw[shown] == one.ruling) & np.isin(told.copy[shown], changes.copy)]
-        lost = leading[(odds[leading] < 0.0) & _hides(model, batch, told, leading, shown[apart], one, twins, lane)]
-        first[0], second[0] = (column[~np.isin(first[0], lost)] for column in (first[0], second[0]))
-        leading, others = np.setdiff1d(leading, lost), shown[apart]
-        number, other = np.nonzero(told.copy[leading][:, None] == told.copy[others])
-        first.append(leading[number])
-        second.append(others[other])
-    every, partner = np.concatenate(first), np.concatenate(second)
-    order = np.argsort(told.copy[every], kind="stable")
-    return every[order], partner[order]
-
-
-def _hides(
-    model: Model,
-    batch: Batch,
-    told: Changes,
-    leading: np.ndarray,
-    shown: np.ndarray,
-    one: Ruled,
-    twins: dict[int, Changes],
-    lane: int,
-) -> np.ndarray:
-    """(n,) bool of changes ``leading`` (n,) of a choice that rules: whether they hide one of the choices that the changes ``shown`` are of."""
-    of = told.copy[leading]
-    if not len(of):
-        return np.zeros(0, dtype=bool)
-    changes = [_taken(told, leading, np.arange(len(of))), *_alike(twins, of, told.draw[leading])]
-    alike, lanes = np.ones(len(of), dtype=bool), np.full(len(of), lane)
-    made = model.altered(batch, of, _joined(changes), lane=lanes, alike=alike)
-    others = alternatives(model, made, one.apart)
-    many, idle = len(model.program.draws), _unseen(model, made, others, lane) > 0
-    named = others.copy * many + others.draw
-    still = np.setdiff1d(named, named[idle])  # a value may show by what it rules out, so each has to
-    copy, at = np.nonzero(of[:, None] == told.copy[shown])
-    return np.bincount(copy, ~np.isin(copy * many + told.draw[shown[at]], still), minlength=len(of)) > 0
-
-
-def _unseen(model: Model, batch: Batch, told: Changes, lane: int) -> np.ndarray:
+def _unseen(model: Model, batch: Batch, changes: Changes, lane: int) -> np.ndarray:
     """(n,) for changes of one row each: 1 where nothing shows one, -1 where it cannot be, 0 where something does."""
     found = [np.zeros(0, dtype=np.int64)]
-    for start in range(0, len(told.copy), _BLOCK):
-        of, draw, row, value = (getattr(told, field.name)[start : start + _BLOCK] for field in fields(Changes))
-        tried = model.altered(batch, of, Changes(np.arange(len(of)), draw, row, value), lane=np.full(len(of), lane))
-        same = ~differing(batch, tried, of).anywhere(len(of))
+    for start in range(0, len(changes.copy), _BLOCK):
+        at = np.arange(start, min(start + _BLOCK, len(changes.copy)))
+        copy, of = np.arange(len(at)), changes.copy[at]
+        tried = model.altered(batch, of, changes.take(at, copy), lane=np.full(len(at), lane))
+        same = ~differing(batch, tried, of).anywhere(len(at))
         found.append(np.where(tried.state.failed, -1, same.astype(np.int64)))
     return np.concatenate(found)
 
@@ -185,14 +173,14 @@ class _Hidden:
     count: np.ndarray
 
     @staticmethod
-    def of(told: Changes, unseen: np.ndarray, size: int) -> _Hidden:
-        """``unseen`` (n,) as ``_unseen`` has it for changes ``told`` (n,), which are sorted by their candidates, ``size`` in all."""
-        rows = np.stack([told.copy, told.draw, told.row])
+    def of(changes: Changes, unseen: np.ndarray, size: int) -> _Hidden:
+        """``unseen`` (n,) as ``_unseen`` has it for ``changes`` (n,), which are sorted by their candidates, ``size`` in all."""
+        rows = np.stack([changes.copy, changes.draw, changes.row])
         first = np.flatnonzero((np.diff(rows, axis=1, prepend=-1) != 0).any(axis=0))
-        many = np.diff(np.append(first, len(told.copy)))
+        many = np.diff(np.append(first, len(changes.copy)))
         alike = np.minimum.reduceat(unseen, first) > 0 if len(first) else np.zeros(0, dtype=bool)
         first, many = first[alike], many[alike]
-        count = np.bincount(told.copy[first], minlength=size)
+        count = np.bincount(changes.copy[first], minlength=size)
         return _Hidden(first, many, np.cumsum(count) - count, count)
 
     def others(self, some: np.ndarray, of: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -201,50 +189,3 @@ class _Hidden:
         many = self.count[of[some]]
         row, copy = runs(self.begin[of[some]], many), np.repeat(some, many)
         return copy, self.first[row] + turn[copy] % self.many[row]
-
-
-def odds_of(batch: Batch, told: Changes) -> np.ndarray:
-    """(n,) by how much the text has the values of some changes more often than those that their rows have, in natural logarithms."""
-    found = np.zeros(len(told.draw))
-    for number in np.unique(told.draw).tolist():
-        draw, mine = batch.program.draws[number], np.flatnonzero(told.draw == number)
-        row, scope = told.row[mine], draw.column.scope
-        if draw.kind == "choice":
-            weights = np.stack(batch.read(draw.weights, scope), axis=1)[row]
-            values = np.broadcast_to(np.arange(weights.shape[1]), weights.shape)
-        elif draw.distribution in ("values", "weighted"):
-            values = np.stack(batch.read(draw.arguments, scope), axis=1)[row]
-            weights = np.ones(values.shape)
-            if draw.distribution == "weighted":
-                values, weights = np.split(values, 2, axis=1)
-        else:
-            continue
-        now, then = (
-            np.where(np.abs(values - one[:, None]) < TOLERANCE, weights, 0.0).sum(axis=1)
-            for one in (batch.state.values[number][row], told.value[mine])
-        )
-        found[mine] = np.log(np.maximum(then, _RARE)) - np.log(np.maximum(now, _RARE))
-    return found
-
-
-def alternatives(model: Model, batch: Batch, numbers: Iterable[int] | None = None) -> Changes:
-    """Every other value that one discrete row of a candidate can have, or one of the draws of some ``numbers``."""
-    found: list[list[np.ndarray]] = [[], [], [], []]
-    for number in (*model.discrete, *model.ruling) if numbers is None else numbers:
-        draw = model.program.draws[number]
-        owner, old = batch.owner(draw.column.scope), batch.state.values[number]
-        if draw.kind == "choice":
-            possible = [float(k) for k, weight in enumerate(draw.weights) if weight.constant != 0.0]
-            options = np.broadcast_to(possible, (len(old), len(possible)))
-        elif draw.kind == "count":
-            low, high = domain_ends(batch, number)
-            steps = np.arange(1.0, 1.0 + np.minimum(high - low, _COUNTED).max(initial=0.0))
-            options = old[:, None] + np.concatenate([-steps, steps])
-        else:
-            options = np.stack(batch.read(draw.arguments, draw.column.scope), axis=1)
-        rows, which = np.nonzero(np.abs(options - old[:, None]) > 1e-9)
-        told = owner[rows], np.full(len(rows), number), rows, options[rows, which]
-        for column, one in zip(found, told, strict=True):
-            column.append(one)
-    copy, draws, row, value = (np.concatenate([np.zeros(0, dtype=np.int64), *column]) for column in found)
-    return Changes(copy, draws.astype(np.int64), row.astype(np.int64), value)

@@ -10,6 +10,7 @@ import pytest
 
 import artipg_dsl as apg
 from artipg_dsl.fit import decide as decisions
+from artipg_dsl.fit.alternatives import alternatives, odds_of
 from artipg_dsl.fit.compare import Candidates
 from artipg_dsl.fit.decide import decide, inclined, nested_sets
 from artipg_dsl.fit.develop import apart
@@ -19,7 +20,7 @@ from artipg_dsl.fit.model import Changes, Model, Placed
 from artipg_dsl.fit.pose import Frame, pose, targets
 from artipg_dsl.fit.reading import Cloud
 from artipg_dsl.fit.search import Effort, taken
-from artipg_dsl.fit.tries import alternatives, odds_of, tries
+from artipg_dsl.fit.tries import tries
 from artipg_dsl.runtime.batch import Batch
 
 from .helpers import CLOSED, HOUSING, SIDED, SWAPPED, N
