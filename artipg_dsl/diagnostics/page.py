@@ -4,25 +4,8 @@ from __future__ import annotations
 
 from textwrap import fill
 
-from .codes.advice import ADVICE
-from .codes.base import Code
-from .codes.equations import EQUATIONS
-from .codes.reading import READING
-from .codes.resolving import RESOLVING
-from .codes.solids import SOLIDS
-from .codes.stating import STATING
-from .codes.structure import STRUCTURE
-from .codes.values import VALUES
+from .codes import FAMILIES, Code
 
-_FAMILIES = {
-    "Files, modules, syntax": READING,
-    "Names": (*RESOLVING, *STATING),
-    "Values": VALUES,
-    "Structure": STRUCTURE,
-    "Primitives and curves": SOLIDS,
-    "Equations and repeats": EQUATIONS,
-    "Advice": ADVICE,
-}
 COMMAND = "python -m artipg_dsl.diagnostics.page > docs/diagnostics.md"
 _INTRODUCTION = f"""\
 # Diagnostics
@@ -39,10 +22,10 @@ try. Every example triggers its code.
 def page() -> str:
     """The page as Markdown: a list of all codes by family, then a section for each."""
     parts = [_INTRODUCTION]
-    for family, codes in _FAMILIES.items():
+    for family, codes in FAMILIES.items():
         listed = "\n".join(f"- [`{c.name}`](#{c.name}): {c.summary}" for c in codes)
         parts.append(f"**{family}**\n\n{listed}\n")
-    for family, codes in _FAMILIES.items():
+    for family, codes in FAMILIES.items():
         parts.append(f"## {family}\n")
         parts.extend(_section(code) for code in codes)
     return "\n".join(parts)

@@ -8,6 +8,7 @@ Out: ``CODES`` by name, and ``explain`` for a terminal. Begin with ``base``.
     values, structure     types, units and ranges; parts, roles, joints and labels
     solids                primitives and curves
     equations             what determines what, and what can never hold
+    examples              what is wrong with the objects that `apgc check` draws
     advice                what is legal and perhaps not meant
 """
 
@@ -18,6 +19,7 @@ from textwrap import fill, indent
 from .advice import ADVICE
 from .base import Code
 from .equations import EQUATIONS
+from .examples import EXAMPLES
 from .reading import READING
 from .resolving import RESOLVING
 from .solids import SOLIDS
@@ -25,9 +27,18 @@ from .stating import STATING
 from .structure import STRUCTURE
 from .values import VALUES
 
-_FAMILIES = (READING, RESOLVING, STATING, VALUES, STRUCTURE, SOLIDS, EQUATIONS, ADVICE)
-
-CODES: dict[str, Code] = {code.name: code for family in _FAMILIES for code in family}
+FAMILIES: dict[str, tuple[Code, ...]] = {
+    "Files, modules, syntax": READING,
+    "Names": (*RESOLVING, *STATING),
+    "Values": VALUES,
+    "Structure": STRUCTURE,
+    "Primitives and curves": SOLIDS,
+    "Equations and repeats": EQUATIONS,
+    "Objects": EXAMPLES,
+    "Advice": ADVICE,
+}
+"""The codes of each family, by its title."""
+CODES: dict[str, Code] = {code.name: code for family in FAMILIES.values() for code in family}
 """All codes by name."""
 
 
@@ -42,4 +53,4 @@ def explain(name: str) -> str | None:
     return "\n\n".join(parts) + "\n"
 
 
-__all__ = ["CODES", "Code", "explain"]
+__all__ = ["CODES", "FAMILIES", "Code", "explain"]
