@@ -2,7 +2,7 @@
 
 In: the words after ``apgc``. Out: text, files and an exit code. Begin with ``main``, which loads a command when it is called.
 
-    main, options, shared         commands, their options, and those that several share
+    main, options                 commands, and their options
     arguments                     kinds of arguments
     messages                      findings and errors on the terminal
     check, watch, fmt, new        programs as text

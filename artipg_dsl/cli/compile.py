@@ -72,7 +72,7 @@ EMITTERS: dict[str, Callable[[Session], str | None]] = {
     "plan": _emit_plan,
     "python": _emit_python,
 }
-"""A stage is an entry here and in ``options.EMITS``. Each gives the text, None where findings stand in the way."""
+"""A stage is an entry here and in ``options.texts.EMITS``. Each gives the text, None where findings stand in the way."""
 
 
 def run(options: argparse.Namespace) -> int:

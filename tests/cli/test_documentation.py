@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from artipg_dsl.cli.main import build_parser
-from artipg_dsl.cli.options import EMITS
+from artipg_dsl.cli.options.texts import EMITS
 from artipg_dsl.session import Session
 
 from .helpers import ROOT

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from artipg_dsl.cli import compile as compiling
-from artipg_dsl.cli.options import EMITS
+from artipg_dsl.cli.options.texts import EMITS
 from artipg_dsl.diagnostics.codes import CODES
 
 from .helpers import CHEST, ROOT, Apgc, environment, spawn, tree

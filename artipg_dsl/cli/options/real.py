@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from .arguments import folder, positive, whole
-from .shared import add_program, add_real, add_sharing
+from ..arguments import folder, positive, whole
+from .shared import add_drawing, add_program, add_real, add_sharing, add_unchecked
 
 
 def add_fit(to: argparse.ArgumentParser) -> None:
@@ -23,7 +23,7 @@ def add_fit(to: argparse.ArgumentParser) -> None:
         "--facts", metavar="FILE", help='what is known of each, by its name: a JSON file, {"door_03": {"leaves": 2}}'
     )
     to.add_argument("--seed", type=whole, metavar="N", help="random seed (default: 0)")
-    to.add_argument("--unchecked", action="store_true", help="accept objects whose links collide")
+    add_unchecked(to)
     to.add_argument(
         "--at-rest", action="store_true", help="leave all joints at rest (default: move them if nothing fits at rest)"
     )
@@ -58,3 +58,14 @@ def add_bind(to: argparse.ArgumentParser) -> None:
     to.add_argument("--json", action="store_true", help="print the summary as JSON")
     to.add_argument("--force", action="store_true", help="bind everything again, and drop details of other files")
     add_sharing(to)
+
+
+def add_compare(to: argparse.ArgumentParser) -> None:
+    add_program(to)
+    add_drawing(to, 200)
+    add_real(to)
+    to.add_argument("--json", action="store_true", help="print the figures as JSON")
+    to.add_argument(
+        "--prior-out", metavar="FILE", help="with --map: write a prior with the shares of parts in the real objects"
+    )
+    to.add_argument("--force", action="store_true", help="overwrite an existing prior")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from .arguments import fraction, memory, numbers, part, positive, tolerance, whole, workers
+from ..arguments import fraction, memory, numbers, part, positive, tolerance, whole, workers
 
 
 def add_program(to: argparse.ArgumentParser) -> None:
