@@ -26,6 +26,28 @@ from .tape import Tape
 VARIABLE = "APGC_BACKEND"
 _BACKENDS = ("numpy", "c")
 _PLACES = np.arange(400, dtype=np.uint64)
+_SILENT = """
+    look closest separate inset meet_in_states examine sweep row_sums add_moments coarse keep_points in_frames depth_pictures
+    depth_sides leave shade_faces shade_vertices lay_flat chain cluster place_shares local_points held_moments philox
+    mix fit_faces outlines over_edges turn_points cover
+""".split()
+"""Functions of the machine that return nothing, and those that return a number."""
+_COUNTING = """
+    near_in_states way_size examine_cells reach_of_cells print_rows print_told print_records deepest wrap near_rows
+    near_pieces first_of_each lay_out near_flat near_loose
+""".split()
+_LONG, _ADDRESS = ctypes.c_int64, ctypes.c_void_p
+_STOCK = (*[_ADDRESS] * 5, _LONG, _ADDRESS)  # pieces as distances are asked of them
+_ARGUMENTS: dict[str, list[Any]] = {
+    "run": [*[_ADDRESS] * 5, *[_LONG] * 4],
+    "look": [_LONG, _LONG, _ADDRESS],
+    "print_rows": [*[_LONG] * 4, _ADDRESS, ctypes.c_char_p, _ADDRESS, _ADDRESS],
+    "deepest": [*_STOCK, _ADDRESS, _LONG, _ADDRESS],
+    "chain": [*_STOCK, ctypes.c_double, _ADDRESS, _LONG, *[_ADDRESS] * 4],
+    "cluster": [*_STOCK, ctypes.c_double, _ADDRESS, _LONG, _ADDRESS, _ADDRESS, _LONG, *[_ADDRESS] * 3],
+}
+"""Of those that are called often for little: with these, nothing has to be wrapped for a call."""
+_MOVES = "choose1", "choose8", "number", "same8"
 
 
 class Machine:
@@ -34,93 +56,40 @@ class Machine:
     def __init__(self, library: ctypes.CDLL):
         self.library = library
         try:
-            for name in (
-                "closest",
-                "separate",
-                "inset",
-                "meet_in_states",
-                "examine",
-                "sweep",
-                "row_sums",
-                "add_moments",
-                "coarse",
-                "keep_points",
-                "in_frames",
-                "depth_pictures",
-                "depth_sides",
-                "leave",
-                "shade_faces",
-                "shade_vertices",
-                "lay_flat",
-                "chain",
-                "cluster",
-                "place_shares",
-                "local_points",
-                "held_moments",
-                "philox",
-                "mix",
-                "fit_faces",
-                "outlines",
-                "over_edges",
-                "turn_points",
-                "cover",
-            ):
-                getattr(library, name).restype = None
-            for name in (
-                "near_in_states",
-                "way_size",
-                "examine_cells",
-                "reach_of_cells",
-                "print_rows",
-                "print_told",
-                "print_records",
-                "deepest",
-                "wrap",
-                "near_rows",
-                "near_pieces",
-                "first_of_each",
-                "lay_out",
-                "near_flat",
-                "near_loose",
-            ):
-                getattr(library, name).restype = ctypes.c_int64
-            self._run, look = library.run, library.look
+            _declare(library)
+            self._run = library.run
             self.print_rows, self.deepest = library.print_rows, library.deepest
             self.chain, self.cluster = library.chain, library.cluster
-            moves = {name: getattr(library, name) for name in ("choose1", "choose8", "number", "same8")}
+            moves = {name: getattr(library, name) for name in _MOVES}
         except AttributeError as wrong:
             raise NoMachine(f"the compiled backend is not whole: {wrong}") from None
-        long, address = ctypes.c_int64, ctypes.c_void_p
-        self._run.argtypes = [address] * 5 + [long] * 4
-        self.print_rows.argtypes = [long] * 4 + [address, ctypes.c_char_p, address, address]  # called often for little
-        stock = address, address, address, address, address, long, address
-        self.deepest.argtypes = (*stock, address, long, address)
-        self.chain.argtypes = (*stock, ctypes.c_double, address, long, address, address, address, address)
-        self.cluster.argtypes = (
-            *stock,
-            ctypes.c_double,
-            address,
-            long,
-            address,
-            address,
-            long,
-            address,
-            address,
-            address,
-        )
-        look.argtypes, look.restype = [long, long, address], None
-        found = np.zeros(5, dtype=np.int64)
-        shown = np.zeros((7, 3))[::2, 1]
-        look(id(shown), loops.HEADER, found.ctypes.data)
-        expected = [shown.ctypes.data, 1, 4, 48]
-        if found[:4].tolist() != expected or bool(found[4] & 1) or not found[4] & 0x100:
-            raise NoMachine("the arrays of this NumPy are laid out in another way")
+        _require_layout(library)
         addresses = {name: ctypes.cast(move, ctypes.c_void_p).value or 0 for name, move in moves.items()}
         self.table = make_table(addresses)
 
     def run(self, plan: Plan, objects: Any, outer: int, inner: int) -> int:
         """Run a plan over arrays, told by their identities; 0 where that was done."""
         return self._run(*plan.places, ctypes.addressof(objects), loops.HEADER, outer, inner, plan.block)
+
+
+def _declare(library: ctypes.CDLL) -> None:
+    """Tell what functions return and take. Raises AttributeError where one is not there."""
+    for name in _SILENT:
+        getattr(library, name).restype = None
+    for name in _COUNTING:
+        getattr(library, name).restype = _LONG
+    for name, arguments in _ARGUMENTS.items():
+        getattr(library, name).argtypes = arguments
+
+
+def _require_layout(library: ctypes.CDLL) -> None:
+    """Look at an array as the machine sees it. Raises NoMachine where that is not what it is."""
+    found = np.zeros(5, dtype=np.int64)
+    shown = np.zeros((7, 3))[::2, 1]
+    library.look(id(shown), loops.HEADER, found.ctypes.data)
+    expected = [shown.ctypes.data, 1, 4, 48]
+    if found[:4].tolist() != expected or bool(found[4] & 1) or not found[4] & 0x100:
+        raise NoMachine("the arrays of this NumPy are laid out in another way")
 
 
 class _State:
