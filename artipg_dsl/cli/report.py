@@ -117,7 +117,7 @@ class _Task:
 def _examined(task: _Task) -> tuple[Card, bytes]:
     """The card of a category, and a picture where there is to be a page."""
     from ..export.strict import check_meshes
-    from ..quality.card import STEPS, Valid, make_card
+    from ..quality.card import STEPS, Known, Valid, make_card
     from ..run.job import open_job
     from ..session import categories
 
@@ -138,20 +138,16 @@ def _examined(task: _Task) -> tuple[Card, bytes]:
         variants = _read_variants(job.program, task.known.get(category), job.request.prior is not None)
         step(STEPS[0], 0, len(request.objects))
         batch = job.batch(progress=progress)
-        valid = Valid(job.statistics.first_valid, job.statistics.attempts, job.failures())
-        meshes = check_meshes(job.of(request.objects[: options.meshes]).batch()) if options.meshes else None
-        found = make_card(
-            job.sampler,
-            batch,
-            valid,
+        known = Known(
+            valid=Valid(job.statistics.first_valid, job.statistics.attempts, job.failures()),
             checked=request.checked,
-            real=task.known.get(category),
-            lines=_own_lines(path),
-            meshes=meshes,
-            variants=variants,
             prior="" if job.request.prior is None else job.request.prior.show(),
-            progress=step,
+            meshes=check_meshes(job.of(request.objects[: options.meshes]).batch()) if options.meshes else None,
+            real=task.known.get(category),
+            variants=variants,
+            lines=_own_lines(path),
         )
+        found = make_card(job.sampler, batch, known, step)
     return found, _picture(job.of(job.request.objects[:PICTURED])) if options.html is not None else b""
 
 

@@ -186,70 +186,72 @@ STEPS = (
 )
 
 
-def make_card(
-    sampler: Sampler,
-    batch: Batch,
-    valid: Valid,
-    *,
-    checked: bool,
-    real: Real | None,
-    lines: int | None,
-    meshes: Strict | None,
-    variants: Given | None,
-    prior: str,
-    progress: Callable[[str, int, int], None] | None,
-) -> Card:
-    """The card of a program over the objects of a batch; ``valid``: how often the sampling of these succeeded at first.
+@dataclass(frozen=True, slots=True)
+class Known:
+    """What is known beside the objects: how many were ``valid`` at first, whether collisions were looked for (``checked``), the ``prior`` by
+    which they were drawn, in words, what the ``meshes`` of some share; ``real`` sizes, the settings of ``variants`` by draws; ``lines`` as in
+    the card."""
 
-    ``checked``: collisions were looked for; ``meshes``: what the meshes of some of them share; ``variants``: the settings of
-    the variants that are known of real ones, by draws.
-    ``prior``: by which the objects were drawn, in words.
+    valid: Valid
+    checked: bool
+    prior: str
+    meshes: Strict | None
+    real: Real | None
+    variants: Given
+    lines: int | None
+
+
+def make_card(
+    sampler: Sampler, batch: Batch, known: Known, progress: Callable[[str, int, int], None] | None = None
+) -> Card:
+    """The card of a program over the objects of a batch.
+
     ``progress(step, done, total)`` is called at the start of each step after the sampling, with 0 of 0, and within the long ones.
     """
 
-    def step(number: int) -> Callable[[int, int], None]:
+    def step(name: str) -> Callable[[int, int], None]:
         def told(done: int, total: int) -> None:
             if progress is not None:
-                progress(STEPS[number], done, total)
+                progress(name, done, total)
 
         told(0, 0)
         return told
 
-    step(1)
+    real = known.real
+    step("graphs")
     found = find_graphs(batch)
     variety = _variety(found)
-    step(2)
+    step("near-duplicates")
     close = int(find_near_duplicates(batch, found.code).sum())
-    together = measure_coverage(sampler, batch, step(3))
-    step(4)
+    pairs = measure_coverage(sampler, batch, step("pairs"))
+    step("sizes")
     size = measure_extents(batch)
-    step(5)
-    models = find_variants(sampler, batch, variants or {}, {} if real is None else real.variants, checked)
+    step("variants")
+    variants = find_variants(sampler, batch, known.variants, {} if real is None else real.variants, known.checked)
     further = cache(lambda: draw_further(sampler, batch))
-    parameters = tuple(find_dead_parameters(batch, further, step(6)))
-    alternatives = tuple(find_dead_alternatives(sampler, batch, further, step(7)))
-    step(8)
-    labels = (*find_dead_labels(batch), *find_idle_labels(batch), *find_dead_grasps(batch))
+    parameters = tuple(find_dead_parameters(batch, further, step("dead parameters")))
+    alternatives = tuple(find_dead_alternatives(sampler, batch, further, step("dead alternatives")))
+    step("dead labels")
     return Card(
-        batch.program.name,
-        batch.program.hash,
-        batch.seed,
-        len(batch),
-        checked,
-        valid,
-        variety,
-        close,
-        together,
-        tuple(compare_sizes(size, real)),
-        real,
-        parameters,
-        alternatives,
-        labels,
-        lines,
-        meshes,
-        tuple(compare_ratios(size, real)),
-        tuple(models),
-        prior,
+        category=batch.program.name,
+        program=batch.program.hash,
+        seed=batch.seed,
+        objects=len(batch),
+        checked=known.checked,
+        valid=known.valid,
+        variety=variety,
+        duplicates=close,
+        pairs=pairs,
+        sizes=tuple(compare_sizes(size, real)),
+        real=real,
+        dead_parameters=parameters,
+        dead_alternatives=alternatives,
+        dead_labels=(*find_dead_labels(batch), *find_idle_labels(batch), *find_dead_grasps(batch)),
+        lines=known.lines,
+        meshes=known.meshes,
+        ratios=tuple(compare_ratios(size, real)),
+        variants=tuple(variants),
+        prior=known.prior,
     )
 
 

@@ -52,35 +52,19 @@ def write_dataset(
     """
     out, numbers, shard = place_of(out), job.request.objects, output.shard
     wanted = manifests.build_manifest(job.program, job.request, output, out=out)
-    if isinstance(out, Remote) and out.private:
-        if workers.count > 1 or workers.cluster:
-            raise UsageError(
-                f"{out} is seen by one process alone", "leave out --workers and --cluster, or choose another place"
-            )
-        workers = replace(workers, count=1)
-    if workers.cluster:
-        from .cluster import require_cluster  # start-up
-
-        require_cluster(workers.cluster, workers.count)
+    workers = _able(workers, out)
     manifest = make_ready(out, wanted, force)  # once nothing stands in the way: it may replace what is there
     keep_replays(out, job.request.mutations)
     if begin:
         begin()
     counting = "counts" not in manifest and job.tables is None  # what is made from tables was counted when these were
-    pieces = _pieces(
-        [
-            Chunk(
-                out,
-                numbers[at : at + shard],
-                output.writers,
-                output.content,
-                at // shard,
-                _counts(at // shard, counting),
-            )
-            for at in _starts(len(numbers), shard, part)
-        ],
-        workers.are_several,
-    )
+    chunks = [
+        Chunk(
+            out, numbers[at : at + shard], output.writers, output.content, at // shard, _counts(at // shard, counting)
+        )
+        for at in _starts(len(numbers), shard, part)
+    ]
+    pieces = _pieces(chunks, workers.are_several)
     try:
         _carry_out(job, pieces, progress, workers)
     except UserError:
@@ -102,6 +86,21 @@ def write_dataset(
     if "counts" in manifest:
         drop_counts(out)
     return manifest
+
+
+def _able(workers: Workers, out: Place) -> Workers:
+    """Those that can write to a place. Raises UsageError where it is seen by one process alone, or where there is no cluster."""
+    if isinstance(out, Remote) and out.private:
+        if workers.count > 1 or workers.cluster:
+            raise UsageError(
+                f"{out} is seen by one process alone", "leave out --workers and --cluster, or choose another place"
+            )
+        return replace(workers, count=1)
+    if workers.cluster:
+        from .cluster import require_cluster  # start-up
+
+        require_cluster(workers.cluster, workers.count)
+    return workers
 
 
 def _refuse_removed(out: Place, manifest: Manifest, pieces: Sequence[Chunk]) -> None:
