@@ -219,11 +219,12 @@ def covered_places(seen: Inspection, groups: list[pieces.PieceGroup]) -> tuple[n
         corners = group.vertices[:, group.faces]
         normal = cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
         reach = (normal * corners[:, :, 0]).sum(axis=-1)
-        behind = np.ones(len(asked), dtype=bool)
+        mine, (x, y, z) = slot[row[asked]], points[asked].T
         for face in range(len(group.faces)):
-            mine = slot[row[asked]]
-            behind &= (normal[mine, face] * points[asked]).sum(axis=1) <= reach[mine, face] + 1e-15
-        covered[asked[behind]] = True
+            (a, b, c), most = normal[:, face].T, reach[:, face] + 1e-15
+            behind = a[mine] * x + b[mine] * y + c[mine] * z <= most[mine]
+            asked, mine, x, y, z = asked[behind], mine[behind], x[behind], y[behind], z[behind]
+        covered[asked] = True
     return row, points, covered
 
 
