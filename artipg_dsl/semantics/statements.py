@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..diagnostics.suggest import any_of, did_you_mean, suggest
 from ..language import REPEATS
@@ -10,7 +10,7 @@ from ..syntax import ast
 from ..syntax.walk import walk
 from . import alternatives, conditions, declarations, joints, labels, limits, names, placing, primitives, roles, twice
 from .entries import of_reference, port_context
-from .guards import Not, consistent
+from .guards import Not, conjunction, consistent
 from .remedies import instead
 from .scope import BodyScope, Entry, Guards
 from .symbols import NAMED, names_of
@@ -326,7 +326,10 @@ def _port(ck: Checker, ctx: Context, stmt: ast.PortDecl) -> None:
 
 
 def _align(ck: Checker, ctx: Context, first: ast.Expr, second: ast.Expr, word: str) -> None:
-    left, right = ck.infer(ctx, first), ck.infer(ctx, second)
+    noted: list[Any] = []  # it goes with the parts on its left
+    left = ck.infer(ctx.but(lenient=noted), first)
+    ck.subjects[id(first)] = conjunction(noted)
+    right = ck.infer(ctx.given(*noted), second)
     if UNKNOWN in (left, right):
         return
     for kind, expr in ((left, first), (right, second)):

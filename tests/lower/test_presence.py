@@ -1,4 +1,5 @@
-"""A requirement on a member of an optional part holds trivially without the part, except where it asks itself whether it is there."""
+"""A requirement on a member of an optional part holds trivially without the part, except where it asks itself whether it is there; an
+`align` goes with the parts on its left."""
 
 from __future__ import annotations
 
@@ -53,3 +54,16 @@ def test_what_asks_for_the_part_holds_without_it_too(
 def test_a_preference_asks_for_the_part_as_well() -> None:
     _, lid, depth = made("prefer (lid.size.z if lid else 5cm) <= depth weight 6")
     assert (depth[~lid] < 0.05).mean() < 0.05 and (~lid).sum() > 10
+
+
+def test_an_equation_goes_with_the_part_on_its_left() -> None:
+    text = TEXT.replace("lid.bottom on body.top", "lid to body")
+    sides = "lid.bottom + 1cm - depth", "body.top + 1cm"
+    batch = Session.of_text(text.replace("STATED", "align {} = {}".format(*sides))).sampler.batch(np.arange(20), seed=1)
+    parts, depth = batch.parts(), batch.values()["depth"]
+    lid = np.flatnonzero(np.array(parts.name) == "lid")
+    assert 0 < len(lid) < 20
+    assert np.allclose(parts.translation[lid, 2] - 0.01, 0.2 + depth[parts.owner[lid]])
+    refused = Session.of_text(text.replace("STATED", "align {1} = {0}".format(*sides)))
+    assert refused.lowering is None
+    assert [(d.code, d.span.text) for d in refused.report.diagnostics if d.span] == [("optional-outside-when", "lid")]

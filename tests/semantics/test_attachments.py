@@ -181,7 +181,8 @@ category Chest {{
     [
         ("grip", "require handle.size.z <= 0.5 * size.z", []),
         ("BarHandle", "when handle { align handle.center.z = center.z }", []),
-        ("grip", "align handle.center.z = center.z", ["optional-outside-when"]),
+        ("grip", "align handle.center.z = center.z", []),
+        ("grip", "align center.z = handle.center.z", ["optional-outside-when"]),
         ("grip", "require handle.nose.size.z <= 1cm", ["unknown-member"]),
         ("peg", "", ["wrong-role"]),
         ("3cm", "", ["wrong-type"]),

@@ -59,8 +59,8 @@ STRUCTURE = (
         "an optional part is used where it may be absent",
         """
         A part with the alternative `none`, or a member that only some alternatives have, may be absent. A statement
-        disappears together with its own subject (the part left of `to`, the child of a joint, the target of a label);
-        using the part anywhere else needs `when handle { ... }` or `when handle is BarHandle { ... }` around it. This
+        disappears together with its own subject (the part on the left of a `connect` or an `align`, the child of a joint,
+        the target of a label); using the part anywhere else needs `when handle { ... }` or `when handle is BarHandle { ... }` around it. This
         is required because one program describes all objects, including those without the part.
         """,
         """

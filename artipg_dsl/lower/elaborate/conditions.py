@@ -12,18 +12,18 @@ from ...graph.expr import Expr
 from ...graph.program import Allowed, Clear, Preference, Stable
 from ...source import Span
 from ...syntax import ast
-from ...syntax.walk import children, walk
+from ...syntax.walk import walk
 from ..expressions.context import where
 from ..expressions.env import Element, Env
 from ..expressions.evaluate import Evaluator
 from ..solids.primitives import comparison
 from ..values.kinds import Choice, Ref, Value, part_of
 from . import paths
+from .absence import presence
 from .connect import carriers
 from .guards import is_alone
 from .links import Links
 from .part import Component
-from .place import begins
 from .statements import Meanings
 
 
@@ -36,7 +36,7 @@ def require(links: Links, env: Env, statement: ast.RequireStmt) -> None:
     for node in _conjuncts(_positive(statement.condition)):
         others, bounding = _disjuncts(node)
         condition, slack, strict = comparison(ev, bounding)
-        guard = E.all_of((_presence(env, node), *(E.negate(ev.condition(other)) for other in others)))
+        guard = E.all_of((presence(env, node), *(E.negate(ev.condition(other)) for other in others)))
         message = statement.message or statement.span.words
         repair = () if statement.repair is None else giving(env, ev.value(statement.repair))
         number = env.context.require(
@@ -70,7 +70,7 @@ def prefer(links: Links, env: Env, statement: ast.PreferStmt) -> None:
             hint="to prefer the opposite, write the opposite condition",
         )
     condition, *_ = comparison(ev, _positive(statement.condition))
-    guard = _presence(env, statement.condition)
+    guard = presence(env, statement.condition)
     if env.scope.parent is None and not env.path:
         env.context.preferred[len(env.context.program.preferences)] = statement.span
     env.context.program.preferences.append(
@@ -123,42 +123,6 @@ def _disjuncts(node: ast.Expr) -> tuple[list[ast.Expr], ast.Expr]:
     if len(found) == 1 or not ordered:
         return [], node
     return [e for e in found if e is not ordered[-1]], ordered[-1]
-
-
-def _presence(env: Env, node: ast.Node, known: frozenset[Component] = frozenset()) -> Expr:
-    """A requirement on a member of an optional part holds trivially without it: of one that is not ``known`` to be there where the
-    member is read, as behind `lid and` or in `a if lid else b`."""
-    match node:
-        case ast.IfExpr(then=then, condition=condition, otherwise=otherwise):
-            branches = (then, known | _assured(env, condition)), (otherwise, known | _assured(env, condition, False))
-            return E.all_of((_presence(env, condition, known), *(_presence(env, *branch) for branch in branches)))
-        case ast.BinaryExpr(op="and" | "or", left=left, right=right):
-            later = known | _assured(env, left, node.op == "and")
-            return E.both(_presence(env, left, known), _presence(env, right, later))
-        case ast.MemberExpr(obj=ast.NameExpr() as name) if (part := _part_named(env, name)) is not None:
-            return E.TRUE if part in known else part.exists
-    return E.all_of(_presence(env, child, known) for child in children(node))
-
-
-def _assured(env: Env, condition: ast.Expr, holds: bool = True) -> frozenset[Component]:
-    """The parts that are there where a condition holds, or does not."""
-    match condition:
-        case ast.UnaryExpr(op="not", operand=operand):
-            return _assured(env, operand, not holds)
-        case ast.BinaryExpr(op="and" | "or", left=left, right=right):
-            both = _assured(env, left, holds), _assured(env, right, holds)
-            return both[0] | both[1] if (condition.op == "and") == holds else both[0] & both[1]
-        case ast.NameExpr() | ast.IsExpr(subject=ast.NameExpr()) if holds:
-            part = _part_named(env, condition.subject if isinstance(condition, ast.IsExpr) else condition)
-            return frozenset() if part is None else frozenset((part,))
-    return frozenset()
-
-
-def _part_named(env: Env, node: ast.Expr) -> Component | None:
-    """The part that a name stands for."""
-    name = begins(env, node)
-    value = None if name is None else env.find(name.name, name.depth)
-    return value.branches[0].members[0][0] if isinstance(value, Ref) and len(value.branches) == 1 else None
 
 
 def _allow(links: Links, env: Env, statement: ast.AllowStmt) -> None:

@@ -8,6 +8,7 @@ from ...graph import expr as E
 from ...graph.expr import Scope
 from ...graph.primitive import Triple
 from ...records import dataclass
+from ...semantics.guards import TRUE
 from ...semantics.meanings import Base, Word
 from ...source import Span
 from ...syntax import ast
@@ -18,6 +19,7 @@ from ..expressions.members import At, in_element
 from ..values.faces import FACES, face_of, squared
 from ..values.kinds import Box, Frame, Plane, Ref, Value, Vec, carriers_of
 from ..values.vectors import AXES, place, sole_axis
+from .absence import presence
 from .place import begins
 
 if TYPE_CHECKING:
@@ -71,8 +73,10 @@ def align(env: Env, statement: ast.AlignStmt) -> None:
     del env.equations[stated:]
     left, right = statement.left, statement.right
     _equate(ev, ev.value(left), ev.value(right), left.span, right.span, statement.span)
+    ensured = env.context.typed.checker.subjects[id(left)] == TRUE  # by the guards around it
+    there = E.TRUE if ensured else presence(env, left)
     for equation in env.equations[stated:]:
-        equation.near = starts
+        equation.near, equation.guard = starts, E.both(equation.guard, there)
     if statement.near is not None:
         env.context.near.setdefault(statement.span, False)
 
