@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope
 from ...graph.linear import Linear
 from ...graph.substitution import substitute
-from ..expressions.context import Draft
+from ..expressions.context import Draft, Equation
 from .inline import inline
 
 
-def closed(context: Draft, column: Column, value: Expr) -> Expr:
-    """The value of ``column`` without ``previous`` of itself. Raises Abort where the recurrence is of another kind."""
+def closed(context: Draft, column: Column, value: Expr, equations: Sequence[Equation] = ()) -> Expr:
+    """The value of ``column``, which ``equations`` determine, without ``previous`` of itself. Raises Abort where the recurrence is of
+    another kind, or there is none."""
     if column not in deep(value, context.program.definitions):
         return value
     value = inline(value, [column], context.program.definitions, through=True)
     steps = [node for node in E.nodes(value) if node.op == "previous" and column in E.leaves(node)]
     if not steps:
-        raise refused(context, column)
+        stated = equations[0].span if equations else context.spans[column]
+        said = f"this would determine `{column.name}`, on which what it names depends already"
+        hint = "leave it out, or pass the value as an argument: other statements say where this part is"
+        raise context.error("circular-definition", stated, said, hint=hint)
     scope: Scope = steps[0].value
     before = Column(scope, f"{column.name} before")
     mapping: dict[Expr, Expr] = {}

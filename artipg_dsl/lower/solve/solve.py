@@ -188,7 +188,7 @@ def _settle_block(block: Block, outcomes: list[Outcome]) -> None:
             env.context.program.definitions[column] = E.ZERO
             continue
         determining = E.any_of(c for c, _ in solved if c not in open_cases)
-        env.context.program.definitions[column] = closed(env.context, column, chosen(column.scope, solved))
+        env.context.program.definitions[column] = closed(env.context, column, chosen(column.scope, solved), equations)
         determined(env, unknown, determining if open_cases or len(relevant) < len(outcomes) else E.TRUE)
 
 
