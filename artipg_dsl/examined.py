@@ -210,6 +210,7 @@ class Examined(Measured):
         from .validity.axes import find_far_axes  # start-up
         from .validity.bodies import gather  # start-up
         from .validity.floating import Solids  # start-up
+        from .validity.flush import find_flush  # start-up
         from .validity.stuck import find_driven, find_meeting, find_never, find_stuck  # start-up
         from .validity.tree import Tree  # start-up
 
@@ -244,6 +245,17 @@ class Examined(Measured):
                 if driven.turned
                 else "leave room where it moves, shorten its range, or place its axis elsewhere; "
                 f'if the overlap is meant, write `allow overlap {one}, {other} because "..."`',
+            )
+        for flush in find_flush(tree, body, found):
+            one, other = (plain_name(part) for part in flush.parts)
+            joint = self.batch.program.joints[flush.joint]
+            self.report.warning(
+                "touching-links",
+                self._line(joint.where) or self._later(one, other),
+                f"`{flush.parts[0]}` and `{flush.parts[1]}` touch where `{joint.path}` moves one on the other, "
+                "in every object examined that has both",
+                hint="leave a gap of 0.2 mm or more, as in `gap 0.5mm` or `align lid.bottom = body.top + 0.5mm`; "
+                f'if one is to rub on the other, write `allow overlap {one}, {other} because "..."`',
             )
         for axis in find_far_axes(tree, body):
             joint = self.batch.program.joints[axis.joint]

@@ -205,3 +205,52 @@ def test_on_which_link_two_elements_of_a_part_are_is_told_once() -> None:
 
     said = _on_links(Stuck(("row.pipe", "row.pipe"), ("row[1].clamp", "row[2].clamp")))
     assert said == " (`row.clamp` is on the link of `row.pipe`)"
+
+
+TOUCH = """apg 1
+use primitives {{ Cuboid, Cylinder, HollowFrustum }}
+category Tower {{
+  param bore : length in 1cm .. 2cm
+  root part base : HollowFrustum(radius = 3cm, bore = bore, height = 9cm)
+  part rod : {}
+}}
+"""
+LID = """Cuboid(size = [6cm, 6cm, 5mm])
+  align rod.bottom = base.top"""
+
+
+@pytest.mark.parametrize(
+    ("rod", "told"),
+    [
+        ("Cylinder(radius = bore, height = 9cm)\n  joint move : prismatic base -> rod along z range 0cm .. 3cm", True),
+        (
+            "Cylinder(radius = bore - 0.2mm, height = 9cm)\n  joint move : prismatic base -> rod along z range 0cm .. 3cm",
+            False,
+        ),
+        (f"{LID}\n  joint move : continuous base -> rod about base.axis", True),
+        (f"{LID}\n  joint move : prismatic base -> rod along z range 0cm .. 3cm", False),
+        (f"{LID}\n  joint move : revolute base -> rod about rod.back.bottom range 0deg .. 60deg", False),
+        (f"{LID} + 0.2mm\n  joint move : continuous base -> rod about base.axis", False),
+        (
+            f'{LID}\n  joint move : continuous base -> rod about base.axis\n  allow overlap base, rod because "felt"',
+            False,
+        ),
+        (f"{LID} + (0mm if bore < 12mm else 1mm)\n  joint move : continuous base -> rod about base.axis", False),
+    ],
+    ids=[
+        "a rod in its bore",
+        "with a gap",
+        "a cap that turns",
+        "that is lifted",
+        "that opens",
+        "off",
+        "allowed",
+        "some",
+    ],
+)
+def test_links_that_touch_where_they_move_on_one_another(rod: str, told: bool) -> None:
+    session = Session.of_text(TOUCH.format(rod), "tower.apg")
+    session.advise()
+    assert not session.report.failed, session.report.diagnostics
+    found = [d for d in session.report.diagnostics if d.code == "touching-links"]
+    assert [d.span.text.split(" :")[0] for d in found if d.span] == ["joint move"] * told

@@ -34,6 +34,32 @@ EXAMPLES = (
         """,
     ),
     Code(
+        "touching-links",
+        "two links touch where one moves on the other",
+        """
+        In each of the few objects that `apgc check` draws, flat faces of two links touch with all joints at rest, and
+        a joint moves one along the other. Nothing overlaps, so the objects are valid; but the two surfaces flicker in
+        pictures, and in simulators such links rub, stick or jump. Leave a gap of 0.2 mm or more: the joint takes
+        `gap 0.5mm` behind its faces, an `align` a `+ 0.5mm`. A face that its joint lifts off, as that of a lid on its
+        rim, may touch.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid, Cylinder }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Stool {
+          param width : length in 30cm .. 50cm
+          root part base : Cuboid(size = [30cm, width, 20cm])
+          part seat : Cylinder(radius = 15cm, height = 3cm)
+          joint turn : continuous base.top -> seat.bottom
+          material oak on base, seat
+          label semantic.base on base
+          label semantic.seat on seat
+        }
+        """,
+    ),
+    Code(
         "never-valid",
         "every object has the same fault",
         """
