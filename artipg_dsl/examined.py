@@ -207,7 +207,7 @@ class Examined(Measured):
         """Report parts that float, links that collide at rest in each of the objects that have both, and other faults that all
         objects have."""
         from .runtime.tables import plain_name  # start-up
-        from .validity.axes import find_far_axes  # start-up
+        from .validity.axes import find_far_axes, find_loose_loops  # start-up
         from .validity.bodies import gather  # start-up
         from .validity.floating import Solids  # start-up
         from .validity.flush import find_flush  # start-up
@@ -266,6 +266,15 @@ class Examined(Measured):
                 f"and `{axis.child}` reaches {100 * axis.reach:.3g} cm from it",
                 hint=f"place it where the two meet: is it the right edge, as `{axis.child}.back.bottom` for "
                 f"`{axis.child}.front.bottom`, and is `{axis.parent}` what holds it?",
+            )
+        for loop in find_loose_loops(tree, body, self.lowering.context.axes):
+            one, other = loop.links
+            self.report.warning(
+                "far-axis",
+                self._line(self.batch.program.closures[loop.closure].where) or self.span,
+                f"the links of `{one}` and `{other}` are {1000 * loop.gap:.3g} mm apart along the axis that this `close` keeps together",
+                hint="axes meet wherever along them their places are: bring the two side by side, as by "
+                f"`align {other}.right = {one}.left + 1mm`, or give one of them a pin that reaches the other",
             )
         for fault in find_never(solids):
             span = self._line(fault.where)

@@ -2,17 +2,34 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..geometry.runs import distinct
 from ..geometry.vectors import dot
 from ..records import dataclass
+from ..runtime.motion import apply
 from .bodies import Pieces, enumerate_ranges, link_boxes
-from .rings import find_across
+from .rings import bound_rings, find_across
 from .tree import Tree
 
+if TYPE_CHECKING:
+    from ..graph.primitive import Triple
+
 _FAR = 0.6  # of how far what turns reaches from its axis; of the shipped categories no hinge lies farther off than 0.5
+_NEAR = 5e-3  # metres: what an axis passes so near can have a bore for its pin
+_LOOSE = 9.9e-3  # metres: of what a pin joins no links lie a centimetre apart
 _WAYS = np.arange(16) * (np.pi / 8)  # across an axis
+
+
+@dataclass(frozen=True, slots=True)
+class LooseLoop:
+    """Two links, by path, that a closure keeps on one axis and that are ``gap`` metres apart along it, in the first object."""
+
+    closure: int
+    links: tuple[str, str]
+    gap: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,3 +86,33 @@ def _measure(
     start = np.flatnonzero(np.diff(k, prepend=-1))
     low, high = np.minimum.reduceat(height[:, 0], start), np.maximum.reduceat(height[:, 1], start)
     return np.minimum.reduceat(least, start), np.stack([low, high], axis=1), np.maximum.reduceat(reach, start)
+
+
+def find_loose_loops(tree: Tree, body: Pieces, axes: dict[int, Triple]) -> list[LooseLoop]:
+    """The closures of two axes, by their definition with the direction at joint values 0, whose links lie apart along the axis, in each
+    of the objects that have them: what a pin joins lies side by side."""
+    loops, program, found = tree.batch.loops, tree.batch.program, []
+    if loops is None:
+        return []
+    begin, end = link_boxes(body, len(tree.links.owner))[2:]
+    for number, direction in axes.items():
+        rows = np.flatnonzero(loops.which == number)
+        first = loops.link[0, rows]
+        axis = np.stack(tree.batch.read(list(direction), program.closures[number].scope), axis=-1).reshape(-1, 3)
+        axis = apply(tree.turn[first], axis)
+        origin = apply(tree.turn[first], loops.point[0, rows]) + tree.shift[first]
+        sides = []
+        for link in loops.link[:, rows]:
+            k, piece = enumerate_ranges(begin[link], end[link] - begin[link])
+            rings = bound_rings(body, piece, axis[k], origin[k])
+            at = rings.reach[:, 0] <= _NEAR
+            low, high = np.full(len(rows), np.inf), np.full(len(rows), -np.inf)
+            np.minimum.at(low, k[at], rings.height[at, 0])
+            np.maximum.at(high, k[at], rings.height[at, 1])
+            sides.append((low, high))
+        (low, high), (other_low, other_high) = sides
+        gap = np.maximum(other_low - high, low - other_high)
+        if len(rows) and (np.isfinite(gap) & (gap > _LOOSE)).all():
+            one, other = (program.links[tree.links.definition[link]].path for link in loops.link[:, rows[0]])
+            found.append(LooseLoop(number, (one, other), float(gap[0])))
+    return found

@@ -176,7 +176,8 @@ ADVICE = (
         In each of the few objects that `apgc check` draws, the axis lies outside of the parent link, by more than 0.6 of
         how far the child reaches from the axis: a lid would turn about its free edge. An axis within a ring, or within
         the hull of several parts, is held by them, and what moves in a closed loop by others. Often the joint names the
-        wrong edge, or the wrong parent.
+        wrong edge, or the wrong parent. Two axes that a `close` keeps together are told if the links beside one another
+        on that axis are a centimetre apart along it, or more.
         """,
         """
         apg 1

@@ -111,6 +111,7 @@ def close(links: Links, env: Env, statement: ast.CloseStmt) -> None:
         name, skew = "the sine of the angle between the axes of this `close`", cross(*axes)
         links.context.asked.append(Quantity(name, env.scope, norm(skew), PARALLEL, where(statement.span)))
     for along in axes[-1:]:
+        links.context.axes[len(links.context.program.closures)] = along
         b = plus(b, times(along, dot(minus(a, b), along)))
     links.context.program.closures.append(Closure(env.scope, (first, second), (a, b), where(statement.span)))
 

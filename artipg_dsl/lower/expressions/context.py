@@ -12,6 +12,7 @@ from ...errors import InternalError
 from ...graph import expr as E
 from ...graph.expr import Column, Expr, Scope, ScopeError
 from ...graph.interval import Interval
+from ...graph.primitive import Triple
 from ...graph.program import Draw, Label, Program, Requirement, Where
 from ...language import Form
 from ...records import dataclass
@@ -156,6 +157,9 @@ class Draft:
     # requirement -> the operation that it asks to have a value: where, and why it may have none
     undefined: dict[int, tuple[Span, str]] = field(default_factory=dict)
     endless: dict[int, tuple[Span, str]] = field(default_factory=dict)  # the same, of what makes a number infinite
+    axes: dict[int, Triple] = field(
+        default_factory=dict
+    )  # closures by number that keep two axes together -> their direction
     remedies: dict[int, str] = field(default_factory=dict)  # requirement -> what to try where it is broken
     bends: dict[int, Bend] = field(default_factory=dict)  # those of the requirements that are about one
     ledger: list[tuple[Component | None, Unknown]] = field(default_factory=list)
