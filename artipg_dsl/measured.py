@@ -44,6 +44,7 @@ class Measured:
         self.warn_off()
         self.warn_odd_size()
         self.warn_asymmetric()
+        self.warn_turned_twice()
 
     def follow(self) -> bool:
         """Whether every joint that follows another by a formula can; the first that cannot is reported."""
@@ -264,6 +265,29 @@ class Measured:
                 f"`{path}` does not look the same after {share} about its {about}: across it, it is {one} by {other} cm",
                 hint="name what is round or square, with the axes of the part itself, or write `turn 2`",
             )
+
+    def warn_turned_twice(self) -> None:
+        """Report parts in a ring of more than two that are turned from one element to the next once more as the ring turns them."""
+        for span, scope, *matrices in self.lowering.context.spun:
+            if span.source is not self.span.source:
+                continue
+            owner = self.batch.owner(scope)
+            turn, ring = (
+                np.stack(self.batch.read([cell for row in matrix for cell in row], scope), axis=-1).reshape(-1, 3, 3)
+                for matrix in matrices
+            )
+            first = np.searchsorted(owner, owner)
+            off = np.abs(turn - ring @ ring[first].transpose(0, 2, 1) @ turn[first])
+            share = np.trace(
+                ring, axis1=1, axis2=2
+            )  # 3 of the first element, -1 of a half turn, which is one either way
+            if off.max(initial=0.0) < _SLACK and ((share > -1 + _SLACK) & (share < 3 - _SLACK)).any():
+                self.report.warning(
+                    "turned-again",
+                    span,
+                    "the ring has turned each element by this angle already, so the part is turned twice as far",
+                    hint="leave the index out of the angle: in a `ring`, axes are those of the element",
+                )
 
     def _of(self, path: str) -> Span | None:
         return place_of(self.lowering, path, self.span)

@@ -232,3 +232,30 @@ category Chest {{
     assert falls == (found is not None)
     if found is not None:
         assert found.message == "it tips over, in every object examined" and "it stands on `leg`" in str(found.hint)
+
+
+@pytest.mark.parametrize(
+    ("ring", "angle", "told"),
+    [
+        ("n", "k * 1turn / n", True),
+        ("4", "20deg + k * 90deg", True),
+        ("4", "k * 30deg", False),
+        ("4", "20deg", False),
+        ("n", "-k * 1turn / n", False),  # it keeps its direction
+        ("2", "k * 180deg", False),
+    ],
+)
+def test_what_a_ring_has_turned_already_is_told(ring: str, angle: str, told: bool) -> None:
+    found = _advised(f"""apg 1
+use primitives {{ Cuboid }}
+category Wheel {{
+  count n in 3 .. 5
+  root part hub : Cuboid(size = [10cm, 10cm, 10cm])
+  repeat arm[k] ring {ring} about line(at = hub.center, along = z) {{
+    part bar : Cuboid(size = [9cm, 1cm, 1cm]) turned {angle} about z
+    connect bar to hub
+    align bar.center = [9cm, 0, 0]
+  }}
+}}
+""")
+    assert [d.span.text for d in found if d.span and d.code == "turned-again"] == [f"turned {angle} about z"] * told

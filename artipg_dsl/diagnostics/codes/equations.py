@@ -28,12 +28,13 @@ EQUATIONS = (
     ),
     Code(
         "turned-again",
-        "a mount turns a part away from its `along`",
+        "a part is turned farther than is written",
         """
         A part that lies `along` an axis has faces of the scope: of a cylinder `along y`, `bottom` is a place on its side.
         Mounted by a face, with `to` or by two faces of a joint, it is turned until that face meets the other, so that it
         comes to lie along another axis than is written. Mount the face that meets the other already, or leave `along` out:
-        then `bottom` is the end of the cylinder.
+        then `bottom` is the end of the cylinder. In a `ring`, `turned k * 1turn / n` turns each element once more as the ring
+        turns it already: leave it out.
         """,
         """
         apg 1

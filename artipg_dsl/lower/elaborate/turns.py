@@ -23,6 +23,10 @@ def apply_placements(env: Env, placements: tuple[ast.Placement, ...], outer: Mat
                 )
             step = along(direction)
         else:
-            step = rotation_about(normalized(direction), ev.scalar(placement.angle))
+            angle = ev.scalar(placement.angle)
+            step = rotation_about(normalized(direction), angle)
+            around = next((e for e in env.chain() if e.element is not None and e.frame.rotation is not IDENTITY), None)
+            if around is not None and angle.constant is None:
+                env.context.spun.append((placement.span, env.scope, step, around.frame.rotation))
         made = product(step, made)
     return made if outer is IDENTITY else product(outer, made)

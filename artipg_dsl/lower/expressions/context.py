@@ -157,6 +157,8 @@ class Draft:
     # requirement -> the operation that it asks to have a value: where, and why it may have none
     undefined: dict[int, tuple[Span, str]] = field(default_factory=dict)
     endless: dict[int, tuple[Span, str]] = field(default_factory=dict)  # the same, of what makes a number infinite
+    # places of `turned` in repeats whose elements turn: its table, what it turns by, and the frame of an element
+    spun: list[tuple[Span, Scope, tuple[Triple, ...], tuple[Triple, ...]]] = field(default_factory=list)
     axes: dict[int, Triple] = field(
         default_factory=dict
     )  # closures by number that keep two axes together -> their direction
