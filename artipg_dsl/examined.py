@@ -211,6 +211,7 @@ class Examined(Measured):
         from .validity.bodies import gather  # start-up
         from .validity.floating import Solids  # start-up
         from .validity.flush import find_flush  # start-up
+        from .validity.stance import find_unasked, name_feet  # start-up
         from .validity.stuck import find_driven, find_meeting, find_never, find_stuck  # start-up
         from .validity.tree import Tree  # start-up
 
@@ -289,6 +290,14 @@ class Examined(Measured):
         self.warn_unhandled(tree)
         if not {each.code for each in self.report.diagnostics} & _OF_ALL:
             self.warn_rare(solids, found)
+        if find_unasked(tree, body):
+            self.report.warning(
+                "missing-stable",
+                self.span,
+                f"each `{self.batch.program.name}` examined tips over, and nothing requires that it stands",
+                hint=f"{name_feet(tree, body, 0)}: broaden that, or bring the weight over it, and write `require stable`; "
+                "if it is screwed down, label what holds it `flange` or `bracket`",
+            )
 
     def warn_rare(self, solids: Solids, found: Collisions) -> None:
         """Report that half of the objects or more are invalid, by what fails most."""

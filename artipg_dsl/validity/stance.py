@@ -31,7 +31,9 @@ _STEEP = 1.001  # a margin changes by no more than this, times what the centre o
 _ROUNDING = 1e-9  # metres
 _SHARES = np.linspace(0.0, 1.0, 33)  # of the range of a joint that moves by itself
 _LOW = 0.01  # of the height of an object: what is so near the floor may touch it
+_INNER = 1 / 6  # of the rectangle of its feet: what lies farther inside stands, as boxes tell
 _WELL = 0.1  # of its size: how far inside is well within
+_STANDS = ("foot", "leg", "base", "stand", "wheel", "castor")  # words for what an object stands on
 _NAMED = 4  # of the parts that an object stands on
 _APART = 4  # of these, one in so many of what moves others, which takes a pose each
 _BLOCK = 10_000  # links at a time, each in a state
@@ -84,17 +86,60 @@ def find_toppling(tree: Tree, body: Pieces) -> list[np.ndarray]:
     return [np.zeros(0, dtype=np.int64) for _ in asked]
 
 
+def find_unasked(tree: Tree, body: Pieces) -> bool:
+    """Whether each of the objects tips over at rest, by bounds of their masses, on what is labelled as something to stand on, and
+    nothing requires that they stand. Of other programs nothing is weighed."""
+    batch = tree.batch
+    program, tables = batch.program, batch.sites()
+    standing = {
+        program.sites[target.site].path
+        for label in program.labels
+        if label.vocabulary == "semantic" and label.name in _STANDS
+        for target in label.targets
+    }
+    if program.stable or not standing or not _top_heavy(tree, body).all():
+        return False
+    meant = np.concatenate([np.full(len(table), table.path in standing) for table in tables])
+    feet = find_feet(tree, body).piece
+    on = np.zeros(len(batch), dtype=bool)
+    on[body.owner[feet[meant[body.solid[feet]]]]] = True
+    if not on.all():
+        return False
+    rough = weighing(batch).rough
+    return bool(Stance(tree, body, rough).decided(rough, False)[0].all())
+
+
 def _narrow(tree: Tree, body: Pieces) -> np.ndarray:
     """Which objects (B,) have a middle that is not well within the rectangle of what is near the floor, by boxes of pieces."""
+    low, high, feet = _feet_boxes(tree, body)
+    middle, spare = (low + high) / 2, _WELL * (high - low)
+    return ~((feet[0] <= middle - spare) & (feet[1] >= middle + spare))[:, :2].all(axis=1)
+
+
+def _top_heavy(tree: Tree, body: Pieces) -> np.ndarray:
+    """Which objects (B,) have the middle of the boxes of their primitives, by volume, not well within that rectangle when it
+    is tilted."""
+    total, moment = np.zeros(len(tree.batch)), np.zeros((len(tree.batch), 3))
+    for table in tree.batch.sites():
+        low, high = table.boxes()
+        volume = (high - low).prod(axis=1)
+        np.add.at(total, table.owner, volume)
+        np.add.at(moment, table.owner, volume[:, None] * (low + high) / 2)
+    middle, (floor, _, feet) = moment / np.maximum(total, 1e-300)[:, None], _feet_boxes(tree, body)
+    spare = TILT * (middle - floor)[:, 2:] + _INNER * (feet[1] - feet[0])
+    return np.asarray(((feet[0] + spare > middle) | (feet[1] - spare < middle))[:, :2].any(axis=1))
+
+
+def _feet_boxes(tree: Tree, body: Pieces) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:
+    """The corners (B, 3) of the boxes of objects, and of what of each is near the floor."""
     shape = len(tree.batch), 3
-    low, high, feet = np.full(shape, np.inf), np.full(shape, -np.inf), [np.full(shape, np.inf), np.full(shape, -np.inf)]
+    low, high, feet = np.full(shape, np.inf), np.full(shape, -np.inf), (np.full(shape, np.inf), np.full(shape, -np.inf))
     np.minimum.at(low, body.owner, body.low)
     np.maximum.at(high, body.owner, body.high)
     near = body.low[:, 2] <= low[body.owner, 2] + _LOW * (high - low)[body.owner, 2]
     np.minimum.at(feet[0], body.owner[near], body.low[near])
     np.maximum.at(feet[1], body.owner[near], body.high[near])
-    middle, spare = (low + high) / 2, _WELL * (high - low)
-    return ~((feet[0] <= middle - spare) & (feet[1] >= middle + spare))[:, :2].all(axis=1)
+    return low, high, feet
 
 
 def name_feet(tree: Tree, body: Pieces, owner: int) -> str:

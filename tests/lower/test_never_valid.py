@@ -235,6 +235,35 @@ category Chest {{
 
 
 @pytest.mark.parametrize(
+    ("foot", "label", "more", "falls"),
+    [
+        ("1cm .. 2cm", "leg", "", True),
+        ("1cm .. 2cm", "shaft", "", False),  # a tool stands on nothing
+        ("8cm .. 9cm", "leg", "", False),
+        ("1cm .. 9cm", "leg", "", False),
+        ("1cm .. 2cm", "leg", "when hung == no { require stable }", False),
+    ],
+)
+def test_objects_that_fall_off_their_feet_are_told(foot: str, label: str, more: str, falls: bool) -> None:
+    found = _advised(f"""apg 1
+use primitives {{ Cuboid }}
+vocabulary semantic {{ body leg shaft }}
+category Chest {{
+  param foot : length in {foot}
+  param hung : choice yes | no
+  root part body : Cuboid(size = [10cm, 10cm, 10cm])
+  part leg : Cuboid(size = [foot, foot, 50cm])
+  connect leg.top on body.bottom
+  align leg.front = body.front
+  label semantic.body on body
+  label semantic.{label} on leg
+  {more}
+}}
+""")
+    assert falls == ("missing-stable" in {d.code for d in found})
+
+
+@pytest.mark.parametrize(
     ("ring", "angle", "told"),
     [
         ("n", "k * 1turn / n", True),

@@ -42,7 +42,7 @@ category Stand {
   material oak on shelf, back, leg
   label semantic.shelf on shelf
   label semantic.panel on back
-  label semantic.leg on leg
+  label semantic.column on leg
   when look == plain {
     label affordance.support on shelf
   }

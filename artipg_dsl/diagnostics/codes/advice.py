@@ -57,6 +57,32 @@ ADVICE = (
         """,
     ),
     Code(
+        "missing-stable",
+        "objects tip over, and nothing requires that they stand",
+        """
+        Each of the few objects that `apgc check` draws tips over at rest. What it stands on has a label that says so:
+        `foot`, `leg`, `base`, `stand`, `wheel` or `castor`. Without `require stable` such objects are delivered as
+        they are, and fall in a simulator. Broaden what they stand on, and require that they stand. What is screwed
+        down has a `flange` or a `bracket` instead; of tools and other things without such a label nothing is asked.
+        """,
+        """
+        apg 1
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Stool {
+          param width : length in 30cm .. 50cm
+          root part foot : Cuboid(size = [10cm, 10cm, 3cm])
+          part seat : Cuboid(size = [30cm, width, 3cm])
+          connect seat.bottom on foot.top
+          align seat.back = foot.back
+          material oak on foot, seat
+          label semantic.foot on foot
+          label semantic.seat on seat
+        }
+        """,
+    ),
+    Code(
         "missing-material",
         "parts have no material",
         """
