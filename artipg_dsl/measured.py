@@ -136,6 +136,19 @@ class Measured:
                 f"`{joint.path}` {said}, and its range is {own}",
                 hint=hint,
             )
+        one_way = (np.abs(least + most) > _SLACK) & ((least > -_SLACK) | (most < _SLACK))
+        for number, k in _always(joints.definition[led], one_way & ~beyond & ~beyond_turned):
+            joint = self.batch.program.joints[number]
+            unit = "m" if joint.kind == "prismatic" else "rad"
+            if joint.curve is None and np.isfinite(joints.low[led][k]):
+                taken = f"{plain(float(least[k]), unit)} .. {plain(float(most[k]), unit)}"
+                self.report.warning(
+                    "bad-mimic",
+                    self._line(joint.where) or self.span,
+                    f"`{joint.path}` is taken through {taken} alone, and its range has as much room on the other side",
+                    hint=f"look at it with its joints open: if it goes the right way, state that range, `range {taken}`; "
+                    "else change the sign of its factor",
+                )
 
     def warn_far(self) -> None:
         """Name joints that slide much farther than their object is large, in every object that has them."""

@@ -190,6 +190,14 @@ def test_a_factor_with_the_wrong_sign(mimic: str, hint: str) -> None:
     assert str(found.hint).startswith(hint)
 
 
+def test_room_to_go_the_wrong_way() -> None:
+    """Taken through one half of its range alone, a follower of the wrong sign would be within it as well."""
+    text = FOLLOWER.replace("0cm .. 3cm mimic MIMIC", "-3cm .. 3cm mimic {}")
+    for mimic, told in (("-lead", "-2cm .. 0"), ("lead", "0 .. 2cm"), ("lead - 1cm", None)):
+        found = [d for d in _advised(text.replace("{}", mimic)) if d.code == "bad-mimic"]
+        assert [f"through {told} alone" in d.message for d in found] == [True] * (told is not None)
+
+
 def test_a_limited_follower_of_a_joint_without_end() -> None:
     endless = "joint lead : continuous body -> one about line(at = one.center, along = x)"
     text = FOLLOWER.replace("joint lead : prismatic body -> one along x range 0cm .. 2cm", endless)

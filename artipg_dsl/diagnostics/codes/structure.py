@@ -218,7 +218,7 @@ STRUCTURE = (
         independently; no other joint can follow the follower, and the object must have no closed loop. Write the
         formula in terms of the joint that leads the chain, or, for a linkage, close a loop of joints with `close`.
         A follower that is taken out of its own range is a warning: checks and views go there, while simulators hold it
-        within.
+        within. So is one that is taken through one half of it alone: then a wrong sign would not be told.
         """,
         """
         apg 1
