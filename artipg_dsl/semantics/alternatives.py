@@ -90,6 +90,15 @@ def unknown_material(ck: Checker, ctx: Context, name: str, span: Span) -> None:
         missing(name, [*styles, *ctx.module.named("material")], "material")
         or f"declare it: `material {name} {{ ... }}`"
     )
+    if ctx.scope is not None and any(entry.kind == "style" for entry in ctx.scope.find(name)):
+        said = f"`{name}` is a style, which cannot be one of several alternatives"
+        ck.error(
+            "unknown-material",
+            span,
+            said,
+            hint=f"name its materials here, one by one; `steel when {name} == steel` follows it",
+        )
+        return
     if name == "none":
         hint = "what has no material of its own takes that of the part around it: put the `material` statement under a `when`"
     ck.unknown(ctx.module, name, "unknown-material", span, f"there is no material `{name}` here", hint)

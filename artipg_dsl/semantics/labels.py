@@ -219,6 +219,9 @@ def _targets(ck: Checker, ctx: Context, targets: tuple[ast.Expr, ...], rule: str
 
 def _word(ck: Checker, ctx: Context, vocabulary: str, word: str) -> str:
     """A hint: the nearest word that there is, and how to have this one."""
+    others = [name for name, words in ck.vocabularies.items() if word in words and ctx.module.find(name) is not None]
+    if others:
+        return f"did you mean `{others[0]}.{word}`?"
     own = f"`vocabulary {vocabulary} {{ {word} }}`"
     symbol = ctx.module.names.get(vocabulary)
     brought = symbol is not None and symbol.module is not ctx.module
