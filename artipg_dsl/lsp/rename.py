@@ -47,7 +47,9 @@ def renamed(analysis: Analysis, offset: int) -> Found:
         if path is None or path.is_relative_to(library_dir()):
             raise Refused(f"`{found.span.text}` is declared in the library")
     if (role := _role_of(analysis, found)) is not None:
-        raise Refused(f"`{found.span.text}` is a name of the role `{role}`: its templates bind it by this name")
+        raise Refused(
+            f"`{found.span.text}` is a name of the role `{role}` of the library: its templates bind it by this name"
+        )
     return found
 
 
@@ -71,7 +73,7 @@ def rename(analysis: Analysis, offset: int, name: str, others: Iterable[Analysis
 
 
 def _role_of(analysis: Analysis, found: Found) -> str | None:
-    """The role that says by its name what is declared, in itself or in a template of it."""
+    """The role of the library that says by its name what is declared in a template of it."""
     name, here = found.span.text, set(found.declared)
     files = {span.source.name for span in here}
     for module in () if analysis.typed is None else analysis.typed.modules.values():
@@ -80,14 +82,11 @@ def _role_of(analysis: Analysis, found: Found) -> str | None:
             if not here.intersection(span for stmt in stated for span in name_spans_of(stmt)):
                 continue
             for role in lineage(symbol):
-                if role.kind == "role" and any(name in names_of(stmt) for stmt in role.body):
-                    return None if all(_handed_in(stmt) for stmt in role.body if name in names_of(stmt)) else role.name
+                path = analysis.path_of(role.module.source)
+                if role.kind == "role" and path is not None and path.is_relative_to(library_dir()):
+                    if any(name in names_of(stmt) for stmt in role.body):
+                        return role.name
     return None
-
-
-def _handed_in(stmt: ast.Stmt) -> bool:
-    """Whether a role gives it to its templates, which declare nothing for it."""
-    return isinstance(stmt, ast.ParamDecl) and stmt.keyword == "inherit"
 
 
 def _ends_of_drawn(texts: Iterable[Analysis], places: Iterable[Span]) -> list[Span]:

@@ -39,6 +39,7 @@ category Stool {
     align bar.center = [far, 0, seat.bottom - tall]
   }
   let reach(a) = a * 2
+  keypoint sole on foot.felt
   grasp hold on seat for t in -1 .. 1 { at [t * tall, 0, 0]  approach -x  close y  opening 3cm }
   when shape == fine { require reach(tall) > 1cm }
 }
@@ -61,7 +62,7 @@ def after(text, place, name):
     ("place", "name", "changed", "kept"),
     [
         ("seat :", "board", 6, 0),
-        ("foot.top", "leg", 3, 0),
+        ("foot.top", "leg", 4, 0),
         ("Block :", "Brick", 2, 0),
         ("Foot {", "Support", 3, 0),
         ("height :", "rise", 3, 0),
@@ -77,6 +78,9 @@ def after(text, place, name):
         ("v in 0", "w", 2, 0),
         ("v * 1turn", "w", 2, 0),
         ("Stool", "Chair", 1, 0),
+        ("felt ?", "pad", 3, 0),  # what its templates bind
+        ("felt :", "pad", 3, 0),
+        ("felt\n", "pad", 3, 0),
     ],
 )
 def test_a_name_is_changed_where_it_means_the_same(place, name, changed, kept):
@@ -100,8 +104,7 @@ def test_what_is_drawn_is_said_to_have_been_the_old_one():
         ("fine\n", "rich", "is not declared by a statement"),
         ("Cuboid }", "Box", "`Cuboid` is declared in the library"),
         ("primitives", "solids", "a module is called as its file"),
-        ("felt ?", "pad", "`felt` is a name of the role `Foot`"),
-        ("felt :", "pad", "`felt` is a name of the role `Foot`"),
+        ("felt ?", "side", "`side` cannot be its name: "),
         ("seat :", "part", "`part` is a word of the language and cannot be used as a name"),
         ("seat :", "2nd", "`2nd` cannot be its name: "),
         ("seat :", "a b", "`a b` cannot be its name: "),
@@ -128,3 +131,11 @@ def test_files_beside_are_changed_along(texts):
     found = [(edit.span.source.name, edit.span.line, edit.text) for edit in edits]
     own, other = str(texts.stand), str(texts.shelves)
     assert found == [(own, 11, "deep"), *((other, line, "deep") for line in (6, 8, 9)), (other, 6, " was depth")]
+
+
+def test_what_a_role_of_the_library_names_keeps_its_name():
+    text = "apg 1\nuse handles { Handle }\nuse primitives { Cuboid }\ntemplate Bar : Handle {\n  part grip : Cuboid(size = size)\n"
+    text += "  port mount = grip.back\n}\n"
+    for place in ("grip :", "mount ="):
+        with pytest.raises(Refused, match="is a name of the role `Handle` of the library"):
+            after(text, place, "bow")
