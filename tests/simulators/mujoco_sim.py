@@ -22,6 +22,8 @@ def settle(spec: mujoco.MjSpec, srdf: Path) -> None:
         joint.solref_limit = joint.solref_friction = [0.004, 1]
         joint.solimp_limit = [0.99, 0.999, 0.001, 0.5, 2]
         joint.solimp_friction = [0.999, 0.999, 0.001, 0.5, 2]
+    for geom in spec.geoms:
+        geom.solref = [0.004, 1]
     for equality in spec.equalities:
         equality.solref, equality.solimp = [0.004, 1], [0.999, 0.9999, 0.001, 0.5, 2]
     for pair in ElementTree.parse(srdf).getroot() if srdf.exists() else []:
