@@ -187,7 +187,7 @@ def partnet(folder: Path, robot: Robot) -> Reading:
     import yourdfpy
 
     urdf = yourdfpy.URDF.load(str(folder / "mobility.urdf"))
-    unit = float(json.loads((folder / "meta.json").read_text())["metres_per_unit"])
+    unit = json.loads((folder / "meta.json").read_text())["metres_per_unit"]
     moving = [joint.child for joint in robot.joints]
     order = [k for k in range(len(robot.links)) if k in moving] + [0]  # ours by the folder's number
     zero = {joint.name: 0.0 for joint in robot.joints}

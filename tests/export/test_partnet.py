@@ -33,7 +33,7 @@ class Folder:
         self.path = batch.export(root, "partnet-mobility")[0]
         self.batch = batch
         self.mobility = json.loads((self.path / "mobility_v2.json").read_text())
-        self.unit = float(json.loads((self.path / "meta.json").read_text())["metres_per_unit"])
+        self.unit = json.loads((self.path / "meta.json").read_text())["metres_per_unit"]
         bounds = batch.meshes(np.zeros(len(batch.joints().owner)))[0].bounds
         self.center = bounds.mean(axis=0)
         self.joints, self.links = batch.joints(), batch.links()
@@ -95,7 +95,7 @@ def test_every_file_is_there(folder: Folder) -> None:
         "point_sample",
     }
     meta = json.loads((folder.path / "meta.json").read_text())
-    assert all(isinstance(value, str) for value in meta.values())
+    assert meta.pop("metres_per_unit") == folder.unit and all(isinstance(value, str) for value in meta.values())
     assert {"model_id", "anno_id", "user_id", "time_in_sec", "version", "model_cat"} <= set(meta)
     assert meta["model_cat"] in CATEGORIES and "_" not in meta["model_id"]
 
@@ -274,7 +274,7 @@ def test_screws_advance_and_balls_keep_still(monkeypatch: pytest.MonkeyPatch) ->
         return partnet_files(robots, 0)
 
     files = changed(kind="screw", pitch=0.02)
-    unit = float(json.loads(files["meta.json"])["metres_per_unit"])
+    unit = json.loads(files["meta.json"])["metres_per_unit"]
     entry = json.loads(files["mobility_v2.json"])[0]
     limit = entry["jointData"]["limit"]
     assert (
@@ -297,7 +297,7 @@ def test_left_handed_screws_have_their_lower_limit_first() -> None:
     batch = Session.of_text(VICE).sampler.batch(np.arange(1), 1)
     assert batch.joints().pitch[1:].tolist() == pytest.approx([0.003, -0.003])
     files = partnet_files(Robots(batch), 0)
-    unit = float(json.loads(files["meta.json"])["metres_per_unit"])
+    unit = json.loads(files["meta.json"])["metres_per_unit"]
     entries = json.loads(files["mobility_v2.json"])
     screws = [entry for entry in entries if entry["joint"] == "slider+"]
     ends = [[entry["jointData"]["limit"][end] * unit for end in "ab"] for entry in screws]

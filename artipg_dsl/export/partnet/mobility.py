@@ -113,7 +113,7 @@ class _Folder:
             "time_in_sec": "0",
             "version": "1",
             "model_cat": spell_category(name),
-            "metres_per_unit": repr(self.frame.unit),
+            "metres_per_unit": self.frame.unit,
         }
         return {
             "mobility_v2.json": _json([_mobility(member, members, self.frame) for member in members]),
