@@ -226,6 +226,11 @@ def find_formats(names: str | Sequence[str]) -> list[Format]:
     return [entry for name, entry in FORMATS.items() if name in wanted]
 
 
+def other_form(name: str) -> str:
+    """The format, if there is one, that has the same files with or without meshes: a folder has one of the two."""
+    return name.removesuffix(_BARE) if name.endswith(_BARE) else f"{name}{_BARE}"
+
+
 def without_meshes(formats: Sequence[Format]) -> list[Format]:
     """The same formats, those of objects without their meshes. Raises ExportError."""
     known = [name.removesuffix(_BARE) for name in FORMATS if name.endswith(_BARE)]

@@ -17,7 +17,7 @@ from ..details.dressing import Dressing
 from ..errors import UsageError, UserError
 from ..export.content import SHARD, Content
 from ..export.objects import find_lacking, object_folder
-from ..export.registry import FORMATS, Format
+from ..export.registry import FORMATS, Format, other_form
 from ..export.remote import Place, Remote, place_of
 from ..export.write import ExportError, write_bytes
 from ..geometry.resolution import Resolution
@@ -217,9 +217,10 @@ def add_formats(
     if np.isin(lacking, numbers).any():
         raise _removed(out)
     manifest = manifests.read_manifest(out) or manifest  # another export into this folder may have ended meanwhile
-    listed = manifest["identity"]["formats"]
-    if not lacking and not set(listed).issuperset(entry.name for entry in formats):
-        manifest["identity"]["formats"] = [n for n in FORMATS if n in {*listed, *(entry.name for entry in formats)}]
+    new = {entry.name for entry in formats}
+    listed = [n for n in FORMATS if n in {*manifest["identity"]["formats"], *new} and other_form(n) not in new]
+    if not lacking and listed != manifest["identity"]["formats"]:
+        manifest["identity"]["formats"] = listed
         write_bytes(out / manifests.NAME, manifests.to_text(manifest), force=True)
     return begun
 

@@ -74,6 +74,13 @@ def test_folders_without_meshes(apgc: Apgc, made: Path) -> None:
         "annotation",
         "partnet-mobility.bare",
     ]
+    whole = ("points", "annotation", "partnet-mobility")
+    for more, named in (
+        ((), whole),
+        (("--no-meshes", "--force"), (*whole[:2], f"{whole[2]}.bare")),
+    ):  # one of the two at a time
+        assert apgc("export", made, "--format", "partnet-mobility", *more)[0] == 0
+        assert json.loads((made / "manifest.json").read_text())["identity"]["formats"] == [*named]
     for more, words in (
         (("urdf",), "urdf always has meshes"),
         (("points",), "none of the formats has meshes to leave out"),
