@@ -13,6 +13,10 @@ def plural(number: int, noun: str) -> str:
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
+FORCE = "--force (in Python force=True)"
+"""What replaces what is there, as hints name it."""
+
+
 class InternalError(Exception):
     """A fault of the compiler itself, found while it was at ``place``; the text asks for a report."""
 

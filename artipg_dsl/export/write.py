@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
-from ..errors import UserError
+from ..errors import FORCE, UserError
 from .ends import has_end
 from .remote import MARK, Place, Remote
 
@@ -78,9 +78,7 @@ def is_there(path: Place) -> bool:
 
 def refuse_existing(path: Place, force: bool) -> None:
     if not force and (is_there(path) or path.is_symlink()):
-        raise ExportError(
-            f"{path} exists", "remove it, choose another name, or use --force (in Python force=True) to replace it"
-        )
+        raise ExportError(f"{path} exists", f"remove it, choose another name, or use {FORCE} to replace it")
 
 
 def require_place(path: Path, force: bool) -> None:

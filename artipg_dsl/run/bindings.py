@@ -24,7 +24,7 @@ from .binding import Arrays, Binding, Fit, summarize
 from .fits import FACTS, FITS, SUMMARY, Folder, list_objects, read_record, refuse_other
 from .fitting import Record, to_text
 from .job import Job, ProgramChanged
-from .resume import reopen
+from .resume import REPEAT, reopen
 from .sharing import share
 from .sources import seen_from, seen_here
 from .workers import map_each
@@ -228,10 +228,7 @@ def _refuse_changes(out: Path, work: Sequence[Fit], options: Mapping[str, Any]) 
         if "failed" in found or not isinstance(old, dict) or not _is_of(found, one):
             continue
         if changed := manifests.describe_changes(_TITLES, old, options):
-            raise UserError(
-                f"{out} holds details bound with other options: {changed}",
-                "choose another folder, repeat the old options to complete them, or use --force (in Python force=True) to replace them",
-            )
+            raise UserError(f"{out} holds details bound with other options: {changed}", REPEAT)
 
 
 def _fit_again(source: str, folder: Path, summary: Mapping[str, Any]) -> str:

@@ -41,7 +41,7 @@ from .fitting import (
 )
 from .job import Job
 from .output import Output
-from .resume import clear
+from .resume import REPEAT, clear
 from .sharing import LONG, share
 from .sources import seen_from, seen_here
 from .workers import map_each
@@ -189,10 +189,7 @@ def _refuse_changes(folder: Folder, items: Sequence[Item], asked: Asked, options
         if "drawn" not in found or not isinstance(old, dict) or found.get("file") != item.real.mark():
             continue
         if changed := describe_options(old, options):
-            raise UserError(
-                f"{folder.out} holds fits made with other options: {changed}",
-                "choose another folder, repeat the old options to complete them, or use --force (in Python force=True) to replace them",
-            )
+            raise UserError(f"{folder.out} holds fits made with other options: {changed}", REPEAT)
         if facts and item.name not in asked.facts:
             raise UserError(
                 f"{folder.out} holds a fit of {item.name} with facts, and none are given now",

@@ -17,7 +17,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from ..errors import UserError
+from ..errors import FORCE, UserError
 from ..export.write import ExportError, ensure_folder, explain, replacing_file, sweep_unfinished, write_bytes
 from ..layouts.entry import SPLITS, USUAL, Entry, Shares
 from ..layouts.findings import Findings
@@ -72,10 +72,7 @@ def write_layout(
     known = entries(out, layout, refuse=True, but=entry.category if force else "")
     others = [other for other in known if other.category != entry.category]
     if place.exists() and not force:
-        raise ExportError(
-            f"{out} already has {entry.category}",
-            "use --force (in Python force=True) to write it again, or another folder",
-        )
+        raise ExportError(f"{out} already has {entry.category}", f"use {FORCE} to write it again, or another folder")
     _check_alone(out, layout, entry, others)
     _clear(out, layout, entry.category, others)
     record = {

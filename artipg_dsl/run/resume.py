@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from ..details.dressing import BESIDE, SUMMARY
 from ..diagnostics import CompileError
-from ..errors import UsageError, UserError
+from ..errors import FORCE, UsageError, UserError
 from ..export.objects import OBJECTS
 from ..export.registry import FORMATS, TABLES
 from ..export.remote import Place, Remote, place_of
@@ -22,6 +22,8 @@ from .request import Request, is_file
 from .tables import Tables
 from .traces import REPLAYS
 
+REPEAT = f"choose another folder, repeat the old options to complete them, or use {FORCE} to replace them"
+_REPLACE = f"choose another folder, or use {FORCE} to replace what is there"
 _COUNTS = "counts-*.json"
 _OURS = re.compile(r"[a-z]+-([0-9]{5,}|[0-9]{5,}-[0-9]{5,}|[0-9a-f]{32})(\.[a-z0-9]+)+")
 
@@ -75,10 +77,7 @@ def make_ready(out: Place, manifest: Manifest, force: bool) -> Manifest:
     if old is not None:
         changed = manifests.describe_difference(old, manifests.expect_added(old, manifest))
         if changed and not force:
-            raise ExportError(
-                f"{out} holds samples made with other options: {changed}",
-                "choose another folder, repeat the old options to complete them, or use --force (in Python force=True) to replace them",
-            )
+            raise ExportError(f"{out} holds samples made with other options: {changed}", REPEAT)
         if not changed and not force:
             sweep_all(out)
             return old
@@ -99,11 +98,7 @@ def _read_or_replace(out: Place, force: bool) -> Manifest | None:
         ours = bool(_find_shards(out) or _find_objects(out)) if out.is_dir() else False
         if ours and force:
             return None
-        hint = (
-            "choose another folder, or use --force (in Python force=True) to replace what is there"
-            if ours
-            else wrong.hint
-        )
+        hint = _REPLACE if ours else wrong.hint
         raise ExportError(wrong.message, hint) from None
 
 
@@ -113,7 +108,7 @@ def _replace_unknown(out: Place, left: list[Place], force: bool) -> None:
     if not force and manifests.read_manifest(out) is None:  # else the same command elsewhere has begun meanwhile
         raise ExportError(
             f"{out} holds {str(left[0]).removeprefix(f'{out}/')}, but there is no {manifests.NAME} that describes it",
-            "choose another folder, or use --force (in Python force=True) to replace what is there",
+            _REPLACE,
         )
     try:
         for place in left if force else ():
