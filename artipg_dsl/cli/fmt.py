@@ -14,12 +14,17 @@ from ..syntax.format import format_source
 from ..syntax.load import decode, load
 from .messages import findings, say
 
+_MISSING = "check the path; `apgc new NAME --from CATEGORY` copies a shipped category into a file"
+
 
 def run(options: argparse.Namespace) -> int:
     report = Report()
     changed = read = 0
     for name in options.files:
-        source = decode(sys.stdin.buffer.read(), "<stdin>", report) if name == "-" else load(Path(name), report)
+        if name == "-":
+            source = decode(sys.stdin.buffer.read(), "<stdin>", report)
+        else:
+            source = load(Path(name), report, missing=_MISSING)
         text = format_source(source, report) if source is not None else None
         if source is None or text is None:
             continue

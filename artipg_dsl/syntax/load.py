@@ -12,15 +12,16 @@ _TURNING = re.compile("[\u202a-\u202e\u2066-\u2069]")
 """The embeddings, overrides and isolates of the Unicode Bidirectional Algorithm (UAX 9, 2)."""
 
 
-def load(path: Path, report: Report, name: str | None = None) -> Source | None:
-    """Read a file; what is wrong with it goes to the report. ``name`` is shown in messages instead of the path."""
+def load(
+    path: Path, report: Report, name: str | None = None, *, missing: str = "check the path, or name a shipped category"
+) -> Source | None:
+    """Read a file; what is wrong with it goes to the report. ``name`` is shown in messages instead of the path; ``missing``: what to try
+    where there is none."""
     shown = name or str(path)
     try:
         data = Path(path).read_bytes()
     except FileNotFoundError:
-        report.error(
-            "missing-file", None, f"there is no file {shown}", hint="check the path, or name a shipped category"
-        )
+        report.error("missing-file", None, f"there is no file {shown}", hint=missing)
         return None
     except IsADirectoryError:
         report.error("missing-file", None, f"{shown} is a folder", hint="give the path of an .apg file in it")

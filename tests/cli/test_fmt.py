@@ -27,7 +27,10 @@ def test_files(apgc: Apgc, tmp_path: Path) -> None:
     assert rough.read_text(encoding="utf-8") == SMOOTH
     assert broken.read_text(encoding="utf-8") == "apg 1\ncategory {"
     assert apgc("fmt", "--check", rough, smooth)[0] == 0
-    assert apgc("fmt", "--check", tmp_path / "absent.apg")[2] == "0 files: 0 would change, 1 skipped\n"
+    _, out, err = apgc("fmt", "--check", "Chair")
+    assert (
+        err == "0 files: 0 would change, 1 skipped\n" and "help: check the path; `apgc new NAME --from CATEGORY`" in out
+    )
 
 
 @pytest.mark.parametrize(
