@@ -39,7 +39,7 @@ class Layout:
     hold on some of a part count. ``alone``: names of objects say their class and no more, so two categories of one class need a
     folder each. ``frame``: the shipped one by which objects lie as in the data set, where they do not lie so by themselves.
     ``stumbles``: text in a path that its loaders read as something else. ``least``: by split, how many objects training needs,
-    and why.
+    and why. ``unseen``: the folder of categories of which nothing is for training, where training needs one.
     """
 
     name: str
@@ -59,6 +59,7 @@ class Layout:
     frame: str = ""
     stumbles: str = ""
     least: Mapping[str, tuple[int, str]] = field(default_factory=dict)
+    unseen: str = ""
 
     def entry(
         self, program: Program, seed: int, numbers: np.ndarray, shares: Shares, own: Mapping[str, Any] | None = None
@@ -165,6 +166,7 @@ LAYOUTS: dict[str, Layout] = {
             "gapartnet.parts:check_term",
             chunk=4,
             frame="partnet",
+            unseen="test_inter",
         ),
         Layout(
             "gapartnet-views",

@@ -173,6 +173,10 @@ def find_cautions(folder: Path, layout: Layout) -> list[str]:
         for split, (least, why) in layout.least.items()
         if 0 < count[split] < least
     ]
+    if layout.unseen and all(entry.shares[0] for entry in known):
+        found.append(
+            f"no category is in {layout.unseen}, and the training needs one: export it with --split 0,0,1 into the same folder"
+        )
     odd = [name for name in folder.parts if layout.stumbles and layout.stumbles in name.strip(".")]
     if odd:
         found.append(

@@ -9,10 +9,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from artipg_dsl import sample
 from artipg_dsl.errors import UsageError, UserError
+from artipg_dsl.layouts.entry import Entry
 from artipg_dsl.layouts.registry import LAYOUTS
 from artipg_dsl.run import laying
 
@@ -40,6 +42,15 @@ def test_what_loaders_stumble_over_is_told(apgc: Apgc, tmp_path: Path) -> None:
     assert laying.find_cautions(Path("../all.complete/x"), LAYOUTS["shapenetpart"]) == []
     assert "rename all.complete before" in laying.find_cautions(Path("../all.complete/x"), LAYOUTS["pcn"])[0]
     assert "with `.` in it: rename all.v2" in laying.find_cautions(Path("../all.v2/x"), LAYOUTS["ancsh"])[0]
+
+
+def test_a_folder_without_unseen_categories_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """GAPartNet's training fails at an empty test_inter."""
+    seen, unseen = (Entry(name, 0, np.arange(10), shares) for name, shares in (("Box", (8, 1, 1)), ("Door", (0, 0, 1))))
+    for known, told in (([seen], 1), ([seen, unseen], 0)):
+        monkeypatch.setattr(laying, "entries", lambda _, known=known: known)
+        cautions = laying.find_cautions(Path("data"), LAYOUTS["gapartnet"])
+        assert sum("no category is in test_inter" in words for words in cautions) == told == len(cautions)
 
 
 @pytest.mark.parametrize(
