@@ -19,13 +19,13 @@ from pathlib import Path
 from .records import dataclass
 from .resources import grammar_file
 
-MARK = b"apgc kept 1\n"
+MARK = b"apgc kept 2\n"
 MOST = 256 << 20  # bytes; the entries that were read longest ago go first
 _LEFT = 0.75  # of these bytes are left after that
 _STALE = 3600.0  # seconds after which an unfinished file is of a process that was killed
 # one hash in 256 ends so: after its entry the folder is looked through, which takes 10 ms for 1,500 entries
 _LOOKED = "00"
-SEAL = 32  # bytes of the hash before the data
+SEAL = 32  # bytes before the data: a hash of the name and of the data
 
 _told = False
 
@@ -99,7 +99,7 @@ def read(name: str) -> bytes | None:
     try:
         data = path.read_bytes()
         body = data[len(MARK) + SEAL :]
-        if not data.startswith(MARK) or data[len(MARK) : len(MARK) + SEAL] != _seal(body):
+        if data != sealed(name, body):
             path.unlink(missing_ok=True)
             return None
         now = time.time()
@@ -132,7 +132,7 @@ def write(name: str, body: bytes) -> None:
         beside = place / f".{os.urandom(8).hex()}.partial"
         with open(beside, "xb") as file:
             unfinished = beside
-            file.write(MARK + _seal(body) + body)
+            file.write(sealed(name, body))
         os.replace(beside, place / name)
         unfinished = None
         if name.endswith(_LOOKED):
@@ -159,8 +159,9 @@ def _tell(place: Path, error: OSError) -> None:
     print(f"nothing is kept in {place}, which APGC_CACHE names: {wrong}", file=sys.stderr, flush=True)
 
 
-def _seal(body: bytes) -> bytes:
-    return blake2b(body, digest_size=SEAL).digest()
+def sealed(name: str, body: bytes) -> bytes:
+    """The file of an entry, which tells whether it is whole and has its own name: a folder may be copied by hand."""
+    return MARK + blake2b(name.encode() + b"\n" + body, digest_size=SEAL).digest() + body
 
 
 # ---------------------------------------------------------------- the folder as a whole

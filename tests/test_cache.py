@@ -140,30 +140,31 @@ def test_an_edit_reads_again_what_changed_alone(kept, stool, monkeypatch):
 def test_files_that_are_spoilt_cut_short_or_false_count_for_nothing(kept, stool):
     first = found(stool)[0]
     for spoil in (
-        lambda data: data[:-1] + b"?",
-        lambda data: data[: len(data) // 2],
-        lambda data: b"",
-        lambda data: cache.MARK + cache._seal(b"{}\n") + b"{}\n",
-        lambda data: cache.MARK + cache._seal(b"\xff") + b"\xff",
-        lambda data: sealed(data, lambda held: held.update(findings=[["no-code", "x", None, "error", None, [], []]])),
-        lambda data: sealed(data, lambda held: held["findings"][0].__setitem__(2, [0, 5, 10**9])),
-        lambda data: sealed(data, lambda held: held["findings"][0].__setitem__(5, [[[7, 0, 1], "x"]])),
-        lambda data: sealed(data, lambda held: held.update(absent=["a" * 5000])),
+        lambda _, data: data[:-1] + b"?",
+        lambda _, data: data[: len(data) // 2],
+        lambda _, data: b"",
+        lambda _, data: cache.sealed("another", data[len(cache.MARK) + cache.SEAL :]),
+        lambda name, _: cache.sealed(name, b"{}\n"),
+        lambda name, _: cache.sealed(name, b"\xff"),
+        lambda *of: sealed(*of, lambda held: held.update(findings=[["no-code", "x", None, "error", None, [], []]])),
+        lambda *of: sealed(*of, lambda held: held["findings"][0].__setitem__(2, [0, 5, 10**9])),
+        lambda *of: sealed(*of, lambda held: held["findings"][0].__setitem__(5, [[[7, 0, 1], "x"]])),
+        lambda *of: sealed(*of, lambda held: held.update(absent=["a" * 5000])),
     ):
         for path in kept.glob("[!ts]*"):  # trees and solids have tests of their own
-            path.write_bytes(spoil(path.read_bytes()))
+            path.write_bytes(spoil(path.name, path.read_bytes()))
         assert found(stool) == (first, True)
         assert found(stool) == (first, False)  # written again
 
 
-def sealed(data, change):
+def sealed(name, data, change):
     head, _, rest = data[len(cache.MARK) + cache.SEAL :].partition(b"\n")
     held = json.loads(head)
     if not held.get("findings"):
         held["findings"] = [["unplaced", "x", [0, 0, 1], "warning", None, [], []]]
     change(held)
     body = json.dumps(held).encode() + b"\n" + rest
-    return cache.MARK + cache._seal(body) + body
+    return cache.sealed(name, body)
 
 
 def test_a_program_in_an_entry_is_verified(kept, stool):
@@ -174,7 +175,7 @@ def test_a_program_in_an_entry_is_verified(kept, stool):
             .replace(b'"real"', b'"evil"')
             .replace(b"= real", b"= evil")
         )
-        path.write_bytes(cache.MARK + cache._seal(data) + data)
+        path.write_bytes(cache.sealed(path.name, data))
     again = Session.of(stool)
     assert to_text(again.sampler.program) == text and computed(again)
 
