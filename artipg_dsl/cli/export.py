@@ -117,7 +117,7 @@ def _wears_details(program: str) -> bool:
 def _lay_out(options: argparse.Namespace, layout: Layout, begun: float) -> int:
     from ..layouts.entry import USUAL, read_shares
     from ..layouts.words import read_map
-    from ..run.laying import find_cautions, write_layout
+    from ..run.laying import find_cautions, find_taken, write_layout
 
     shares = USUAL if options.split is None else read_shares(options.split)
     own = None if options.map is None else read_map(options.map)
@@ -147,9 +147,11 @@ def _lay_out(options: argparse.Namespace, layout: Layout, begun: float) -> int:
             workers=options.workers,
             frame=options.frame,
         )
-    counts = ", ".join(f"{len(at)} {split}" for split, at in entry.splits().items())
-    done = plural(len(entry.numbers), "object")
-    say(f"{done} of {entry.category} as {layout.name} in {out}: {counts} {took(begun)}")
+    taken = find_taken(out, layout, entry)
+    counts = ", ".join(f"{len(at)} {split}" for split, at in entry.splits(taken).items())
+    left = len(entry.numbers) - len(taken)
+    but = f", {left} left out, for which {layout.name} has no form (docs/layouts.md)" if left else ""
+    say(f"{plural(len(taken), 'object')} of {entry.category} as {layout.name} in {out}: {counts}{but} {took(begun)}")
     for words in find_cautions(out, layout):
         say(words)
     return 0

@@ -34,7 +34,8 @@ class Layout:
     findings)`` reads the files of a chunk as the field's loaders do and compares them with the model.
 
     ``vocabulary``: a closed one, which has to have a class for the category; ``judge(term)`` says what is wrong with a map to
-    it. ``words(program)``: what the index needs of a program beside that. ``needs``: a package beyond what is always installed,
+    it. ``words(program)``: what the index needs of a program beside that. ``names(entry)``: what objects are called in names of
+    files, by number, where that is neither their token nor their id. ``needs``: a package beyond what is always installed,
     ``too`` another. ``chunk``: objects that are made together. ``divides``: each point has a class of its own, so words that
     hold on some of a part count. ``alone``: names of objects say their class and no more, so two categories of one class need a
     folder each. ``frame``: the shipped one by which objects lie as in the data set, where they do not lie so by themselves.
@@ -50,6 +51,7 @@ class Layout:
     vocabulary: str = ""
     judge_by: str = ""
     words_by: str = ""
+    names_by: str = ""
     needs: Package | None = None
     too: Package | None = None
     chunk: int = 64
@@ -103,6 +105,12 @@ class Layout:
 
     def files(self, batch: Batch, entry: Entry, shard: int) -> Iterator[tuple[str, bytes]]:
         return _function(self.files_by)(batch, entry, shard)
+
+    def names(self, entry: Entry) -> dict[str, int]:
+        """The numbers of objects by what they are called in names of files."""
+        own = _function(self.names_by)(entry) if self.names_by else {}
+        numbers = entry.numbers.tolist()
+        return {name: n for n in numbers for name in (entry.token(n), str(entry.id(n)))} | {own[n]: n for n in own}
 
     def index(self, entries: Sequence[Entry], folder: Path) -> Mapping[str, bytes | Callable[[BinaryIO], None]]:
         return _function(self.index_by)(entries, *([folder] if self.gathers else []))
@@ -187,6 +195,7 @@ LAYOUTS: dict[str, Layout] = {
             "ancsh.check:check",
             "ancsh",
             "ancsh.files:check_term",
+            names_by="ancsh.files:object_names",
             needs=H5PY,
             chunk=4,
             gathers=True,

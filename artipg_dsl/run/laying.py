@@ -9,6 +9,7 @@ While objects are being made, ``<category>-<shard>.begun`` has the names of file
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -159,11 +160,23 @@ def entries(folder: Path, layout: Layout | None = None, *, refuse: bool = False,
     return found
 
 
+def find_taken(folder: Path, layout: Layout, entry: Entry) -> np.ndarray:
+    """The numbers of objects that the folder has. A layout leaves out those that its data set has no form for, such as objects on which
+    nothing moves; they are known by the names of files, and all count where files are named by none."""
+    names = read_names(folder / _RECORDS / f"{entry.category}.files")
+    called = layout.names(entry)
+    found = (next(filter(called.__contains__, re.split("[^0-9A-Za-z]", name)), "") for name in names)
+    taken = sorted({called[word] for word in found if word})
+    together = not names or any(not name.startswith(_RECORDS) for name in names)
+    return entry.numbers if together and not taken else np.array(taken, dtype=np.int64)
+
+
 def find_cautions(folder: Path, layout: Layout) -> list[str]:
     """What loaders stumble over in a folder whose files are right: lists of splits without an object, names in its path."""
     known, found = entries(folder), []
     meant = [split for k, split in enumerate(SPLITS) if any(entry.shares[k] for entry in known)]
-    count = {split: sum(len(entry.splits()[split]) for entry in known) for split in SPLITS}
+    taken = [entry.splits(find_taken(folder, layout, entry)) for entry in known]
+    count = {split: sum(len(own[split]) for own in taken) for split in SPLITS}
     if empty := [split for split in meant if not count[split]]:
         found.append(
             f"no object is in {' or '.join(empty)}, and most loaders fail at an empty list: make more objects, or choose other --split"

@@ -17,6 +17,7 @@ from artipg_dsl.errors import UsageError, UserError
 from artipg_dsl.layouts.entry import Entry
 from artipg_dsl.layouts.registry import LAYOUTS
 from artipg_dsl.run import laying
+from artipg_dsl.run.checksums import keep_names
 
 from .helpers import Apgc, tree
 
@@ -42,6 +43,25 @@ def test_what_loaders_stumble_over_is_told(apgc: Apgc, tmp_path: Path) -> None:
     assert laying.find_cautions(Path("../all.complete/x"), LAYOUTS["shapenetpart"]) == []
     assert "rename all.complete before" in laying.find_cautions(Path("../all.complete/x"), LAYOUTS["pcn"])[0]
     assert "with `.` in it: rename all.v2" in laying.find_cautions(Path("../all.v2/x"), LAYOUTS["ancsh"])[0]
+
+
+@pytest.mark.parametrize(
+    ("files", "taken", "told"),
+    [
+        (["Box/Box0n000003/train.json", "Box/Box0n000003/plys/node-0.ply"], [3], ["no object is in val or test"]),
+        ([], [], ["no object is in train or val or test"]),  # a table on which nothing moves has no file
+        (["objects/Box-0.h5"], list(range(10)), []),  # files of many objects name none
+    ],
+)
+def test_objects_that_a_layout_leaves_out_do_not_count(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, files: list[str], taken: list[int], told: list[str]
+) -> None:
+    entry = Entry("Box", 0, np.arange(10))
+    (tmp_path / ".layout").mkdir()
+    keep_names(tmp_path / ".layout/Box.files", dict.fromkeys([".layout/Box.json", *files], ""))
+    monkeypatch.setattr(laying, "entries", lambda _: [entry])
+    assert laying.find_taken(tmp_path, LAYOUTS["cage"], entry).tolist() == taken
+    assert [words.partition(",")[0] for words in laying.find_cautions(tmp_path, LAYOUTS["cage"])] == told
 
 
 def test_a_folder_without_unseen_categories_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
