@@ -199,7 +199,7 @@ def _compare(first: str, second: str, *, everything: bool) -> int:
     """Tell what sets the objects of two folders, or the steps of two traces, apart."""
     for place in (first, second):
         if not Path(place).exists():
-            raise UserError(f"there is no file or folder {place}")
+            raise UserError(f"there is no file or folder {place}", "give two folders of samples, or two traces")
     lines = (
         list(_compare_folders(first, second, everything))
         if all(Path(p).is_dir() for p in (first, second))

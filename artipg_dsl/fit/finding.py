@@ -53,7 +53,9 @@ def find_files(places: list[str], tell: Callable[[str], None] | None = None) -> 
         elif place.exists():
             found.append(place)
         else:
-            raise UserError(f"there is no file or folder {place}")
+            raise UserError(
+                f"there is no file or folder {place}", f"give files ({', '.join(KINDS)}), or folders of them"
+            )
     return list(dict.fromkeys(found))
 
 

@@ -145,7 +145,7 @@ def test_what_cannot_be_known(apgc: Apgc, real: Path, tmp_path: Path, text: str,
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["nowhere"], "there is no file or folder nowhere"),
+        (["nowhere"], "there is no file or folder nowhere\n  = help: give files (.obj"),
         (["--front", "z", "--up", "z", "."], "lie on one axis"),
         (["--normalised", "--unit", "cm", "."], "have no unit"),
         (["--map", "nowhere.json", "{real}"], "there is no file nowhere.json"),

@@ -140,6 +140,7 @@ def test_a_trace_is_done_again_to_the_same_bytes(apgc, chest, tmp_path):
     for idle in (("--stats",), ("--shard", "1/2"), ("-o", "third"), ("--workers", 2)):
         code, _, err = apgc("mutate", "--diff", first, second, *idle)
         assert code == 2 and f"makes nothing, so {idle[0]} does not apply" in err
+    assert "help: give two folders of samples, or two traces" in apgc("mutate", "--diff", first, "nowhere")[2]
     code, out, _ = apgc("mutate", "--diff", first / "trace-00000.jsonl", second / "trace-00000.jsonl")
     assert code == 0 and out == "no difference\n"
 
