@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import UsageError, UserError, plural
-from ..export.remote import is_same, place_of
+from ..export.remote import Place, is_same, place_of
 from ..run.progress import Progress, took
 from ..run.settings import show_value
 from .messages import say
@@ -107,7 +107,7 @@ def _write(options: argparse.Namespace) -> int:
         content = replace(content, details=wear(options.details, strength, job))
     job = _open_mutants(options, job)
     if options.distinct:
-        job = _leave_out(options, job)
+        job = _leave_out(options, job, out)
     made, number = write_folder(job, out, Output.of(formats, content, options.memory), options)
     if options.params is not None:
         tell_repairs(job, made)
@@ -117,10 +117,13 @@ def _write(options: argparse.Namespace) -> int:
     return 0
 
 
-def _leave_out(options: argparse.Namespace, job: Job) -> Job:
+def _leave_out(options: argparse.Namespace, job: Job, out: Place) -> Job:
     """The job without the mutants that are nearly the same as another of their original."""
-    from ..run.distinct import leave_out_near_duplicates
+    from ..run.distinct import leave_out_near_duplicates, recall_distinct
 
+    if not options.force and (found := recall_distinct(job, out)) is not None:
+        say(f"{plural(found.statistics.near_duplicates, 'near-duplicate')} left out")
+        return found
     with Progress(job.program.name) as progress:
         progress.stage("comparing mutants")
         job, left_out = leave_out_near_duplicates(job, options.workers, progress)

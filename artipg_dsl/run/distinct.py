@@ -10,10 +10,13 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from ..export.remote import Place
 from ..quality.duplicates import Ranges, find_near_duplicates, find_ranges
 from ..quality.graphs import find_graphs
 from ..sampling.mutation import Mutation
 from .job import Job
+from .manifest import describe_strangers, read_manifest
+from .schema import expand
 from .sharing import share
 from .workers import map_each
 
@@ -51,6 +54,25 @@ def leave_out_near_duplicates(job: Job, workers: int, progress: Callable[[int, i
     made = job.of(left)
     made.statistics.near_duplicates = len(numbers) - len(left)
     return made, len(numbers) - len(left)
+
+
+def recall_distinct(job: Job, out: Place) -> Job | None:
+    """The same job as a folder that is finished has kept it, so that nothing is compared again; None where it does not tell.
+
+    Of each original at least one mutant is kept, so a folder of as many mutants as these, with those left out, is of the same
+    originals. Raises ExportError.
+    """
+    old, numbers = read_manifest(out), job.request.objects
+    if old is None or not (left_out := old.get("counts", {}).get("near_duplicates", 0)):
+        return None
+    kept = expand(old["identity"]["numbers"])
+    if len(kept) + left_out != len(numbers) or not np.isin(kept, numbers).all():
+        return None
+    if describe_strangers(old, job.request):
+        return None
+    made = job.of(kept)
+    made.statistics.near_duplicates = left_out
+    return made
 
 
 def _split(numbers: np.ndarray, group: int) -> list[np.ndarray]:
