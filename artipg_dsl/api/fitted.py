@@ -17,7 +17,7 @@ from ..run.job import Job, open_program
 from ..run.request import read_request
 from ..run.sharing import MOST
 from .files import count_objects, read_picture
-from .progress import Told, telling
+from .progress import Told, find_stage, telling
 from .real import read_map, read_real
 from .samples import Object, Samples
 
@@ -94,11 +94,14 @@ def fit_objects(
     known = read_facts(set or {}, facts, sampler.program, [item.name for item in items])
     asked = Asked(source, frame, request.seed, request.checked, words, not at_rest, known)
     with telling(progress, sampler.program.name, "fitting") as tell:
+        doing = find_stage(tell, "fitting")
         if out is None:
-            records = fit_all(sampler, asked, items, workers, tell)
+            records = fit_all(sampler, asked, items, workers, tell, doing)
             job = prepare_fitted(sampler, source, records) if good_ones(records) else None
         else:
-            _, records, job = write_fits(sampler, asked, Folder(out), items, workers=workers, progress=tell)
+            _, records, job = write_fits(
+                sampler, asked, Folder(out), items, workers=workers, progress=tell, doing=doing
+            )
     for text in filter(None, [*told, find_unmatched(words, records, "map")]):
         warnings.warn(text, stacklevel=2)
     if job is None:

@@ -13,6 +13,13 @@ from ..errors import UsageError
 Told: TypeAlias = "bool | Callable[[int, int], None]"  # a line on stderr, or a function of (done, total)
 
 
+def find_stage(tell: Callable[[int, int], None], doing: str) -> Callable[[str], None]:
+    """What is to be called with what is being done, in words after ``doing``, which a line on stderr shows; a function is not told."""
+    from ..run.progress import Progress
+
+    return (lambda what: tell.stage(f"{doing} {what}")) if isinstance(tell, Progress) else lambda _: None
+
+
 @contextmanager
 def telling(progress: Told, title: str, doing: str) -> Iterator[Callable[[int, int], None]]:
     """What is to be called with (done, total) while something is ``doing``. Raises UsageError."""

@@ -41,7 +41,14 @@ def run(options: argparse.Namespace) -> int:
         asked = Asked(source, frame, options.seed or 0, not options.unchecked, words, not options.at_rest, facts)
         folder = Folder(out, pictures=not options.plain)
         summary, _, _ = write_fits(
-            sampler, asked, folder, items, force=options.force, workers=options.workers, progress=progress
+            sampler,
+            asked,
+            folder,
+            items,
+            force=options.force,
+            workers=options.workers,
+            progress=progress,
+            doing=lambda what: progress.stage(f"fitting {what}"),
         )
     print(json.dumps(summary, indent=1, ensure_ascii=False) if options.json else _table(summary))
     found, failed = summary["objects"], summary["failed"]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..annotate.states import rest_values
+from ..errors import plural
 from ..geometry.sites import object_boxes
 from ..records import dataclass
 from ..runtime.batch import Batch
@@ -65,25 +66,32 @@ def fit(
     effort: Effort | None = None,
     words: Mapping[str, str] | None = None,
     opened: Model | None = None,
+    doing: Callable[[str], None] = lambda _: None,
 ) -> list[Fitted]:
     """The objects of a program that come nearest to some clouds, in their order. ``checked``: without links that collide.
     ``words``: which word of the vocabulary ``semantic`` a name of a cloud's labels means; points of different words do not belong
     together. Clouds that fit less well than is usual are looked at with other upward axes, where none was given, and with ``opened``: a
-    model of the same program with joints anywhere, unless their noise tells why."""
+    model of the same program with joints anywhere, unless their noise tells why. ``doing`` hears what is done from then on."""
     effort = effort or Effort()
 
-    def look(model: Model, asked: dict[int, Posed]) -> dict[int, _Look]:
-        found = _searched(model, list(asked.values()), seed, effort, words) if asked else None
-        return {} if found is None else {k: _Look(found, row) for row, k in enumerate(asked)}
+    def look(how: str, model: Model, asked: dict[int, Posed]) -> dict[int, _Look]:
+        if not asked:
+            return {}
+        doing(f"{plural(len(asked), 'object')}{how}")
+        found = _searched(model, list(asked.values()), seed, effort, words)
+        return {k: _Look(found, row) for row, k in enumerate(asked)}
 
-    def nearer(model: Model, asked: dict[int, Posed], share: float) -> dict[int, _Look]:
-        return {k: one for k, one in look(model, asked).items() if one.off < share * at_rest[k].off}
+    def nearer(how: str, model: Model, asked: dict[int, Posed], share: float) -> dict[int, _Look]:
+        return {k: one for k, one in look(how, model, asked).items() if one.off < share * at_rest[k].off}
 
-    at_rest = look(model, dict(enumerate(several)))
+    at_rest = look("", model, dict(enumerate(several)))
     lying = [k for k, one in at_rest.items() if one.off > _ODD and several[k].others]
-    at_rest |= nearer(model, {k: replace(several[k], turns=several[k].others) for k in lying}, _UPRIGHT)
+    others = {k: replace(several[k], turns=several[k].others) for k in lying}
+    at_rest |= nearer(" with other upward axes", model, others, _UPRIGHT)
     rough = [k for k, one in at_rest.items() if one.beyond_noise > _ODD]
-    moving = nearer(opened, {k: at_rest[k].posed for k in rough}, _NEARER) if opened else {}
+    unlike = {k: at_rest[k].posed for k in rough}
+    moving = nearer(" with joints anywhere", opened, unlike, _NEARER) if opened else {}
+    doing(f"{plural(len(several), 'object')}: choices and numbers")
     found = _all_finished(moving, checked, effort)
     still = {k: one for k, one in at_rest.items() if k not in found or not found[k].told["valid"]}
     for k, fitted in _all_finished(still, checked, effort).items():

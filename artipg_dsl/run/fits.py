@@ -105,9 +105,11 @@ def write_fits(
     force: bool = False,
     workers: int = 1,
     progress: Callable[[int, int], None] | None = None,
+    doing: Callable[[str], None] = lambda _: None,
 ) -> tuple[Record, list[Record], Job | None]:
     """Fit what the folder does not have yet, and write it; what its summary says, the records of all objects, and the job of those that
-    fit, if any do. ``progress(done, total)`` hears of objects as their groups are finished. Raises UserError."""
+    fit, if any do. ``progress(done, total)`` hears of objects as their groups are finished, ``doing`` of what this process does with a
+    group. Raises UserError."""
     options = asked.plain(sampler.program.hash)
     if not force:
         _refuse_others(folder, items)
@@ -121,7 +123,7 @@ def write_fits(
     ready = len(items) - sum(map(len, left))
     if progress:
         progress(ready, len(items))
-    for count in _each(sampler, asked, folder, left, workers):
+    for count in _each(sampler, asked, folder, left, workers, doing):
         ready += count
         if progress:
             progress(ready, len(items))
@@ -211,8 +213,10 @@ def _drop_others(out: Path, names: Collection[str]) -> None:
                     (out / place).unlink(missing_ok=True)
 
 
-def _each(sampler: Sampler, asked: Asked, folder: Folder, groups: list[Group], workers: int) -> Iterator[int]:
-    own = cache(lambda: _Writer.of(sampler, asked, folder))
+def _each(
+    sampler: Sampler, asked: Asked, folder: Folder, groups: list[Group], workers: int, doing: Callable[[str], None]
+) -> Iterator[int]:
+    own = cache(lambda: _Writer.of(Work(sampler, asked, doing), folder))
 
     def alone(group: Group) -> int:
         return own().write(group)
@@ -233,8 +237,8 @@ class _Writer:
     painter: Painter | None
 
     @staticmethod
-    def of(sampler: Sampler, asked: Asked, folder: Folder) -> _Writer:
-        return _Writer(Work(sampler, asked), folder, Painter("auto", _TILE) if folder.pictures else None)
+    def of(work: Work, folder: Folder) -> _Writer:
+        return _Writer(work, folder, Painter("auto", _TILE) if folder.pictures else None)
 
     def write(self, group: Group) -> int:
         """Write the records of a group, and the pictures; how many they are."""
@@ -254,7 +258,7 @@ _theirs: _Writer | None = None  # what this worker writes with
 
 def _take(sampler: Sampler, asked: Asked, folder: Folder) -> None:
     global _theirs
-    _theirs = _Writer.of(sampler, asked, folder)
+    _theirs = _Writer.of(Work(sampler, asked), folder)
 
 
 def _write_theirs(group: Group) -> int:

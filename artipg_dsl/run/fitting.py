@@ -145,6 +145,7 @@ class Work:
 
     sampler: Sampler
     asked: Asked
+    doing: Callable[[str], None] = lambda _: None
     models: dict[str, _Models] = field(default_factory=dict)  # those of the last facts
 
     def _models(self, facts: Facts) -> _Models:
@@ -188,7 +189,15 @@ class Work:
         if not read:
             return []
         asked, words, models = self.asked, dict(self.asked.words), self._models(facts)
-        return fit(models.still, read, seed=asked.seed, checked=asked.checked, words=words, opened=models.opened)
+        return fit(
+            models.still,
+            read,
+            seed=asked.seed,
+            checked=asked.checked,
+            words=words,
+            opened=models.opened,
+            doing=self.doing,
+        )
 
 
 def explain(wrong: UserError) -> str:
@@ -223,9 +232,11 @@ def fit_all(
     items: Group,
     workers: int = 1,
     progress: Callable[[int, int], None] = lambda *_: None,
+    doing: Callable[[str], None] = lambda _: None,
 ) -> list[Record]:
-    """The records of all objects, in their order. ``progress(done, total)`` hears of objects as their groups are finished."""
-    own = cache(lambda: Work(sampler, asked))
+    """The records of all objects, in their order. ``progress(done, total)`` hears of objects as their groups are finished, ``doing`` of
+    what this process does with a group."""
+    own = cache(lambda: Work(sampler, asked, doing))
 
     def alone(group: Group) -> list[Record]:
         return [record for record, _ in own().fit(group)]

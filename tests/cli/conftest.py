@@ -28,12 +28,12 @@ def searched_once() -> Iterator[None]:
     search, known = fitting.fit, {}
 
     @wraps(search)
-    def fit(model: Any, several: Any, *, opened: Any, **asked: Any) -> Any:
+    def fit(model: Any, several: Any, *, opened: Any, doing: Any, **asked: Any) -> Any:
         draws = repr([(d.weights, d.low, d.high) for d in model.program.draws])  # facts leave the hash of a program
         told = pickle.dumps((model.program.hash, draws, several, opened is None, sorted(asked.items())))
         key = blake2b(told).digest()
         if key not in known:
-            known[key] = search(model, several, opened=opened, **asked)
+            known[key] = search(model, several, opened=opened, doing=doing, **asked)
         return known[key]
 
     with pytest.MonkeyPatch.context() as patched:

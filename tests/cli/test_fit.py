@@ -260,11 +260,15 @@ def test_a_file_that_changes_while_it_is_fitted_is_fitted_again(
 
     def change(*given: Any, **more: Any) -> Any:
         file.write_bytes((real / "chest1.npz").read_bytes())
+        more["doing"]("1 object")
         return fit(*given, **more)
 
+    said: list[str] = []
     with monkeypatch.context() as patched:
         patched.setattr(fitting, "fit", change)
+        patched.setattr("artipg_dsl.cli.fit.Progress.stage", lambda _, doing: said.append(doing))
         assert apgc(*asked)[0] == 0
+    assert "fitting 1 object" in said
     first = (out / "values.jsonl").read_text()
     assert apgc(*asked)[0] == 0 and (out / "values.jsonl").read_text() != first
 

@@ -6,6 +6,8 @@ import json
 import pickle
 import re
 import shutil
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,7 @@ import artipg_dsl as apg
 from artipg_dsl.cli.main import main
 from artipg_dsl.errors import UsageError, UserError
 from artipg_dsl.loaders import Stream
+from artipg_dsl.run import fitting
 from artipg_dsl.run import progress as lines
 from tests.fit.helpers import BOARD
 
@@ -372,8 +375,17 @@ def test_long_work_tells_how_far_it_is_and_goes_on(
     )
     assert heard == [(6, 7), (7, 7)], "what was done is there"
     monkeypatch.setattr(lines, "SELDOM", 0.01)  # seconds between lines
-    plain = apg.fit_objects(CHEST, real, front="x", progress=True)
-    assert "Chest: fitting [####" in capsys.readouterr().err
+    search = fitting.fit
+
+    def slowly(*args: Any, doing: Callable[[str], None], **asked: Any) -> Any:
+        doing("1 object: choices and numbers")
+        time.sleep(0.2)
+        return search(*args, doing=doing, **asked)
+
+    monkeypatch.setattr(fitting, "fit", slowly)
+    plain = apg.fit_objects(CHEST, real, front="x", workers=1, progress=True)
+    said = capsys.readouterr().err
+    assert "Chest: fitting 1 object: choices and numbers [####" in said
     assert plain.records == fitted.records
     plain.save(tmp_path / "same")
     assert tree(tmp_path / "same") == tree(tmp_path / "fitted")

@@ -15,6 +15,8 @@ from artipg_dsl.session import Session
 
 from .test_states import CASE, LITTLE, seen
 
+_LAST = ": choices and numbers"  # what is done in the end
+
 
 def star() -> Posed:
     """Three thin rods that cross, which no box is like."""
@@ -27,7 +29,7 @@ def star() -> Posed:
 
 @pytest.mark.slow
 def test_only_what_may_fit_is_decided(monkeypatch: pytest.MonkeyPatch) -> None:
-    decided = []
+    decided, told = [], list[str]()
 
     def decide(model: Model, targets: object, found: Candidates, effort: object) -> Candidates:
         decided.append(found.target.tolist())
@@ -36,14 +38,22 @@ def test_only_what_may_fit_is_decided(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fitting, "decide", decide)
     sampler = Session.of_text(CASE).sampler
     case, strange = seen(0.0)[1], star()
-    found = fit(Model(sampler), [strange, case, strange], effort=LITTLE, opened=Model(sampler, opened=True))
+    opened = Model(sampler, opened=True)
+    found = fit(Model(sampler), [strange, case, strange], effort=LITTLE, opened=opened, doing=told.append)
     assert [one.told["verdict"] for one in found] == ["does not fit", "fits", "does not fit"]
     assert decided == [[1]]
+    assert told == [
+        "3 objects",
+        *(f"2 objects with {how}" for how in ("other upward axes", "joints anywhere")),
+        f"3 objects{_LAST}",
+    ]
     assert found[1].told["distance"]["both"] < 1.0
     assert found[0].told["distance"] == found[2].told["distance"]
 
 
 def test_nothing_may_fit() -> None:
     sampler = Session.of_text(CASE).sampler
-    (one,) = fit(Model(sampler), [star()], effort=LITTLE)
+    doing: list[str] = []
+    (one,) = fit(Model(sampler), [star()], effort=LITTLE, doing=doing.append)
+    assert doing == ["1 object", "1 object with other upward axes", f"1 object{_LAST}"]
     assert one.told["verdict"] == "does not fit" and one.told["distance"]["both"] > 5.0
