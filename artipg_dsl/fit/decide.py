@@ -29,6 +29,8 @@ from .vary import varied
 _LITTLE = 3.0 * SURE  # where changes make a cloud likelier by less, large ones are developed as well
 _HOPE = 300.0  # what is less likely by more than this is not refined,
 _HOPED = 0.6  # nor what is by more than this share of all that speaks against the object
+_DOUBT = 1.0  # a candidate has rivals if more than this speaks against it, for each point of a cloud;
+_MUCH = 0.5  # one takes its place if less than this share of that speaks against the rival
 _ONCE = LARGE / 4.0  # of the surface: what changes less of it is no reason for all else to move
 _COUNTS = 2.0  # what the odds of values count beside what points say, which are no witnesses independent of each other
 _SLIGHT = 5e-3  # of the surface: what changes more of it needs evidence
@@ -41,12 +43,17 @@ _WHOLE = 512  # points of a cloud by which a copy is refined: those of all of it
 _THERE = 256
 
 
-def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) -> Candidates:
-    """What was found, one candidate of each object, with the choices and counts for which the whole clouds speak."""
+def decide(
+    model: Model, targets: Targets, found: Candidates, effort: Effort, rivals: Candidates | None = None
+) -> Candidates:
+    """What was found, one candidate of each object, or its rival, with the choices and counts for which the whole clouds speak."""
     own = targets.take(found.target)
     clouds = Clouds(own)
     now, still = replace(found, target=np.arange(len(found))), np.arange(len(found))
     now = replaced(model, now, rearranged(model, own, now, clouds, effort))
+    if rivals is not None and len(rivals):
+        theirs = replace(rivals, target=np.searchsorted(found.target, rivals.target))
+        now = replaced(model, now, _likelier(model, own, now, clouds, theirs, effort))
     looked = np.zeros(0, dtype=np.uint64)
     for number in range(effort.rounds):
         some = taken(model, now, still)
@@ -71,6 +78,24 @@ def decide(model: Model, targets: Targets, found: Candidates, effort: Effort) ->
             break
         now = replaced(model, now, changed)
     return replace(varied(model, own, now, clouds), target=found.target)
+
+
+def _likelier(
+    model: Model, own: Targets, found: Candidates, clouds: Clouds, rivals: Candidates, effort: Effort
+) -> Candidates:
+    """The rivals of candidates, one for each of the targets ``own``, that explain much more once their elements are put together. Less will
+    not do, as choices of the candidates are still to be decided."""
+    one = taken(model, found, rivals.target)
+    was = weigh(one.batch, one.target, one.placed, clouds).total
+    doubtful = np.flatnonzero(was > _DOUBT * clouds.count(one.target))
+    if not len(doubtful):
+        return taken(model, rivals, doubtful)
+    of, every = rivals.target[doubtful], np.arange(len(doubtful))
+    mine, new = own.take(of), replace(taken(model, rivals, doubtful), target=every)
+    theirs = Clouds(mine)
+    new = replaced(model, new, rearranged(model, mine, new, theirs, effort))
+    told = weigh(new.batch, every, new.placed, theirs).total
+    return taken(model, replace(new, target=of), np.flatnonzero(told < _MUCH * was[doubtful]))
 
 
 def inclined(model: Model, closely: Targets, found: Candidates, effort: Effort) -> Candidates:

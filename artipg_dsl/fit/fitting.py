@@ -102,14 +102,15 @@ def fit(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Searched:
-    """The best candidate of each of ``several`` objects, and how far ``off`` (T,) it is, in percent as ``distances`` has it; ``said``: the
-    words of the points of each."""
+    """The best candidate of each of ``several`` objects, and how far ``off`` (T,) it is, in percent as ``distances`` has it; the ``rivals``
+    of some; ``said``: the words of the points of each."""
 
     model: Model
     several: Sequence[Posed]
     said: list[np.ndarray]
     asked: Targets
     found: Candidates
+    rivals: Candidates
     off: np.ndarray
 
 
@@ -154,13 +155,13 @@ def _searched(
     semantic = model.program.vocabularies.get("semantic", ())
     said = [_words(posed, words or {}, semantic) for posed in several]
     asked = targets(several, said, sorted(semantic.index(word) for word in set((words or {}).values())))
-    found = search(model, asked, effort, seed)
+    found, rivals = search(model, asked, effort, seed)
     whole, outside = roughly(found.batch, tables(found.batch), found.placed.scale, found.placed.shift)
     off = [
         distances(*_turned(posed, *_stands(posed, asked, found, row, row)), whole[row], outside[row])["both"]
         for row, posed in enumerate(several)
     ]
-    return _Searched(model, several, said, asked, found, np.array(off))
+    return _Searched(model, several, said, asked, found, rivals, np.array(off))
 
 
 def _stands(posed: Posed, asked: Targets, found: Candidates, row: int, number: int) -> tuple[str, str]:
@@ -180,7 +181,9 @@ def _decided(one: _Searched, at: np.ndarray, effort: Effort) -> Candidates:
     hopeful = one.off[at] <= _HOPELESS
     if not hopeful.any():
         return found
-    better = decide(model, one.asked, taken(model, found, np.flatnonzero(hopeful)), effort)
+    likely = taken(model, found, np.flatnonzero(hopeful))
+    rivals = taken(model, one.rivals, np.flatnonzero(np.isin(one.rivals.target, likely.target)))
+    better = decide(model, one.asked, likely, effort, rivals)
     better = refine(model, one.asked.first(_FINELY), better, effort.last)
     better = inclined(model, _closely(one, better), better, effort)
     both = united(model, [better, taken(model, found, np.flatnonzero(~hopeful))])

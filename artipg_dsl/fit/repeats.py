@@ -57,6 +57,12 @@ def find_repeats(model: Model) -> list[Repeat]:
     return sorted(found, key=lambda one: one.scope.depth)
 
 
+def held(model: Model, batch: Batch) -> np.ndarray:
+    """(B, R) bool: which of the R repeats whose elements hold choices each candidate has."""
+    found = [Places.of(batch, one).many > 0 for one in find_repeats(model)]
+    return np.stack([np.zeros(len(batch), dtype=bool), *found], axis=1)[:, 1:]
+
+
 def _between(low: Scope, high: Scope) -> Iterable[Scope]:
     """The scopes from one up to another above it, without that."""
     for scope in low.ancestors():

@@ -12,10 +12,12 @@ from .match import features, nearest, squared
 from .model import Model, Placed
 from .outer import outer
 from .refine import Schedule, refine
+from .repeats import held
 from .states import tables
 from .words import OTHER, unlike
 
 _SIZES = 0.15  # what a difference of boxes counts beside one of clouds of equal boxes: diagonals for a factor of e
+_RIVAL = 1.5  # a candidate is no rival that is farther off than the best by this factor
 _COARSE = 192  # points of a candidate and of a target, where thousands are compared
 
 
@@ -45,14 +47,30 @@ class Effort:
     last: Schedule = Schedule(12, 3072, (0.006, 0.0015))
 
 
-def search(model: Model, targets: Targets, effort: Effort, seed: int = 0) -> Candidates:
-    """The best candidate of each object: one row each. Raises UserError where nothing is drawn that can be one."""
+def search(model: Model, targets: Targets, effort: Effort, seed: int = 0) -> tuple[Candidates, Candidates]:
+    """The best candidate of each object: one row each; and of some objects a rival, of which a mean distance cannot tell yet: it has repeats
+    that the best has not, and their elements are still as they were drawn. Raises UserError where nothing is drawn that can be one."""
     found = _chosen(model, targets, effort, seed)
     found = refine(model, targets.first(512), found, effort.first)
-    found = best(model, found, targets, effort.best)
-    found = refine(model, targets.first(768), found, effort.more)
+    kept = best(model, found, targets, effort.best)
+    others = _rivals(model, found, best(model, kept, targets, 1), targets)
+    both = refine(model, targets.first(768), united(model, [kept, others]), effort.more)
+    found, others = (taken(model, both, at) for at in np.split(np.arange(len(both)), [len(kept)]))
     found = refine(model, targets.first(1024), best(model, found, targets, 2), effort.near)
-    return best(model, found, targets, 1)
+    found = best(model, found, targets, 1)
+    return found, _rivals(model, others, found, targets)
+
+
+def _rivals(model: Model, found: Candidates, first: Candidates, targets: Targets) -> Candidates:
+    """Of each object the best candidate, if there is one, that has repeats which the ``first``, one of each object, has not, that is seen
+    from the same side and not much farther off."""
+    own, others = held(model, first.batch), held(model, found.batch)
+    at = targets.of[found.target]
+    rival = (
+        (others & ~own[at]).any(axis=1) & (found.target == first.target[at]) & (found.score < _RIVAL * first.score[at])
+    )
+    some = np.flatnonzero(rival)
+    return taken(model, found, some[best_of(np.zeros(len(some), dtype=np.uint64), at[some], found.score[some], 1)])
 
 
 def taken(model: Model, found: Candidates, at: np.ndarray) -> Candidates:

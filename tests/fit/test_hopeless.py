@@ -31,7 +31,7 @@ def star() -> Posed:
 def test_only_what_may_fit_is_decided(monkeypatch: pytest.MonkeyPatch) -> None:
     decided, told = [], list[str]()
 
-    def decide(model: Model, targets: object, found: Candidates, effort: object) -> Candidates:
+    def decide(model: Model, targets: object, found: Candidates, effort: object, rivals: object) -> Candidates:
         decided.append(found.target.tolist())
         return found
 
