@@ -13,7 +13,8 @@ from ..errors import UserError
 
 _MESHES = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
 CLOUDS = (".npz", ".xyz")
-KINDS = (*_MESHES, *CLOUDS, ".urdf")
+ROBOT = ".urdf"
+KINDS = (*_MESHES, *CLOUDS, ROBOT)
 """What the names of files that can be read end in."""
 _FITS, _OURS = "fit.json", ("kept", "objects")  # of a folder of fits, and its folders of arrays and meshes
 
@@ -77,7 +78,7 @@ def _is_given(path: Path) -> bool:
 
 
 def _is_robot(path: Path) -> bool:
-    return path.suffix.lower() == ".urdf"
+    return path.suffix.lower() == ROBOT
 
 
 def _outside(files: list[Path], folders: set[Path]) -> list[Path]:

@@ -14,7 +14,8 @@ from ..arguments import read_path
 from ..diagnostics.suggest import did_you_mean
 from ..errors import UsageError, UserError
 from .finding import find_files
-from .reading import Cloud, Solid, join_meshes, pieces_of, points_of, solid_of
+from .meshes import pieces_of
+from .reading import Cloud, Solid, join_meshes, points_of, solid_of
 from .sources import File, Held, Item, name_files, own_name
 
 _KINDS = 'a file, a mesh of trimesh, (vertices, faces), points (n, 3), or {"points": ..., "normals": ...}'

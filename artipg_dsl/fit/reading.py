@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import json
 import logging
-import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -21,7 +21,10 @@ import numpy as np
 
 from ..errors import UserError
 from ..records import dataclass
-from .finding import CLOUDS, KINDS
+from .bodies import Bodies
+from .finding import CLOUDS, KINDS, ROBOT
+from .meshes import load_meshes
+from .urdf import mesh_of, read_robot
 from .xyz import read_table
 
 _POINTS = 30_000  # taken of a surface
@@ -41,6 +44,7 @@ class Cloud:
     label: np.ndarray
     names: tuple[str, ...]
     lost: str = ""
+    bodies: Bodies | None = None
 
 
 def read_cloud(path: Path) -> Cloud:
@@ -111,7 +115,7 @@ def check_cloud(cloud: Cloud, name: str) -> Cloud:
     if normals is not None:
         length = np.sqrt((normals**2).sum(axis=1, keepdims=True))
         normals = None if (length < 1e-9).mean() > 0.01 else normals / np.maximum(length, 1e-12)
-    return Cloud(points, normals, cloud.label[at], cloud.names, lost)
+    return Cloud(points, normals, cloud.label[at], cloud.names, lost, cloud.bodies)
 
 
 # ---------------------------------------------------------------- points
@@ -183,7 +187,11 @@ def _labels_of(held: Mapping[str, Any], count: int, of: str, name: str) -> tuple
 
 
 def _read_solids(path: Path) -> Cloud:
-    return join_meshes(_robot(path) if path.suffix.lower() == ".urdf" else _load(path)).cloud(path.name)
+    if path.suffix.lower() != ROBOT:
+        return join_meshes(load_meshes(path)).cloud(path.name)
+    robot = read_robot(path)
+    cloud = join_meshes(robot.meshes).cloud(path.name)
+    return replace(cloud, bodies=robot.bodies(cloud.names))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -248,19 +256,6 @@ def join_meshes(meshes: Sequence[tuple[str, Any]]) -> Solid:
     return Solid(np.concatenate(vertices), np.concatenate(faces), np.concatenate(label), names)
 
 
-def pieces_of(held: Any, name: str) -> list[tuple[str, Any]]:
-    """The meshes (or clouds) of a scene of trimesh, each by its own name, or the one that is no scene, in the frame of all."""
-    if not hasattr(held, "geometry"):
-        return [(name, held)]
-    pieces = []
-    for node in held.graph.nodes_geometry:
-        matrix, own = held.graph[node]
-        mesh = held.geometry[own].copy()
-        mesh.apply_transform(matrix)
-        pieces.append((str(own), mesh))
-    return sorted(pieces, key=lambda piece: piece[0])  # trimesh keeps no order of groups
-
-
 def _sampled(corners: np.ndarray, label: np.ndarray, names: tuple[str, ...], name: str) -> Cloud:
     """Points uniform by area on triangles (f, 3, 3)."""
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -281,52 +276,6 @@ def _sampled(corners: np.ndarray, label: np.ndarray, names: tuple[str, ...], nam
     return Cloud(points, across[face] / np.maximum(twice[face], 1e-300)[:, None], label[face], names)
 
 
-def _load(path: Path) -> list[tuple[str, Any]]:
-    """The meshes (or clouds) of a file, each by its name, in the frame of the file."""
-    import trimesh  # start-up: what reads no meshes starts without it
-
-    options: dict[str, Any] = {"process": False}
-    if path.suffix.lower() == ".obj":
-        options |= {"group_material": False, "skip_materials": True}
-        options |= dict.fromkeys(("split_object", "split_objects", "split_groups"), True)  # by version of trimesh
-    held: Any = trimesh.load(path, **options)
-    pieces = pieces_of(held, path.stem)
-    if not pieces:
-        raise UserError(f"{path.name} has no surface")
-    return pieces
-
-
-def _robot(path: Path) -> list[tuple[str, Any]]:
-    """The visible meshes of a URDF with its joints at 0, each by the name of its link."""
-    import trimesh  # start-up: as above
-
-    root = ElementTree.parse(path).getroot()
-    above: dict[str, ElementTree.Element] = {}
-    for joint in root.iter("joint"):
-        child = joint.find("child")
-        if child is not None:
-            above[child.get("link", "")] = joint
-    pieces = []
-    for link in root.iter("link"):
-        name, matrix = link.get("name", ""), np.eye(4)
-        seen: set[str] = set()
-        at: str | None = name
-        while at is not None and at in above and at not in seen:
-            seen.add(at)
-            matrix = _origin(above[at]) @ matrix
-            parent = above[at].find("parent")
-            at = None if parent is None else parent.get("link")
-        for visual in link.iter("visual"):
-            for mesh in _shapes(visual, path, trimesh):
-                mesh.apply_transform(matrix @ _origin(visual))
-                pieces.append((name, mesh))
-    if not pieces:
-        raise UserError(
-            f"{path.name} has no visible shapes", "a <visual> with a mesh, box, cylinder or sphere is needed"
-        )
-    return pieces
-
-
 def parts_of(path: Path) -> list[Path]:
     """The other files that one is read from, as far as they are there: the visible meshes of a URDF, the buffers of a glTF."""
     found: dict[Path, None] = {}
@@ -341,83 +290,12 @@ def parts_of(path: Path) -> list[Path]:
 def _named_by(path: Path) -> list[Path]:
     """The files that one names."""
     try:
-        if path.suffix.lower() == ".urdf":
+        if path.suffix.lower() == ROBOT:
             root = ElementTree.parse(path).getroot()
-            return [_mesh_of(mesh, path)[1] for visual in root.iter("visual") for mesh in visual.iter("mesh")]
+            return [mesh_of(mesh, path)[1] for visual in root.iter("visual") for mesh in visual.iter("mesh")]
         if path.suffix.lower() == ".gltf":
             names = [buffer.get("uri", "") for buffer in json.loads(path.read_bytes()).get("buffers", ())]
             return [path.parent / unquote(name) for name in names if not name.startswith("data:")]
     except (OSError, ValueError, AttributeError, TypeError, ElementTree.ParseError, RecursionError):
         pass  # what is wrong with it is told where it is read
     return []
-
-
-def _mesh_of(mesh: ElementTree.Element, path: Path) -> tuple[str, Path]:
-    """What a <mesh> of a URDF names, and where it is, if it is there."""
-    name = mesh.get("filename", "").split("://")[-1]
-    places = (path.parent / name, *(above / name for above in path.parents))
-    return name, next((place for place in places if place.is_file()), places[0])
-
-
-def _shapes(visual: ElementTree.Element, path: Path, trimesh: Any) -> list[Any]:
-    shape = visual.find("geometry")
-    found = []
-    for one in [] if shape is None else list(shape):
-        if one.tag == "mesh":
-            name, file = _mesh_of(one, path)
-            if not file.is_file():
-                raise UserError(
-                    f"{path.name} names a mesh that is not there: {name or 'without a name'}",
-                    "it is looked for from the folder of the file, and from those above",
-                )
-            scale = _numbers(one, "scale", 3, (1.0, 1.0, 1.0))
-            for _, mesh in _load(file):
-                mesh.apply_transform(np.diag([*scale, 1.0]))
-                found.append(mesh)
-        elif one.tag == "box":
-            found.append(trimesh.creation.box(_numbers(one, "size", 3)))
-        elif one.tag == "cylinder":
-            (radius,), (length,) = _numbers(one, "radius", 1), _numbers(one, "length", 1)
-            found.append(trimesh.creation.cylinder(radius, length))
-        elif one.tag == "sphere":
-            found.append(trimesh.creation.icosphere(radius=_numbers(one, "radius", 1)[0]))
-        else:
-            raise UserError(
-                f"{path.name} has a visible <{one.tag}>, which is no shape of a URDF",
-                "a mesh, box, cylinder or sphere is one",
-            )
-    return found
-
-
-def _numbers(
-    of: ElementTree.Element, name: str, count: int, missing: tuple[float, ...] | None = None
-) -> tuple[float, ...]:
-    """The numbers of an attribute. Raises ValueError where there are not so many."""
-    text = of.get(name)
-    if text is None and missing is not None:
-        return missing
-    try:
-        found = tuple(float(x) for x in (text or "").split())
-    except ValueError:
-        found = ()
-    if len(found) != count or not all(map(math.isfinite, found)):
-        said = "is missing" if text is None else f"is `{text}`"
-        raise ValueError(
-            f"`{name}` of a <{of.tag}> {said}: {'a number is' if count == 1 else f'{count} numbers are'} needed"
-        )
-    return found
-
-
-def _origin(of: ElementTree.Element) -> np.ndarray:
-    origin, matrix = of.find("origin"), np.eye(4)
-    if origin is None:
-        return matrix
-    r, p, y = _numbers(origin, "rpy", 3, (0.0, 0.0, 0.0))
-    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a), math.sin(a)) for a in (r, p, y))
-    matrix[:3, :3] = [
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ]
-    matrix[:3, 3] = _numbers(origin, "xyz", 3, (0.0, 0.0, 0.0))
-    return matrix
