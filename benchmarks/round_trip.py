@@ -3,6 +3,7 @@
     python benchmarks/round_trip.py Door Chair -n 4 --json clean.json
     python benchmarks/round_trip.py Door Chair -n 4 --noise 0.01 --missing 0.3
     python benchmarks/round_trip.py Door Chair -n 4 --labels
+    python benchmarks/round_trip.py Door Chair -n 4 --joints
 
 A choice can be seen if the cloud that is fitted, with its noise and its holes, speaks against every other value of it for the true
 object: by more than 12 in natural logarithms, whatever is drawn for parts that are new (two draws). It is clear if it does so also once these
@@ -13,7 +14,8 @@ A number can be seen if the cloud speaks likewise, by the same 12, against movin
 others following so that the surface stays where it is as far as it can (the shares of the cells of a column may all double). Errors are
 relative to ranges: the median of what can be seen and the share of it that is off by 2 % at most, and the median of all numbers.
 
-CPU seconds are those of this process, for all of a fit. With ``--labels`` the points of clouds bear the words of ``semantic``.
+CPU seconds are those of this process, for all of a fit. With ``--labels`` the points of clouds bear the words of ``semantic``,
+with ``--joints`` links and joints are known.
 """
 
 from __future__ import annotations
@@ -21,17 +23,20 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import artipg_dsl as apg
+from artipg_dsl.fit.bodies import Bodies
 from artipg_dsl.fit.compare import Candidates
 from artipg_dsl.fit.decide import settled
 from artipg_dsl.fit.develop import apart, copied
 from artipg_dsl.fit.evidence import Clouds, Copies, weigh, weigh_again, weigh_change
 from artipg_dsl.fit.fitting import Fitted, fit, usual_size
+from artipg_dsl.fit.links import Moving
 from artipg_dsl.fit.model import Changes, Model, Placed
 from artipg_dsl.fit.pose import Frame, Posed, pose, targets
 from artipg_dsl.fit.reading import Cloud
@@ -51,16 +56,23 @@ Row = tuple[int, ...]  # object, draw, and which of its rows, by the ranks of wh
 Values = list[dict[Row, float]]  # of each object
 
 
-def clouds(samples: apg.Samples, usual: float, noise: float, missing: float) -> list[Posed]:
+def clouds(samples: apg.Samples, usual: float, noise: float, missing: float, joints: bool = False) -> list[Posed]:
     """The labelled surfaces of samples, with noise (of the diagonal) and without what is nearest to one of their points."""
     points, chance, posed = samples.points(20_000), np.random.default_rng(0), []
     names = tuple(samples.batch.program.vocabularies["semantic"])
-    for place, normal, word in zip(points.position, points.normal, points.semantic, strict=True):
+    if joints:
+        batch, points = samples.batch, replace(points, semantic=points.link)
+        most = int(batch.links().number.max()) + 1
+        names = tuple(f"link{k}" for k in range(most))
+        moving = Moving.of(batch)
+    for k, (place, normal, word) in enumerate(zip(points.position, points.normal, points.semantic, strict=True)):
         across = np.sqrt((np.ptp(place, axis=0) ** 2).sum())
         away = ((place - place[chance.integers(len(place))]) ** 2).sum(axis=1)
         kept = np.sort(np.argsort(away)[int(missing * len(place)) :])
         at = place[kept] + chance.normal(size=(len(kept), 3)) * noise * across / np.sqrt(3.0)
         cloud = Cloud(at, None if noise else normal[kept], word[kept].astype(np.int64), names)
+        if joints:
+            cloud = replace(cloud, bodies=Bodies(moving.first[k], moving.twist[k]))
         posed.append(pose(cloud, Frame(up="z", front="x", unit="m"), ".npz", usual))
     return posed
 
@@ -202,6 +214,7 @@ def main() -> None:
     parser.add_argument("--noise", type=float, default=0.0)
     parser.add_argument("--missing", type=float, default=0.0)
     parser.add_argument("--labels", action="store_true")
+    parser.add_argument("--joints", action="store_true")
     parser.add_argument("--seed", type=int, default=77)
     parser.add_argument("--json", type=Path)
     asked = parser.parse_args()
@@ -213,8 +226,8 @@ def main() -> None:
     )
     for category in asked.categories or CATEGORIES:
         samples = apg.sample(category, n=asked.n, seed=asked.seed)
-        model = Model(samples.job.sampler)
-        posed = clouds(samples, usual_size(model), asked.noise, asked.missing)
+        model = Model(samples.job.sampler, jointed=asked.joints)
+        posed = clouds(samples, usual_size(model), asked.noise, asked.missing, asked.joints)
         begun = time.process_time()
         found = fit(model, posed, words=said(posed) if asked.labels else None)
         spent = (time.process_time() - begun) / asked.n

@@ -30,7 +30,8 @@ class Targets:
     ``low`` .. ``high`` (T, 3), ``apart`` (T, M) how far each lies from others, ``noise`` (T,) across the surface, in diagonals.
     ``of`` (T,): which object it is; ``known`` (T,): whether its scale is. ``count`` (T,): how many points there are; others
     are the same again. The first points of a cloud are a sample of it. ``word`` (T, M) of ``semantic``, 0 where nothing is said; ``meant``
-    (W,): which words may be."""
+    (W,): which words may be. ``link`` (T, M): which link of the object a point lies on, where that is known, and ``twist`` (T, R, 6) how
+    its R links move; R is 0 where it is not."""
 
     points: np.ndarray
     normals: np.ndarray
@@ -44,6 +45,8 @@ class Targets:
     count: np.ndarray
     word: np.ndarray
     meant: np.ndarray
+    link: np.ndarray
+    twist: np.ndarray
 
     def __len__(self) -> int:
         return len(self.of)
@@ -51,6 +54,11 @@ class Targets:
     @property
     def size(self) -> np.ndarray:
         return self.high - self.low
+
+    @property
+    def jointed(self) -> bool:
+        """Whether links are known of some of them."""
+        return self.twist.shape[1] > 0
 
     def take(self, at: np.ndarray) -> Targets:
         """Some of them."""
@@ -61,7 +69,7 @@ class Targets:
         """With ``count`` points at most."""
         fewer = np.minimum(self.count, count)
         apart = self.apart[:, :count] * np.sqrt(self.count / fewer)[:, None]
-        columns = {name: getattr(self, name)[:, :count] for name in ("points", "normals", "word")}
+        columns = {name: getattr(self, name)[:, :count] for name in ("points", "normals", "word", "link")}
         return replace(self, apart=apart, count=fewer, **columns)
 
 

@@ -20,6 +20,7 @@ from ..runtime.batch import Batch
 from .compare import FARTHEST, Targets, starts, words_of
 from .coverage import Coverage, Sight
 from .focus import Differing, Rows, small, spread
+from .links import Held, Moving, Points, links_of_rows
 from .match import REACH, Gaps, features, gaps
 from .model import Placed
 from .outer import Screens
@@ -59,6 +60,7 @@ class Evidence:
     of: np.ndarray
     on: np.ndarray
     places: np.ndarray
+    links: Held
 
     def take(self, at: np.ndarray | slice) -> Evidence:
         """Of some of the candidates."""
@@ -67,7 +69,7 @@ class Evidence:
     @property
     def total(self) -> np.ndarray:
         """(K,) of each candidate; less is better."""
-        return np.asarray(self.weight * self.cloud.sum(axis=1) + self.surface.sum(axis=1))
+        return np.asarray(self.weight * (self.cloud + self.links.strange).sum(axis=1) + self.surface.sum(axis=1))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -142,6 +144,8 @@ class _Laid:
     on: np.ndarray
     site: np.ndarray
     word: np.ndarray
+    link: np.ndarray
+    moving: Moving | None
 
     @property
     def marked(self) -> np.ndarray:
@@ -215,6 +219,8 @@ def _lay(
         on,
         laid.points.site,
         word,
+        np.concatenate(links_of_rows(batch))[on] if targets.jointed else np.zeros(on.shape, dtype=np.int64),
+        Moving.of(batch).placed(placed) if targets.jointed else None,
     )
 
 
@@ -232,7 +238,11 @@ def weigh(batch: Batch, target: np.ndarray, placed: Placed, clouds: Clouds) -> E
     of = laid.on[np.arange(len(batch))[:, None], there]
     rank = np.concatenate([table.rank for table in tables(batch)])
     named = laid.site * _MANY + rank[laid.on]
-    return Evidence(cloud, surface, count / cloud.shape[1], count, stands, seen, named, of, laid.on, laid.places)
+    links = Held.none(cloud.shape)
+    if laid.moving is not None:
+        mine = laid.link[np.arange(len(batch))[:, None], there]
+        links = Held.of(laid.moving, mine, targets.link[target], targets.twist[target], targets.diagonal[target])
+    return Evidence(cloud, surface, count / cloud.shape[1], count, stands, seen, named, of, laid.on, laid.places, links)
 
 
 def beside(one: Evidence, other: Evidence, at: np.ndarray) -> np.ndarray:
@@ -248,7 +258,7 @@ def beside(one: Evidence, other: Evidence, at: np.ndarray) -> np.ndarray:
         share[own, point] = coverage.at(mine.places[row][own, point], own)
         known = _known((share * mine.stands[row]).sum(axis=1), mine.stands[row].sum(axis=1))
         surface = (share * mine.surface[row]).sum(axis=1) * mine.count[row] / known
-        found.append(mine.weight[row] * mine.cloud[row].sum(axis=1) + surface)
+        found.append(mine.weight[row] * (mine.cloud[row] + mine.links.strange[row]).sum(axis=1) + surface)
     return np.asarray(found[0] - found[1])
 
 
@@ -267,12 +277,13 @@ class Asked:
     many: np.ndarray
     owned: np.ndarray
     before: np.ndarray
+    strange: np.ndarray
 
     @staticmethod
     def none() -> Asked:
         """Of no copies."""
         points, flags = np.zeros((0, _ASKED), dtype=np.int64), np.zeros((0, _ASKED), dtype=bool)
-        return Asked(points, flags, np.zeros(0, dtype=np.int64), flags, np.zeros((0, _ASKED)))
+        return Asked(points, flags, np.zeros(0, dtype=np.int64), flags, np.zeros((0, _ASKED)), np.zeros((0, _ASKED)))
 
     @staticmethod
     def joined(several: list[Asked]) -> Asked:
@@ -301,12 +312,13 @@ def weigh_change(copies: Copies, clouds: Clouds, base: Evidence, change: Differi
     gone = _gone(base, change, len(of))
     laid = _lay(copies.batch, change.new, copies.placed, _AROUND, _NEAR, clouds, copies.target)
     told = _ask(copies, clouds, base, gone, laid)
-    cloud, new, coverage = _told(laid, copies, clouds, told)
+    cloud, there, new, coverage = _told(laid, copies, clouds, told)
+    cloud = cloud + _strange(laid, copies, clouds, base, told, there)
     surface = new.sum(axis=1)
     own, point = np.nonzero(gone[np.arange(len(of))[:, None], base.on[of]] & (base.surface[of] > 0.0))
     lost = of[own], point
     was = np.bincount(own, base.surface[lost] * coverage.at(base.places[lost], own), minlength=len(of))
-    more = np.where(told.asked, cloud - told.before, 0.0).sum(axis=1) * _each(told)
+    more = np.where(told.asked, cloud - told.before - told.strange, 0.0).sum(axis=1) * _each(told)
     return Change(base.weight[of] * more + surface - was, laid.marked, told)
 
 
@@ -318,22 +330,26 @@ def weigh_again(copies: Copies, origins: Copies, clouds: Clouds, base: Evidence,
         for one, rows in ((copies, change.new), (origins, change.gone))
     )
     told = _ask(copies, clouds, base, _gone(base, change, len(of)), laid)
-    (cloud, new, _), (cloud_was, old, _) = (_told(one, copies, clouds, told) for one in (laid, was))
-    surface, surface_was = new.sum(axis=1), old.sum(axis=1)
-    more = np.where(told.asked, cloud - cloud_was, 0.0).sum(axis=1) * _each(told)
+    found = []
+    for one in (laid, was):
+        cloud, there, new, _ = _told(one, copies, clouds, told)
+        cloud = np.where(told.asked, cloud + _strange(one, copies, clouds, base, told, there), 0.0)
+        found.append((cloud, new.sum(axis=1)))
+    (cloud, surface), (cloud_was, surface_was) = found
+    more = (cloud - cloud_was).sum(axis=1) * _each(told)
     return Change(base.weight[of] * more + surface - surface_was, np.maximum(laid.marked, was.marked), told)
 
 
 def weigh_elements(
     copies: Copies, clouds: Clouds, base: Evidence, change: Differing
 ) -> tuple[Asked, np.ndarray, np.ndarray, np.ndarray]:
-    """What clouds say of each point of copies: what was asked about, how unlikely those points are (K, m), each for as many as it stands for;
-    and the points of what is new (K, n), on which row, among those of all tables, each of these lies (K, n)."""
+    """What clouds say of each point of copies, by their places alone: what was asked about, how unlikely those points are (K, m), each for
+    as many as it stands for; and the points of what is new (K, n), on which row, among those of all tables, each of these lies (K, n)."""
     of = copies.of
     around, near, asked = _ROUGHLY
     laid = _lay(copies.batch, change.new, copies.placed, around, near, clouds, copies.target)
     told = _ask(copies, clouds, base, _gone(base, change, len(of)), laid, asked)
-    cloud, surface, _ = _told(laid, copies, clouds, told)
+    cloud, _, surface, _ = _told(laid, copies, clouds, told)
     more = np.where(told.asked, cloud - told.before, 0.0) * (base.weight[of] * _each(told))[:, None]
     return told, more, surface, laid.on[:, around:]
 
@@ -372,16 +388,20 @@ def _ask(copies: Copies, clouds: Clouds, base: Evidence, gone: np.ndarray, laid:
     some = np.zeros((len(of), min(most, asked.shape[1])), dtype=np.int64)
     some[own[first], rank[first]] = point[first]
     told = np.arange(some.shape[1]) < many[:, None]
-    return Asked(some, told, many, told & np.take_along_axis(owned, some, axis=1), base.cloud[of[:, None], some])
+    before, strange = (one[of[:, None], some] for one in (base.cloud, base.links.strange))
+    return Asked(some, told, many, told & np.take_along_axis(owned, some, axis=1), before, strange)
 
 
-def _told(laid: _Laid, copies: Copies, clouds: Clouds, told: Asked) -> tuple[np.ndarray, np.ndarray, Coverage]:
-    """How unlikely the points asked are (K, m), and the points of what is marked (K, n), as far as they lie where the cloud was
-    seen; and where that is."""
+def _told(
+    laid: _Laid, copies: Copies, clouds: Clouds, told: Asked
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, Coverage]:
+    """How unlikely the points asked are (K, m), and which of those laid each lies on, -1 where that is none of them; how unlikely the points
+    of what is marked are (K, n), as far as they lie where the cloud was seen; and where that is."""
     target, shown = copies.target, ~laid.hidden
-    every = laid.unlikely(clouds, target, told.some, told.owned, shown)[0]
+    every, there = laid.unlikely(clouds, target, told.some, told.owned, shown)
     known = np.where(told.owned, every, told.before)
-    cloud = np.minimum(laid.unlikely(clouds, target, told.some, told.asked, laid.fresh & shown, known)[0], known)
+    fresh, new_there = laid.unlikely(clouds, target, told.some, told.asked, laid.fresh & shown, known)
+    cloud, there = np.minimum(fresh, known), np.where(fresh < known, new_there, np.where(told.owned, there, -1))
     shared = laid.shared & shown
     seen = clouds.seen(laid, target, shared)
     coverage = Coverage.of(laid.places, shared, seen)
@@ -391,7 +411,21 @@ def _told(laid: _Laid, copies: Copies, clouds: Clouds, told: Asked) -> tuple[np.
     expected = clouds.count(target) * laid.area[:, 1] / _known(_surface(laid, share), _surface(laid, shown))
     unlikely, _ = clouds.unlikely(laid, target, laid.fresh & shown & (share > 0.0))
     new = (share * unlikely)[:, laid.around :]
-    return cloud, expected[:, None] * new / new.shape[1], coverage
+    return cloud, there, expected[:, None] * new / new.shape[1], coverage
+
+
+def _strange(
+    laid: _Laid, copies: Copies, clouds: Clouds, base: Evidence, told: Asked, there: np.ndarray
+) -> np.ndarray | float:
+    """(K, m) how unlikely the links of the points asked make them; ``there`` (K, m) as ``_told`` has it."""
+    if laid.moving is None:
+        return 0.0
+    targets, target, of = clouds.targets, copies.target, copies.of
+    theirs = np.where(told.asked, targets.link[target[:, None], told.some], -1)
+    before = base.links.mine[of[:, None], told.some]
+    after = np.where(there < 0, -1, laid.link[np.arange(len(of))[:, None], there])
+    points = Points(before, after, theirs, _each(told))
+    return base.links[of].otherwise(laid.moving, points, targets.twist[target], targets.diagonal[target])
 
 
 def _surface(laid: _Laid, share: np.ndarray) -> np.ndarray:

@@ -11,7 +11,8 @@ from ..geometry.runs import runs
 from ..geometry.sites import SiteTable
 from ..records import dataclass
 from ..runtime.batch import Batch
-from .states import tables
+from .links import Moving, links_of_rows
+from .states import is_jointed, tables
 
 _MANY = 1 << 32  # more than rows of a site in an object
 _STILL = 1e-9  # metres: what is moved by less was not
@@ -93,7 +94,8 @@ def differing(
     pairs = list(zip(tables(origins), tables(copies), strict=True))
     new: list[np.ndarray] = []
     gone: list[tuple[np.ndarray, np.ndarray]] = []  # of each table the copies that have lost a row, and its row
-    for table, other in pairs:
+    motion = (_moves(origins), _moves(copies, lifted)) if is_jointed(copies.program) else None
+    for number, (table, other) in enumerate(pairs):
         origin = of[other.owner]
         first, last = (np.searchsorted(table.owner, origin, side=side) for side in ("left", "right"))
         base = first + other.rank
@@ -102,8 +104,11 @@ def differing(
         close = None if within is None else within[other.owner]
         same = there & (_same(table, other, own, close) if len(table) else False)
         if len(table):
+            room = _STILL if close is None else close[:, None]
             off = table.translation[own] - other.translation - lifted[other.owner]
-            same &= (np.abs(off) < (_STILL if close is None else close[:, None])).all(axis=1)
+            same &= (np.abs(off) < room).all(axis=1)
+            if motion:
+                same &= (np.abs(motion[0][number][own] - motion[1][number]) < room).all(axis=1)
         new.append(~same)
         low, high = (np.searchsorted(table.owner, of, side=side) for side in ("left", "right"))
         many = high - low
@@ -111,7 +116,7 @@ def differing(
         kept = np.zeros(len(rows), dtype=bool)
         kept[(start[other.owner] + other.rank)[same]] = True
         gone.append((np.repeat(np.arange(len(of)), many)[~kept], rows[~kept]))
-    gone = _without_equals(pairs, new, gone, lifted)
+    gone = _without_equals(pairs, new, gone, lifted, motion)
     begin = np.cumsum([0, *(len(table) for table, _ in pairs)])
     lost = {
         table.number: owner * _MANY + table.rank[rows] for (table, _), (owner, rows) in zip(pairs, gone, strict=True)
@@ -121,11 +126,23 @@ def differing(
     return Differing(Rows.of(tables(copies), new), Rows(lost), (copy, row + begins))
 
 
+_Motion = list[np.ndarray]  # of each table how its rows move (n, 6)
+
+
+def _moves(batch: Batch, lifted: np.ndarray | None = None) -> _Motion:
+    """How the rows of all tables move where the joints of what is fitted are known, of candidates that are ``lifted`` (K, 3)."""
+    twist = np.nan_to_num(Moving.of(batch).twist)
+    if lifted is not None:
+        twist[..., 3:] += np.cross(lifted[:, None], twist[..., :3])
+    return [twist[table.owner, link] for table, link in zip(tables(batch), links_of_rows(batch), strict=True)]
+
+
 def _without_equals(
     pairs: list[tuple[SiteTable, SiteTable]],
     new: list[np.ndarray],
     gone: list[tuple[np.ndarray, np.ndarray]],
     lifted: np.ndarray,
+    motion: tuple[_Motion, _Motion] | None,
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """What is ``gone`` of tables without those rows in whose place an equal one of another name is new, which is none of the ``new`` ones then:
     of two equal sashes that change sides, neither is moved."""
@@ -140,7 +157,8 @@ def _without_equals(
         if not made or not lost:
             continue
         own = np.concatenate([owner for *_, owner in lost])
-        ours, theirs = _addresses(made, np.zeros((1, 3))), _addresses(lost, lifted[own])
+        before, after = motion or (None, None)
+        ours, theirs = _addresses(made, np.zeros((1, 3)), after), _addresses(lost, lifted[own], before)
         both = np.intersect1d(ours, theirs)
         if not len(both):
             continue
@@ -160,16 +178,17 @@ def _parted(of: np.ndarray, some: _Some) -> list[np.ndarray]:
     return np.split(of, np.cumsum([len(rows) for _, _, rows, _ in some])[:-1])
 
 
-def _addresses(some: _Some, moved: np.ndarray) -> np.ndarray:
-    """(n,) uint64 for the rows of some sites, one site after the other, that are the same for rows of the same shape, place and word in the
-    same copy, once ``moved`` (n, 3) back."""
+def _addresses(some: _Some, moved: np.ndarray, motion: _Motion | None) -> np.ndarray:
+    """(n,) uint64 for the rows of some sites, one site after the other, that are the same for rows of the same shape, place, word and
+    ``motion`` in the same copy, once ``moved`` (n, 3) back."""
     placed, turned, mirror, word = (
         np.concatenate([getattr(table, name)[rows] for _, table, rows, _ in some])
         for name in ("translation", "rotation", "mirror", "semantic")
     )
     names = sorted(some[0][1].params)
     shape = (np.concatenate([table.params[name][rows] for _, table, rows, _ in some]) for name in names)
-    every = *(placed - moved).T, *turned.reshape(-1, 9).T, mirror, word, *shape
+    moves = () if motion is None else np.concatenate([motion[k][rows] for k, _, rows, _ in some]).T
+    every = *(placed - moved).T, *turned.reshape(-1, 9).T, mirror, word, *shape, *moves
     found = np.concatenate([owner for *_, owner in some]).astype(np.uint64)
     for value in every:
         found = random.mix(found, np.rint(value / _ALIKE).astype(np.int64).view(np.uint64))

@@ -17,14 +17,14 @@ from ..records import dataclass
 from ..runtime.batch import Batch
 from ..runtime.kernels import Kept, State
 from ..runtime.laws import TOLERANCE
-from ..runtime.needs import motion_of, narrowing_of, pose_cells
+from ..runtime.needs import axes_of, motion_of, narrowing_of, pose_cells
 from ..runtime.plan import Plan, make_plan
 from ..sampling.known import DrawRows, evaluate_again, keep_draw, make_batch, rows_of_draw
 from ..sampling.sample import Sampler
 from ..sampling.search import domain_ends
 from .gather import gather
 from .ruled import ruled_by, ruling_of
-from .states import Moved, Opened, resting, shut
+from .states import Moved, Opened, is_jointed, resting, shut
 from .states import opened as open_program
 
 _BLOCKS = 5  # in which candidates are drawn at most, until enough are valid
@@ -92,12 +92,15 @@ class Model:
     """The draws on which the surface depends: ``discrete`` (choices, counts, values of a list) and ``smooth``; and the choices, ``ruling``,
     that only say which options of the discrete ones there may be."""
 
-    def __init__(self, sampler: Sampler, *, opened: bool = False):
+    def __init__(self, sampler: Sampler, *, opened: bool = False, jointed: bool = False):
         self.sampler = sampler
-        self.program = open_program(sampler.program) if opened else resting(sampler.program)
+        self.program = (open_program if opened else resting)(sampler.program, jointed)
         behind = draws_behind(self.program, self._surface())
         draws = self.program.draws
         listed = [k for k in behind if draws[k].kind != "real" or draws[k].distribution == "values"]
+        if jointed:  # of what only says how links move, choices and counts: no distance holds a number
+            moving = set(draws_behind(self.program, self._motion())) - set(behind)
+            listed = sorted({*listed, *(k for k in moving if draws[k].kind != "real")})
         self.discrete = listed
         states = self.program.states.values() if isinstance(self.program, Opened) else ()
         self.ruling = ruling_of(self.program, listed, behind)
@@ -118,6 +121,8 @@ class Model:
             wanted += [(weight, program.draws[number].column.scope) for weight in program.draws[number].weights]
         if isinstance(program, Moved):
             wanted += motion_of(program)
+        if is_jointed(program):
+            wanted += axes_of(program)
         return make_plan(program, wanted)
 
     def _surface(self) -> Iterable[Expr]:
@@ -127,6 +132,11 @@ class Model:
         if isinstance(self.program, Moved):  # where primitives stand as joints rest
             drawn = self.program.states if isinstance(self.program, Opened) else {}
             yield from (joint.rest for number, joint in enumerate(self.program.joints) if number not in drawn)
+
+    def _motion(self) -> Iterable[Expr]:
+        for joint in self.program.joints:
+            yield from (*joint.origin, *joint.axis)
+            yield from (scope.count for scope in joint.scope.ancestors() if scope.count is not None)
 
     # ------------------------------------------------------------ candidates
 

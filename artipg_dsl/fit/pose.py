@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from ..errors import UsageError, UserError
 from ..records import dataclass
+from .bodies import Bodies
 from .compare import Targets
 from .outer import outer, spacing, towards
 from .reading import Cloud
@@ -99,6 +100,7 @@ class Posed:
     known: bool
     others: list[tuple[str, str]] = field(default_factory=list)
     doubt: str = ""
+    bodies: Bodies | None = None
 
 
 def pose(cloud: Cloud, frame: Frame, suffix: str, usual: float | None) -> Posed:
@@ -115,7 +117,8 @@ def pose(cloud: Cloud, frame: Frame, suffix: str, usual: float | None) -> Posed:
         facing = np.bincount(label + 1, facing)[label + 1]
     normals = np.where((facing < 0.0)[:, None], -normals, normals)
     turns = frame.turns(suffix), not frame.normalised, frame.others(suffix)
-    return Posed(points, normals, label, cloud.names, unit, *turns, doubt)
+    bodies = None if cloud.bodies is None else cloud.bodies.scaled(UNITS[unit])
+    return Posed(points, normals, label, cloud.names, unit, *turns, doubt, bodies)
 
 
 def _unit(across: float, frame: Frame, usual: float | None) -> tuple[str, str]:
@@ -158,7 +161,8 @@ def targets(
 ) -> Targets:
     """The targets of some objects, one for each way in which each may stand. ``words``: of each object those of its points (n,), places in
     ``semantic``, 0 where nothing is said; ``meant``: all that may be. Each has ``most`` points."""
-    columns: list[list[np.ndarray]] = [[] for _ in range(5)]
+    columns: list[list[np.ndarray]] = [[] for _ in range(7)]
+    most_links = max((len(one.bodies.twist) for one in several if one.bodies is not None), default=0)
     of, known, noise, count = [], [], [], []
     for number, one in enumerate(several):
         roughness = _roughness(one)
@@ -167,14 +171,26 @@ def targets(
             matrix = turn(up, front)
             points = one.points @ matrix.T
             word = words[number][taken] if len(words) else np.zeros(len(taken), dtype=np.int64)
-            told = points[taken], (one.normals @ matrix.T)[taken], points.min(axis=0), points.max(axis=0), word
+            link, twist = np.full(len(taken), -1), np.zeros((most_links, 6))
+            if one.bodies is not None:
+                link = np.append(one.bodies.of, -1)[one.label[taken]]
+                twist[: len(one.bodies.twist)] = one.bodies.turned(matrix).twist
+            told = (
+                points[taken],
+                (one.normals @ matrix.T)[taken],
+                points.min(axis=0),
+                points.max(axis=0),
+                word,
+                link,
+                twist,
+            )
             for column, value in zip(columns, told, strict=True):
                 column.append(value)
             of.append(number)
             known.append(one.known)
             noise.append(roughness)
             count.append(min(len(one.points), most))
-    points, normals, low, high, word = (np.stack(column) for column in columns)
+    points, normals, low, high, word, link, twist = (np.stack(column) for column in columns)
     diagonal = np.sqrt(((high - low) ** 2).sum(axis=1))
     counts = np.array(count)
     apart = np.repeat((spacing(points) * np.sqrt(most / counts))[:, None], most, axis=1)
@@ -191,6 +207,8 @@ def targets(
         count=counts,
         word=word,
         meant=np.array(meant, dtype=np.int64),
+        link=link,
+        twist=twist,
     )
 
 

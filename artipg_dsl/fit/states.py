@@ -25,7 +25,14 @@ _TABLES = "fit.tables"
 
 
 @dataclass(slots=True, eq=False)
-class Moved(Program):
+class Searched(Program):
+    """A program as fits search it; ``jointed``: with how links move, as the joints of what is fitted are known."""
+
+    jointed: bool = False
+
+
+@dataclass(slots=True, eq=False)
+class Moved(Searched):
     """A program whose candidates do not have all joints at 0, where primitives are described."""
 
 
@@ -37,15 +44,22 @@ class Opened(Moved):
     states: dict[int, int] = field(default_factory=dict)
 
 
-def resting(program: Program) -> Program:
-    """The program as one whose joints are at rest, if some of its objects rest elsewhere than at 0: for the others that is only slower."""
+def is_jointed(program: Program) -> bool:
+    """Whether candidates of a program are compared by how their links move."""
+    return isinstance(program, Searched) and program.jointed
+
+
+def resting(program: Program, jointed: bool) -> Program:
+    """The program as one whose joints are at rest, if some of its objects rest elsewhere than at 0: for the others that is only slower.
+    ``jointed``: as one with how links move."""
     plan = make_plan(program, list(motion_of(program)))
     state = State(0, np.arange(_LOOKED), np.zeros(_LOOKED, dtype=np.int64))
     # without the ends that solids leave to joints, which take long and which a rest does not depend on
     batch = Batch(program, plan, state, *plan.function(state))
+    told = {one.name: getattr(program, one.name) for one in fields(Program)}
     if not rest_values(batch).any():
-        return program
-    return Moved(**{one.name: getattr(program, one.name) for one in fields(Program)})
+        return Searched(**told, jointed=True) if jointed else program
+    return Moved(**told, jointed=jointed)
 
 
 def can_open(program: Program) -> bool:
@@ -63,8 +77,8 @@ def _free(program: Program) -> list[int]:
     ]
 
 
-def opened(program: Program) -> Opened:
-    """The program with a draw for each joint that can be opened, after all others."""
+def opened(program: Program, jointed: bool) -> Opened:
+    """The program, ``jointed`` or not, with a draw for each joint that can be opened, after all others."""
     draws, states = list(program.draws), {}
     for number in _free(program):
         joint = program.joints[number]
@@ -73,7 +87,7 @@ def opened(program: Program) -> Opened:
         draws.append(Draw(Column(joint.scope, name), name, "real", joint.low, joint.high))
     told = {one.name: getattr(program, one.name) for one in fields(Program)}
     joints = [replace(joint, clearance=False) for joint in program.joints]  # as far as the text lets them
-    return Opened(**{**told, "draws": draws, "joints": joints}, states=states)
+    return Opened(**{**told, "draws": draws, "joints": joints}, jointed=jointed, states=states)
 
 
 def joint_values(batch: Batch) -> np.ndarray:

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..diagnostics.suggest import any_of, did_you_mean
 from ..errors import UsageError, UserError
+from ..fit.finding import ROBOT
 from ..fit.fitting import TOGETHER, Fitted, fit, usual_size
 from ..fit.model import Model
 from ..fit.pose import Frame, Posed, pose
@@ -112,11 +113,16 @@ def tell_unmatched(words: Iterable[str], labels: Sequence[str], name: str, of: s
 
 
 def groups_of(items: Group, facts: Mapping[str, Facts]) -> list[Group]:
-    """What is searched together: a few objects of which the same is known."""
+    """What is searched together: a few objects of which the same is known, joints too."""
     alike: dict[str, list[Item]] = {}
     for item in items:
-        alike.setdefault(json.dumps(facts.get(item.name, {}), sort_keys=True), []).append(item)
+        known = facts.get(item.name, {}), _jointed(item)
+        alike.setdefault(json.dumps(known, sort_keys=True), []).append(item)
     return [some[at : at + TOGETHER] for some in alike.values() for at in range(0, len(some), TOGETHER)]
+
+
+def _jointed(item: Item) -> bool:
+    return item.real.suffix == ROBOT
 
 
 # ---------------------------------------------------------------- one group
@@ -131,11 +137,12 @@ class _Models:
     usual: float
 
     @staticmethod
-    def of(sampler: Sampler, asked: Asked, facts: Facts) -> _Models:
-        """Raises UserError where facts leave nothing."""
+    def of(sampler: Sampler, asked: Asked, facts: Facts, jointed: bool) -> _Models:
+        """``jointed``: with joints, as those of some files are known. Raises UserError where facts leave nothing."""
         own = Sampler(apply_facts(sampler.program, facts, "what is known")) if facts else sampler
-        model = Model(own)
-        opened = Model(own, opened=True) if asked.opened and can_open(own.program) else None
+        model = Model(own, jointed=jointed)
+        movable = asked.opened and can_open(own.program)
+        opened = Model(own, opened=True, jointed=jointed) if movable else None
         return _Models(model, opened, usual_size(model))
 
 
@@ -148,21 +155,22 @@ class Work:
     doing: Callable[[str], None] = lambda _: None
     models: dict[str, _Models] = field(default_factory=dict)  # those of the last facts
 
-    def _models(self, facts: Facts) -> _Models:
-        known = json.dumps(facts, sort_keys=True)
+    def _models(self, facts: Facts, jointed: bool) -> _Models:
+        known = json.dumps([facts, jointed], sort_keys=True)
         if known not in self.models:
-            self.models = {known: _Models.of(self.sampler, self.asked, facts)}
+            self.models = {known: _Models.of(self.sampler, self.asked, facts, jointed)}
         return self.models[known]
 
     def fit(self, group: Group) -> list[tuple[Record, Fitted | None]]:
         """The record of each object of a group, and what was found of those that could be read."""
         asked, facts = self.asked, self.asked.facts.get(group[0].name, {})
+        jointed = _jointed(group[0])
         marks = [item.real.mark() for item in group]  # of what is read: files may change while they are fitted
         read: dict[str, tuple[Posed, Record]] = {}
         told: dict[str, tuple[Record, Fitted | None]] = {}
         for item in group:
             try:
-                models = self._models(facts)
+                models = self._models(facts, jointed)
                 cloud = item.real.read()
                 posed = pose(cloud, asked.frame, item.real.suffix, models.usual)
                 remarks = {"lost": cloud.lost, "doubt": posed.doubt}
@@ -170,7 +178,7 @@ class Work:
             except UserError as wrong:
                 told[item.name] = {"failed": explain(wrong)}, None
         try:
-            found = self._find([posed for posed, _ in read.values()], facts)
+            found = self._find([posed for posed, _ in read.values()], self._models(facts, jointed))
         except UserError as wrong:
             told |= {name: ({"failed": explain(wrong)}, None) for name in read}
             found, read = [], {}
@@ -185,10 +193,10 @@ class Work:
             records.append((record | more, one_found))
         return records
 
-    def _find(self, read: list[Posed], facts: Facts) -> list[Fitted]:
+    def _find(self, read: list[Posed], models: _Models) -> list[Fitted]:
         if not read:
             return []
-        asked, words, models = self.asked, dict(self.asked.words), self._models(facts)
+        asked, words = self.asked, dict(self.asked.words)
         return fit(
             models.still,
             read,

@@ -122,7 +122,7 @@ class Batch:
     # ------------------------------------------------------------ instances
 
     @cached_property
-    def _link_instances(self) -> Instances:
+    def link_instances(self) -> Instances:
         return Instances.of([self.owner(link.scope) for link in self.program.links], len(self))
 
     @cached_property
@@ -147,7 +147,7 @@ class Batch:
     def link_numbers(self, scope: Scope, links: Reference) -> np.ndarray:
         """The link number within its object for each row of a scope, given a reference to links."""
         # not kept: it would hold the batch that holds it, and both would stay until garbage is collected
-        referred = Referred(self.rowmap, self._link_instances, [link.scope for link in self.program.links], self.read)
+        referred = Referred(self.rowmap, self.link_instances, [link.scope for link in self.program.links], self.read)
         return np.maximum(referred.numbers(scope, links), 0)
 
     @cached_property
@@ -213,7 +213,7 @@ class Batch:
     @cached_property
     def _links(self) -> LinkTable:
         rotations, translations, names, words = [], [], [], []
-        made = self._link_instances
+        made = self.link_instances
         for link in self.program.links:
             part = self.program.parts[link.part] if link.part >= 0 else None
             size = self.rowmap.rows(link.scope).size

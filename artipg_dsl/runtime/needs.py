@@ -65,6 +65,13 @@ def motion_of(program: Program) -> Iterator[Wanted]:
             yield from ranks_of(gate.joint)
 
 
+def axes_of(program: Program) -> Iterator[Wanted]:
+    """What tells which links joints move, and how."""
+    for joint in program.joints:
+        yield from _each(joint.scope, joint.origin, joint.axis)
+        yield from ranks_of(joint.parent)
+
+
 def following(joint: Joint) -> list[Expr]:
     """The formula by which a joint follows another, and its derivative by the value of that."""
     return [] if joint.curve is None else [joint.curve, derive(joint.curve, LEAD)]
