@@ -14,9 +14,7 @@ from .contact import part_name
 from .tree import Tree
 from .validate import Collisions, find_near_pieces
 
-_GAP = (
-    1e-4  # metres: what comes nearer than this touches; the chords of a pin and its bore of one radius lie as far apart
-)
+_GAP = 1e-4  # metres: what comes nearer touches, as do the chords of a pin and of its bore of the same radius
 _FEW = 3  # objects: that links touch in fewer may be by chance
 _SHARES = (0.3, 0.6)  # of the way of a joint from rest
 _ALONG = 0.9  # the cosine of an angle to an axis
