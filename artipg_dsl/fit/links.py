@@ -1,9 +1,8 @@
 """Links of candidates beside those of real objects whose links and joints are known, as of a URDF: which of one are which of the other.
 
 Links that are moved by the same joint, that nearest to the root, count as one. A link of a candidate and one of the cloud belong together if
-most points of each lie on the other, and if both move, they do so alike. A point whose links do not belong together speaks against a
-candidate. So two drawers are told from one with two fronts, and a door from a
-panel, where their surfaces are the same.
+most points of each lie on the other, and if both move, they do so alike. A point of what moves whose links do not belong together speaks
+against a candidate. So two drawers are told from one with two fronts, and a door from a panel, where their surfaces are the same.
 """
 
 from __future__ import annotations
@@ -125,7 +124,7 @@ class Held:
         these, ``diagonal`` (K,) is that of clouds."""
         shape = *moving.key.shape, real.shape[1]
         count = tally(mine, theirs, np.ones(mine.shape), shape)
-        strange = _strangeness(together(moving, count, real, diagonal), mine, theirs)
+        strange = _strangeness(together(moving, count, real, diagonal), mine, theirs, real)
         return Held(moving, np.where(theirs < 0, -1, mine), count, strange)
 
     def otherwise(self, moving: Moving, points: Points, real: np.ndarray, diagonal: np.ndarray) -> np.ndarray:
@@ -139,7 +138,7 @@ class Held:
         after = np.where(points.after < 0, before, points.after)
         weight = np.broadcast_to(points.each[:, None], after.shape)
         count += tally(after, points.theirs, weight, count.shape) - tally(before, points.theirs, weight, count.shape)
-        return _strangeness(together(moving, count, real, diagonal), after, points.theirs)
+        return _strangeness(together(moving, count, real, diagonal), after, points.theirs, real)
 
 
 def together(moving: Moving, count: np.ndarray, real: np.ndarray, diagonal: np.ndarray) -> np.ndarray:
@@ -150,11 +149,14 @@ def together(moving: Moving, count: np.ndarray, real: np.ndarray, diagonal: np.n
     return np.asarray((count > 0.5) & (count >= most[0]) & (count >= most[1]))
 
 
-def _strangeness(belong: np.ndarray, mine: np.ndarray, theirs: np.ndarray) -> np.ndarray:
-    """(K, m) how unlikely points are by their links, of which those belong together that ``belong`` (K, L, R) says."""
+def _strangeness(belong: np.ndarray, mine: np.ndarray, theirs: np.ndarray, real: np.ndarray) -> np.ndarray:
+    """(K, m) how unlikely points are by their links, of which those belong together that ``belong`` (K, L, R) says; those of what does not
+    move, as ``real`` (K, R, 6) has it, are not: many a door was left rigid."""
     own, point = np.nonzero((theirs >= 0) & (mine >= 0))
+    other = theirs[own, point]
+    strange = (real[own, other] != 0.0).any(axis=1) & ~belong[own, mine[own, point], other]
     found = np.zeros(mine.shape)
-    found[own, point] = np.where(belong[own, mine[own, point], theirs[own, point]], 0.0, _STRANGE)
+    found[own, point] = np.where(strange, _STRANGE, 0.0)
     return found
 
 

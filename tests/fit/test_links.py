@@ -122,6 +122,8 @@ def test_points_are_strange_whose_links_do_not_belong_together() -> None:
     turns = replace(two, twist=np.array([[np.zeros(6), [0, 0, 1, 0, 0, 0], slide]]))
     found = Held.of(turns, np.maximum(theirs, 0), theirs, real, np.ones(1))
     assert (found.strange[0] > 0.0).tolist() == (theirs[0] == 1).tolist()  # a door is no drawer
+    rigid = Held.of(two, np.maximum(theirs, 0), np.minimum(theirs, 0), real, np.ones(1))
+    assert (rigid.strange == 0.0).all()  # what was left rigid may move
 
 
 def opening(model: Model, of: Batch, kind: np.ndarray) -> Batch:
