@@ -35,7 +35,7 @@ def twists(moves: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> np.ndarra
     of those whose motion has no axis of its own."""
     turns, slides = (np.where((moves == way)[:, None], axis, 0.0) for way in ("turns", "slides"))
     found = np.concatenate([turns, slides + np.cross(origin, turns)], axis=1)
-    found[(moves == "tilts") | (moves == "floats")] = np.nan
+    found[moves == "tilts"] = np.nan
     return found
 
 
