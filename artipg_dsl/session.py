@@ -276,7 +276,7 @@ class Session:
 
     def advise(self) -> None:
         """Report what is legal and perhaps not meant (see ``advice``)."""
-        from .advice import advise  # start-up
+        from .advice.advise import advise  # start-up
 
         if self.typed is not None:
             advise(self.typed, self.lowering, self._draw, self.report)

@@ -200,7 +200,7 @@ def test_what_a_follower_moves_is_told_with_it() -> None:
 
 
 def test_on_which_link_two_elements_of_a_part_are_is_told_once() -> None:
-    from artipg_dsl.examined import _on_links
+    from artipg_dsl.advice.meeting import _on_links
     from artipg_dsl.validity.stuck import Stuck
 
     said = _on_links(Stuck(("row.pipe", "row.pipe"), ("row[1].clamp", "row[2].clamp")))
