@@ -9,7 +9,7 @@ from ...graph.expr import TRUE, Column, Scope, sub
 from ...graph.feasible import Conflict, find_conflicts, find_idle, find_settled, is_certain
 from ...graph.interval import Intervals
 from ...graph.linear import Linear
-from ...graph.program import Program
+from ...graph.program import Draw, Program
 from ...source import Span
 from ...syntax import ast
 from ...syntax.walk import walk
@@ -17,6 +17,10 @@ from ..expressions.context import Bend, Draft
 
 if TYPE_CHECKING:
     from ..elaborate.part import Component
+
+_Notes = tuple[tuple[Span, str], ...]
+
+_WIDEN = "widen a range, or correct the requirement"
 
 
 def judge(context: Draft, hollow: list[tuple[Scope, tuple[int, ...]]], own: str) -> None:
@@ -111,66 +115,78 @@ def _never_drawn(context: Draft, scope: Scope) -> str:
 
 
 def _tell(context: Draft, conflict: Conflict) -> None:
-    program = context.program
-    bend = next((context.bends[r] for r in conflict.reasons if r in context.bends), None)
+    """Report a contradiction, by the path that is too tight, the range that is empty, or the requirement that never holds."""
     spans = list(dict.fromkeys(context.stated[r][0] for r in conflict.reasons if r in context.stated))
-    chain: list[tuple[Span, str]] = [(span, "and this is required") for span in spans[1:]]
     settled = [context.settled[r] for r in conflict.reasons if r in context.settled]
+    chain = [(span, "and this is required") for span in spans[1:]]
     chain += dict.fromkeys((place, f"and {name}, which follows from it, must {must}") for place, name, must in settled)
     for k in conflict.draws:
-        column = program.draws[k].column
+        column = context.program.draws[k].column
         if column in context.spans:
             chain.append((context.spans[column], f"`{column.name}` is drawn here"))
-    tight = None if bend is None else _too_tight(program, bend)
-    hint = "widen a range, or correct the requirement"
-    span: Span | None
+    bend = next((context.bends[r] for r in conflict.reasons if r in context.bends), None)
+    tight = None if bend is None else _too_tight(context.program, bend)
     if bend is not None and tight is not None:
-        span = bend.place
-        chain.insert(0, (bend.span, "the section along it"))
-        message = tight
-    elif conflict.draw is not None:
-        draw = program.draws[conflict.draw]
-        own = context.spans.get(draw.column)
-        message = (
-            f"`{draw.column.name}` has no legal value: it would have to be at least {plain(conflict.low, draw.unit)} "
-            f"and at most {plain(conflict.high, draw.unit)}"
-        )
-        asked = [program.requirements[r].message for r in conflict.reasons if r in context.stated]
-        users = [(said, part) for said in asked if (part := of_part(context, said)) is not None]
-        for said, part in users[:1]:  # what a primitive requires stands in no line of the program
-            message += f"; else {said}"
-            hint = f"change the arguments of `{part.name}`, or the ranges that they come from"
-        if own is not None and spans:
-            chain.insert(0, (own, "its range"))
-        elif settled:
-            hint = f"equations determine {settled[0][1]}: give it a value, correct them, or widen the range"
-        span = spans[0] if spans else own
-    else:
-        message = "this requirement can never hold: " + (
-            "others contradict it" if len(spans) > 1 else "no values in the ranges can satisfy it"
-        )
-        span = spans[0] if spans else None
-        said = program.requirements[conflict.reasons[0]].message if len(conflict.reasons) == 1 else ""
-        if span is not None and said not in ("", span.words):
-            message = f"{said}, for every draw"
-        user = of_part(context, said)
-        if user is not None and user.span == span:
-            outer = _in_category(context, user)
-            chain += [(user.span, "this part of it")] * (outer is not user)
-            span, hint = (
-                outer.span,
-                (hint_of_size(context, user, said) if outer is user else None)
-                or f"change the arguments of `{outer.name}`, its sizes, or the ranges that they come from",
-            )
-    if span is None:
-        return  # what a primitive requires of its parameters is told where it is used
-    if tight is not None:
         hint = "bend it less, or use a thinner section"
+        _report(context, conflict, bend.place, tight, hint, ((bend.span, "the section along it"), *chain))
+    elif conflict.draw is not None:
+        _tell_of_range(context, conflict, context.program.draws[conflict.draw], spans, tuple(chain))
+    else:
+        _tell_of_requirement(context, conflict, spans, tuple(chain))
+
+
+def _tell_of_range(context: Draft, conflict: Conflict, draw: Draw, spans: list[Span], chain: _Notes) -> None:
+    """Report a number whose range requirements leave nothing of; ``spans`` is where these are stated."""
+    own = context.spans.get(draw.column)
+    message = (
+        f"`{draw.column.name}` has no legal value: it would have to be at least {plain(conflict.low, draw.unit)} "
+        f"and at most {plain(conflict.high, draw.unit)}"
+    )
+    hint = _WIDEN
+    asked = [context.program.requirements[r].message for r in conflict.reasons if r in context.stated]
+    users = [(said, part) for said in asked if (part := of_part(context, said)) is not None]
+    for said, part in users[:1]:  # what a primitive requires stands in no line of the program
+        message += f"; else {said}"
+        hint = f"change the arguments of `{part.name}`, or the ranges that they come from"
+    follows = next((context.settled[r][1] for r in conflict.reasons if r in context.settled), None)
+    if own is not None and spans:
+        chain = ((own, "its range"), *chain)
+    elif follows is not None:
+        hint = f"equations determine {follows}: give it a value, correct them, or widen the range"
+    _report(context, conflict, spans[0] if spans else own, message, hint, chain)
+
+
+def _tell_of_requirement(context: Draft, conflict: Conflict, spans: list[Span], chain: _Notes) -> None:
+    """Report a requirement that nothing satisfies; ``spans`` is where it and those that contradict it are stated."""
+    span = spans[0] if spans else None
+    message = "this requirement can never hold: " + (
+        "others contradict it" if len(spans) > 1 else "no values in the ranges can satisfy it"
+    )
+    hint = _WIDEN
+    said = context.program.requirements[conflict.reasons[0]].message if len(conflict.reasons) == 1 else ""
+    if span is not None and said not in ("", span.words):
+        message = f"{said}, for every draw"
+    user = of_part(context, said)
+    if user is not None and user.span == span:
+        outer = _in_category(context, user)
+        hint = f"change the arguments of `{outer.name}`, its sizes, or the ranges that they come from"
+        if outer is user:
+            hint = hint_of_size(context, user, said) or hint
+        else:
+            span, chain = outer.span, (*chain, (user.span, "this part of it"))
+    _report(context, conflict, span, message, hint, chain)
+
+
+def _report(context: Draft, conflict: Conflict, span: Span | None, message: str, hint: str, notes: _Notes) -> None:
+    """An error where every object has the contradiction, else a warning; what a primitive requires of its parameters, which has no
+    place, is told where it is used."""
+    if span is None:
+        return
     if conflict.certain:
-        context.report.error("impossible", span, message, hint=hint, notes=tuple(chain))
+        context.report.error("impossible", span, message, hint=hint, notes=notes)
     else:
         message += _never_drawn(context, conflict.scope)
-        context.report.warning("impossible", span, message, hint=hint, notes=tuple(chain))
+        context.report.warning("impossible", span, message, hint=hint, notes=notes)
 
 
 def hint_of_size(context: Draft, part: Component, said: str) -> str | None:
