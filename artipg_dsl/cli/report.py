@@ -27,17 +27,39 @@ PICTURED, COLUMNS, TILE = 12, 6, 160  # objects on the picture of a page
 
 
 def run(options: argparse.Namespace) -> int:
-    from ..diagnostics.suggest import did_you_mean
     from ..export.strict import require_manifold
-    from ..export.write import require_place, write_bytes
     from ..quality.sizes import read_reference
     from ..quality.text import card_text, markdown_table
-    from ..run.sharing import LONG, share
-    from ..run.workers import map_each
 
     names = _read_names(options)
     known = read_reference(options.reference)
-    alone = options.html == STREAM  # the page is what is printed
+    _require_output(options)
+    if options.meshes:
+        require_manifold()
+    silent = _is_silent(options)
+    cards, pictures = [], []
+    for card, picture in _made([_Task(options, name, known) for name in names], silent):
+        if options.reference is not None and card.category not in known:
+            _say_unknown(options.reference, card.category, known)
+        cards.append(card)
+        pictures.append(picture)
+        if not silent:
+            print(("\n" if len(cards) > 1 else "") + card_text(card), flush=True)
+    if options.json:
+        found = [card.plain() for card in cards]
+        print(json.dumps(found if options.all or len(found) > 1 else found[0], indent=1))
+    elif options.markdown:
+        print(markdown_table(cards), end="")
+    if options.html is not None:
+        _write_page(options, cards, pictures)
+    return 1 if options.strict and not all(card.met for card in cards) else 0
+
+
+def _require_output(options: argparse.Namespace) -> None:
+    """That what is to be written goes somewhere, and to one place each. Raises UsageError."""
+    from ..export.write import require_place
+
+    alone = options.html == STREAM
     if options.force and (options.html is None or alone):
         raise UsageError("--force replaces the page, and none is written", "add --html FILE, or leave out --force")
     if alone and (options.json or options.markdown):
@@ -47,14 +69,20 @@ def run(options: argparse.Namespace) -> int:
         )
     if options.html is not None and not alone:
         require_place(Path(options.html), options.force)
-    if options.meshes:
-        require_manifold()
-    tasks = [_Task(options, name, known) for name in names]
-    cards, pictures = [], []
-    silent = options.json or options.markdown or alone  # until the end: else cards tell how far it is
+
+
+def _is_silent(options: argparse.Namespace) -> bool:
+    """Whether one text is printed in the end, instead of card by card."""
+    return bool(options.json or options.markdown or options.html == STREAM)
+
+
+def _made(tasks: list[_Task], silent: bool) -> Iterator[tuple[Card, bytes]]:
+    """The cards and pictures of the tasks, in their order, by several processes where that pays."""
+    from ..run.sharing import LONG, share
+    from ..run.workers import map_each
 
     def others(rest: Sequence[_Task], many: int) -> Iterator[tuple[Card, bytes]]:
-        with Progress("reports") if silent else nullcontext() as progress:
+        with Progress("reports") if silent else nullcontext() as progress:  # else cards tell how far it is
             if progress:
                 progress(0, len(rest))
             for done, found in enumerate(map_each(_examined, rest, many, here=_examined), start=1):
@@ -62,31 +90,27 @@ def run(options: argparse.Namespace) -> int:
                     progress(done, len(rest))
                 yield found
 
-    for card, seen in share(
-        tasks, options.workers, lambda task: _examined(replace(task, watched=True)), others, pace=LONG
-    ):
-        if options.reference is not None and card.category not in known:
-            close = did_you_mean(card.category, known)
-            say(f"{options.reference} says nothing of {card.category}" + (f": {close}" if close else ""))
-        cards.append(card)
-        pictures.append(seen)
-        if not (options.json or options.markdown or alone):
-            print(("\n" if len(cards) > 1 else "") + card_text(card), flush=True)
-    if options.json:
-        found = [card.plain() for card in cards]
-        print(json.dumps(found if options.all or len(found) > 1 else found[0], indent=1))
-    elif options.markdown:
-        print(markdown_table(cards), end="")
-    if options.html is not None:
-        from ..quality.page import render_page
+    workers = tasks[0].options.workers
+    return share(tasks, workers, lambda task: _examined(replace(task, watched=True)), others, pace=LONG)
 
-        made = render_page(cards, pictures)
-        if alone:
-            print(made)
-        else:
-            write_bytes(options.html, made.encode("utf-8"), force=options.force)
-            say(f"wrote {options.html}")
-    return 1 if options.strict and not all(card.met for card in cards) else 0
+
+def _say_unknown(reference: str, category: str, known: dict[str, Real]) -> None:
+    from ..diagnostics.suggest import did_you_mean
+
+    close = did_you_mean(category, known)
+    say(f"{reference} says nothing of {category}" + (f": {close}" if close else ""))
+
+
+def _write_page(options: argparse.Namespace, cards: list[Card], pictures: list[bytes]) -> None:
+    from ..export.write import write_bytes
+    from ..quality.page import render_page
+
+    made = render_page(cards, pictures)
+    if options.html == STREAM:
+        print(made)
+    else:
+        write_bytes(options.html, made.encode("utf-8"), force=options.force)
+        say(f"wrote {options.html}")
 
 
 def _read_names(options: argparse.Namespace) -> list[str]:
