@@ -60,6 +60,19 @@ class Dynamics:
     armature: np.ndarray
 
 
+@dataclass(frozen=True, slots=True)
+class _Loads:
+    """Per joint (J,): the mass that it carries and its weight, what of it the joint moves (kg m2 of what turns, kg of what slides), and
+    how gravity draws the value at rest (``pull``), at most anywhere in the range (``most``), and at most with the spring (``left``)."""
+
+    mass: np.ndarray
+    weight: np.ndarray
+    moved: np.ndarray
+    pull: np.ndarray
+    most: np.ndarray
+    left: np.ndarray
+
+
 def complete_dynamics(
     joints: JointTable,
     rest: np.ndarray,
@@ -75,6 +88,19 @@ def complete_dynamics(
     object's frame with the joints at 0, and the pose, rotation (L, 3, 3) and translation (L, 3), at rest. ``together``: who
     leads each joint (J,) and how fast it follows (J,). ``thrust`` (J,): torque or force of the floor along each value at rest.
     """
+    loads = _weigh(joints, rest, first, mass, pose)
+    rolling = loads.weight * np.where(joints.that("slides"), SLIDING, PIN)
+    friction = _given(joints.friction, np.maximum(rolling, _held(joints, rest, loads, thrust)))
+    effort, armature = _driven(joints, rest, loads, friction, together)
+    settled = 2.0 * np.sqrt(np.nan_to_num(joints.stiffness) * (loads.moved + armature))
+    damping = _given(joints.damping, np.maximum(loads.moved / _by_kind(joints, FADE), settled))
+    return Dynamics(friction, damping, effort, _given(joints.velocity, _by_kind(joints, VELOCITY)), armature)
+
+
+def _weigh(
+    joints: JointTable, rest: np.ndarray, first: np.ndarray, mass: Mass, pose: tuple[np.ndarray, np.ndarray]
+) -> _Loads:
+    """What each joint carries, and how gravity pulls at it."""
     turn, shift = pose
     parent, child = first + joints.parent, first + joints.child
     place = rotate(turn[parent], joints.origin) + shift[parent]
@@ -85,49 +111,48 @@ def complete_dynamics(
     slides, ball = joints.that("slides"), joints.that("tilts")
     reach = cross(axis, arm)  # how the centre moves as a hinge turns
     about = dot(axis, dot(inertia[child], axis[:, None])) + m * dot(reach, reach)
-    moved = np.where(slides, m, about)
     weight, pitch = m * GRAVITY, np.nan_to_num(joints.pitch) / (2 * np.pi)
-    pull = -weight * np.where(
-        slides, axis[:, 2], reach[:, 2] + pitch * axis[:, 2]
-    )  # of gravity at rest, along the value
+    pull = -weight * np.where(slides, axis[:, 2], reach[:, 2] + pitch * axis[:, 2])
     lift = weight * pitch * axis[:, 2]  # what a screw asks for on any turn
-    swing = _most(-weight * reach[:, 2], -weight * cross(axis, reach)[:, 2], joints.low - rest, joints.high - rest)
-    load = np.where(slides, np.abs(pull), np.where(ball, weight * np.sqrt(dot(arm, arm)), swing + np.abs(lift)))
-    pulled = np.abs(pull) > _BALANCED * np.maximum(load, 1e-9)
-    stiffness = np.nan_to_num(joints.stiffness)
-    left = np.where(
-        slides | ball, load, _left(-weight * reach[:, 2], -weight * cross(axis, reach)[:, 2], joints, rest, stiffness)
-    )
-    span = np.nan_to_num(joints.high - joints.low)
-    near = 1e-6 + 1e-3 * span
+    cosine, sine = -weight * reach[:, 2], -weight * cross(axis, reach)[:, 2]
+    swing = _most(cosine, sine, joints.low - rest, joints.high - rest)
+    most = np.where(slides, np.abs(pull), np.where(ball, weight * np.sqrt(dot(arm, arm)), swing + np.abs(lift)))
+    left = np.where(slides | ball, most, _left(cosine, sine, joints, rest, np.nan_to_num(joints.stiffness)))
+    return _Loads(m, weight, np.where(slides, m, about), pull, most, left)
+
+
+def _held(joints: JointTable, rest: np.ndarray, loads: _Loads, thrust: np.ndarray) -> np.ndarray:
+    """(J,) what holds each joint at rest where gravity, or the floor on which it stands, would draw it off, and no limit is there."""
+    near = 1e-6 + 1e-3 * np.nan_to_num(joints.high - joints.low)
 
     def off(force: np.ndarray) -> np.ndarray:
-        """Where a force along the value draws the joint off its rest, against no limit."""
         return ~np.where(force > 0, rest >= joints.high - near, rest <= joints.low + near)
 
-    hangs, stands = np.where(ball, True, pulled & off(pull)), (thrust != 0.0) & off(pull + thrust)
-    held = np.maximum(
-        np.where(hangs, HOLD * np.minimum(load, left), 0.0), np.where(stands, HOLD * np.abs(pull + thrust), 0.0)
-    )
-    friction = _given(joints.friction, np.maximum(weight * np.where(slides, SLIDING, PIN), held))
-    velocity = _given(joints.velocity, _by_kind(joints, VELOCITY))
+    pulled = np.abs(loads.pull) > _BALANCED * np.maximum(loads.most, 1e-9)
+    hangs = np.where(joints.that("tilts"), True, pulled & off(loads.pull))
+    stands = (thrust != 0.0) & off(loads.pull + thrust)
+    hung = np.where(hangs, HOLD * np.minimum(loads.most, loads.left), 0.0)
+    return np.maximum(hung, np.where(stands, HOLD * np.abs(loads.pull + thrust), 0.0))
+
+
+def _driven(
+    joints: JointTable, rest: np.ndarray, loads: _Loads, friction: np.ndarray, together: tuple[np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The effort of each joint (J,), and the armature by which no effort or spring carries it over its range too fast."""
+    span, stiffness = np.nan_to_num(joints.high - joints.low), np.nan_to_num(joints.stiffness)
     way = np.where(span > 0.0, span, 2 * np.pi)  # what has no range turns round
-    rubs, taken, moves = (
-        _of_all(v, *together, power) for v, power in ((friction, 1), (friction + load, 1), (moved, 2))
-    )
+    rubs = _of_all(friction, *together, 1)
+    moves = _of_all(loads.moved, *together, 2)
     spring = _of_all(stiffness, *together, 2)
     drawn = spring * np.nan_to_num(np.maximum(rest - joints.low, joints.high - rest))
-    taken = taken + drawn
-    edge = np.where(slides, 1.0, np.sqrt(3.0 * moved / np.maximum(m, 1e-12)))  # a lever, where it turns
-    push = np.minimum(HAND * edge, (moves + FINGER * edge**2) * 2.0 * way / QUICK**2)
+    taken = _of_all(friction + loads.most, *together, 1) + drawn
+    lever = np.where(joints.that("slides"), 1.0, np.sqrt(3.0 * loads.moved / np.maximum(loads.mass, 1e-12)))
+    push = np.minimum(HAND * lever, (moves + FINGER * lever**2) * 2.0 * way / QUICK**2)
     effort = _given(joints.effort, taken + np.maximum(0.5 * taken, push))
     least = np.where(np.isnan(joints.effort) & (spring == 0.0), QUICK, SWIFT)
-    driven = (effort - rubs - drawn / 2.0) * least**2 / (2.0 * way)  # a spring takes half of its most on the way
+    motor = (effort - rubs - drawn / 2.0) * least**2 / (2.0 * way)  # a spring takes half of its most on the way
     returned = stiffness * (SWIFT * 2.0 / np.pi) ** 2  # in a quarter of a period
-    armature = np.maximum(np.maximum(driven, returned) - moves, 0.0)
-    settled = 2.0 * np.sqrt(stiffness * (moves + armature))
-    damping = _given(joints.damping, np.maximum(moved / _by_kind(joints, FADE), settled))
-    return Dynamics(friction, damping, effort, velocity, armature)
+    return effort, np.maximum(np.maximum(motor, returned) - moves, 0.0)
 
 
 def _most(cosine: np.ndarray, sine: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
