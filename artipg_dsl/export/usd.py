@@ -242,7 +242,7 @@ def _joint(robot: Robot, joint: RobotJoint, name: str, links: list[str], paths: 
         degree = "linear" if joint.traits.slides else "angular"
         lines.append(f'uniform token physics:axis = "{letter}"')
         lines += _drive(joint, degree, 1.0 if joint.traits.slides else _DEGREES)
-        schemas = [f"PhysicsDriveAPI:{degree}", "PhysxJointAPI", f"PhysxJointAxisAPI:{degree}"]
+        schemas = [f"PhysicsDriveAPI:{degree}", "PhysxJointAPI", f"PhysxJointAxisAPI:{degree}", "NewtonJointAPI"]
         if joint.traits.advances:
             lines.append(f"custom double artipg:screw:pitch = {joint.pitch:.17g}")
         if joint.positions:
@@ -278,6 +278,10 @@ def _drive(joint: RobotJoint, degree: str, unit: float) -> list[str]:
         f"float {physx}:dynamicFrictionEffort = {joint.friction:.9g}",
         f"float {physx}:maxJointVelocity = {velocity}",
         f"float {physx}:staticFrictionEffort = {joint.friction:.9g}",
+        # Newton reads these of its own alone; the damping is the drive's
+        f"float newton:armature = {armature}",
+        f"float newton:friction = {joint.friction:.9g}",
+        f"float newton:velocityLimit = {velocity}",
     ]
 
 
@@ -301,7 +305,8 @@ def _closure(closure: RobotClosure, name: str, links: list[str]) -> dict[str, An
 def _mimic(
     robot: Robot, joint: RobotJoint, name: str, letter: str, paths: dict[str, str], schemas: list[str]
 ) -> list[str]:
-    """What a joint follows: in our own words, and, of what has an axis, as PhysX has it (q + gearing * q of the leader + offset = 0)."""
+    """What a joint follows: in our own words, and, of what has an axis, as Newton has it (q = coef0 + coef1 * q of the leader) and as
+    PhysX has it (q + gearing * q of the leader + offset = 0)."""
     led = robot.leader(joint)
     if joint.mimic is None or led is None:
         return []
@@ -317,9 +322,17 @@ def _mimic(
         f"custom double artipg:mimic:multiplier = {multiplier:.17g}",
         f"custom double artipg:mimic:offset = {offset:.17g}",
     ]
-    if any(j.traits.tilts or not (j.traits.slides or _limits(j)) for j in (joint, led)):
-        return told  # PhysX couples slides, and hinges with limits
+    if joint.traits.tilts or led.traits.tilts:
+        return told
     own, other = (1.0 if j.traits.slides else _DEGREES for j in (joint, led))
+    schemas.append("NewtonMimicAPI")
+    told += [  # the factor is of radians and metres, where one turns and the other slides, too
+        f"float newton:mimicCoef0 = {offset * own:.9g}",
+        f"float newton:mimicCoef1 = {multiplier:.9g}",
+        f"rel newton:mimicJoint = {leader}",
+    ]
+    if not all(j.traits.slides or _limits(j) for j in (joint, led)):
+        return told  # PhysX couples slides, and hinges with limits
     schemas.append(f"PhysxMimicJointAPI:rot{letter}")  # slides, too: other instances are not read
     physx = f"physxMimicJoint:rot{letter}"
     return [

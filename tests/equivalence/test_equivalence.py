@@ -19,14 +19,14 @@ from artipg_dsl.robot.robots import Robots
 from artipg_dsl.robot.substitute import simple_joints
 from artipg_dsl.session import Session
 
-from . import engines, files
+from . import engines, files, others
 from .reading import Reading, model_bounds, model_poses, random_values
 
 ROOT = Path(__file__).parents[2]
 EVERY = int(os.environ.get("ARTIPG_EVERY", "0"))
 SHIPPED = sorted(path.stem for path in (ROOT / "categories").glob("*.apg"))
 FEW = ["bottle", "chair", "faucet", "foldingrack"]  # every kind of joint, followers and a loop
-FORMATS_READ = ("urdf", "mjcf", "usd", "glb", "obj", "partnet-mobility")
+FORMATS_READ = ("urdf", "mjcf", "sdf", "usd", "glb", "obj", "partnet-mobility")
 # reader: (package, format, function, metres within which frames agree, share within which masses do)
 READERS = {
     "mujoco-mjcf": ("mujoco", "mjcf", engines.mujoco_mjcf, 1e-6, 1e-6),
@@ -35,6 +35,11 @@ READERS = {
     "sapien-urdf": ("sapien", "urdf", engines.sapien_urdf, 1e-6, 1e-5),  # single precision
     "yourdfpy-urdf": ("yourdfpy", "urdf", files.yourdfpy_urdf, 1e-6, 1e-6),
     "usd-core": ("pxr", "usd", files.usd, 1e-6, 1e-5),  # single precision
+    "drake-sdf": ("pydrake", "sdf", others.drake_sdf, 1e-6, 1e-6),
+    "drake-urdf": ("pydrake", "urdf", others.drake_urdf, 1e-6, 1e-6),
+    "pinocchio-urdf": ("pinocchio", "urdf", others.pinocchio_urdf, 1e-6, 1e-6),
+    "newton-usd": ("newton", "usd", others.newton_usd, 2e-6, 1e-5),  # single precision
+    "newton-urdf": ("newton", "urdf", others.newton_urdf, 2e-6, 1e-5),
     "trimesh-glb": ("trimesh", "glb", files.glb, 1e-6, 1e-6),
     "trimesh-obj": ("trimesh", "obj", files.obj, 1e-6, 1e-6),
     "yourdfpy-partnet": ("yourdfpy", "partnet-mobility", files.partnet, 1e-6, 1e-6),
@@ -66,7 +71,7 @@ def written(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
 def test_read_back_it_is_the_same_object(written: list[Written], reader: str) -> None:
     package, form, read, near, share = READERS[reader]
     if find_spec(package) is None:
-        pytest.skip(f"{package} is not installed: pip install 'artipg_dsl[test,sim]'")
+        pytest.skip(f"{package} is not installed: pip install 'artipg_dsl[test,sim,readers]'")
     for one in written:
         robot = simple_joints(one.robot) if form == "urdf" else one.robot
         found = read(one.folder / form, robot)

@@ -158,6 +158,11 @@ def test_limits_are_degrees_and_drives_know_their_bounds(opened: Opened) -> None
         assert not prim.HasAttribute("physxJoint:jointFriction")  # a coefficient, not a force
         for word in ("staticFrictionEffort", "dynamicFrictionEffort"):
             assert prim.GetAttribute(f"{axis}:{word}").Get() == pytest.approx(joint.friction)
+        assert "NewtonJointAPI" in prim.GetPrimTypeInfo().GetAppliedAPISchemas()
+        newton = {"armature": joint.armature, "friction": joint.friction, "velocityLimit": joint.velocity * unit}
+        for word, value in newton.items():
+            assert prim.GetAttribute(f"newton:{word}").Get() == pytest.approx(value)
+        assert not prim.HasAttribute("newton:damping")  # the drive has it, and Newton reads that, too
 
 
 def test_mass_center_and_inertia(opened: Opened) -> None:
@@ -239,6 +244,10 @@ def test_a_follower_names_its_leader() -> None:
     follower = (multiplier * value + offset) * own
     gearing, shift = (prim.GetAttribute(f"{physx}:{word}").Get() for word in ("gearing", "offset"))
     assert follower + gearing * value * other + shift == pytest.approx(0, abs=1e-5)
+    assert "NewtonMimicAPI" in prim.GetPrimTypeInfo().GetAppliedAPISchemas()
+    assert prim.GetRelationship("newton:mimicJoint").GetTargets() == [opened.joints[leader].GetPath()]
+    assert prim.GetAttribute("newton:mimicCoef0").Get() == pytest.approx(offset * own)
+    assert prim.GetAttribute("newton:mimicCoef1").Get() == pytest.approx(multiplier)
 
 
 def test_physx_is_told_of_no_follower_of_what_has_no_limits(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -248,7 +257,7 @@ def test_physx_is_told_of_no_follower_of_what_has_no_limits(monkeypatch: pytest.
     joints = tuple(replace(j, kind="continuous", low=None, high=None) if j.name == leader else j for j in robot.joints)
     monkeypatch.setattr(robots, "robot", lambda _: replace(robot, joints=joints))
     text = usd_files(robots, 0)["object.usda"].decode()
-    assert "artipg:mimic:joint" in text and "PhysxMimicJointAPI" not in text
+    assert "artipg:mimic:joint" in text and "NewtonMimicAPI" in text and "PhysxMimicJointAPI" not in text
 
 
 def test_joints_of_other_kinds(monkeypatch: pytest.MonkeyPatch) -> None:
