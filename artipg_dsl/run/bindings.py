@@ -23,6 +23,7 @@ from . import manifest as manifests
 from .binding import Arrays, Binding, Fit, summarize
 from .fits import FACTS, FITS, SUMMARY, Folder, list_objects, read_record, refuse_other
 from .fitting import Record, to_text
+from .folders import refuse_others
 from .job import Job, ProgramChanged
 from .resume import REPEAT, reopen
 from .sharing import share
@@ -67,7 +68,7 @@ def bind_into(
 ) -> tuple[Record, list[Record]]:
     """Bind what the folder ``out`` does not have yet, and write it; what its summary says, and the records of all objects. ``fitted``: the
     summary of their fit. ``progress(done, total)`` hears of each that is finished. Raises UserError."""
-    _require_own(out)
+    refuse_others(out, "details", hint="details go into a folder of their own")
     for folder in (out, out / _RECORDS):
         sweep_unfinished(ensure_folder(folder))
     options = asked.plain(job.program.hash)
@@ -111,7 +112,7 @@ def save_bindings(
     out: Path, told: Record, bound: Sequence[tuple[Record, Arrays | None]], *, force: bool = False
 ) -> None:
     """Write the folder of details that are bound already; ``told``: what its summary says. Raises UserError."""
-    _require_own(out)
+    refuse_others(out, "details", hint="details go into a folder of their own")
     refuse_other(out / BOUND, told, force)
     for folder in (out, out / _RECORDS):
         sweep_unfinished(ensure_folder(folder))
@@ -191,13 +192,6 @@ def _fitted_objects(folder: Path, summary: Mapping[str, Any]) -> list[Mapping[st
     if not whole or found != summary.get("objects") or not isinstance(summary.get("category"), str):
         raise UserError(f"{folder / SUMMARY} is damaged", _AGAIN)
     return found
-
-
-def _require_own(out: Path) -> None:
-    """Raises UserError for a folder of fits or of samples."""
-    for name, what in ((SUMMARY, "fitted objects"), (manifests.NAME, "samples")):
-        if (out / name).exists():
-            raise UserError(f"{out} holds {what}", "details go into a folder of their own: name another")
 
 
 def _refuse_others(out: Path, work: Sequence[Fit]) -> None:

@@ -12,7 +12,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..details.dressing import SUMMARY as BOUND
 from ..errors import UserError
 from ..export.content import Content
 from ..export.registry import choose_formats
@@ -39,6 +38,7 @@ from .fitting import (
     summarize,
     to_text,
 )
+from .folders import FITTED, refuse_others
 from .job import Job
 from .output import Output
 from .resume import REPEAT, clear
@@ -46,7 +46,7 @@ from .sharing import LONG, share
 from .sources import seen_from, seen_here
 from .workers import map_each
 
-FITS, PICTURES, KEPT, VALUES, SUMMARY = "fits", "pictures", "kept", "values.jsonl", "fit.json"
+FITS, PICTURES, KEPT, VALUES, SUMMARY = "fits", "pictures", "kept", "values.jsonl", FITTED
 FACTS, CHOICES = "facts.json", "choices.json"  # what was known, and what was found, in the same form
 _TILE = 320
 
@@ -149,11 +149,8 @@ def save_fits(job: Job, out: Path, records: Sequence[Record], items: Mapping[str
 
 
 def _make_ready(folder: Folder) -> None:
-    """Raises UserError for a folder of other samples, or of details."""
-    if (folder.out / manifests.NAME).exists() and not (folder.out / SUMMARY).exists():
-        raise UserError(f"{folder.out} holds samples that were not fitted", "name another folder")
-    if (folder.out / BOUND).exists():
-        raise UserError(f"{folder.out} holds details", "fitted objects go into a folder of their own: name another")
+    """Raises UserError for a folder of something else."""
+    refuse_others(folder.out, "fitted objects", hint="fitted objects go into a folder of their own")
     for name in (FITS, PICTURES):
         sweep_unfinished(ensure_folder(folder.out / name))
 

@@ -29,6 +29,7 @@ from ..records import dataclass
 from ..sampling.statistics import Statistics
 from ..shapes import Rule, fit
 from .checksums import checksum, checksum_of, damage, keep_names, read_names
+from .folders import LAYOUT, refuse_others
 from .frame import read_frame
 from .job import Job, open_job
 from .manifest import make_relative
@@ -39,7 +40,7 @@ from .traces import keep_replays
 from .workers import map_each
 
 Progress = Callable[[int, int], None]
-_RECORDS, _LISTS, _BEGUN = ".layout", "lists", ".begun"
+_RECORDS, _LISTS, _BEGUN = LAYOUT, "lists", ".begun"
 _UNFINISHED = "was not finished, and loaders may read what is there: write it again"
 _AGAIN = "is not compared with the model while files are damaged: write it again with --force"
 _UNREADABLE = (OSError, ValueError, KeyError, EOFError, RuntimeError, BadZipFile)
@@ -59,14 +60,15 @@ def write_layout(
 ) -> Entry:
     """Write the objects of a job into the folder ``out``, beside other categories in the same layout.
 
-    ``shares``: how many of every few objects go into train, val and test; ``own``: words of the user's. What the folder has of
-    the category is refused, or replaced by ``force``. Objects are turned to lie as ``frame`` says,
+    ``shares``: how many of every few objects go into train, val and test; ``own``: words of the user's. A folder of something else
+    is refused; what it has of the category is, too, or replaced by ``force``. Objects are turned to lie as ``frame`` says,
     by default as in the layout's data set. Raises ExportError, UserError.
     """
     if frame or layout.frame:
         job = job.facing(read_frame(frame or layout.frame).of(job.program.name))
     out = Path(out)
     there = out.exists()
+    refuse_others(out, "a layout", hint="a layout is a folder of its own")
     require(layout)
     entry = layout.entry(job.program, job.request.seed, job.request.objects, shares, own)
     place = out / _RECORDS / f"{entry.category}.json"

@@ -16,6 +16,7 @@ from ..export.remote import Place, Remote, place_of
 from ..export.write import ExportError, ensure_folder, explain, sweep_unfinished, write_bytes
 from ..version import __version__
 from . import manifest as manifests
+from .folders import refuse_others
 from .job import Job, ProgramChanged, open_job
 from .manifest import Manifest
 from .request import Request, is_file
@@ -73,6 +74,7 @@ def make_ready(out: Place, manifest: Manifest, force: bool) -> Manifest:
 
     Returns the manifest that holds: the old one where its files are kept.
     """
+    refuse_others(out, "samples", "fitted objects", hint="samples go into a folder of their own")
     old = _read_or_replace(out, force)
     if old is not None:
         changed = manifests.describe_difference(old, manifests.expect_added(old, manifest))

@@ -45,6 +45,20 @@ def test_what_loaders_stumble_over_is_told(apgc: Apgc, tmp_path: Path) -> None:
     assert "with `.` in it: rename all.v2" in laying.find_cautions(Path("../all.v2/x"), LAYOUTS["ancsh"])[0]
 
 
+def test_folders_of_something_else_are_left_alone(apgc: Apgc, tmp_path: Path) -> None:
+    samples, parts = tmp_path / "samples", tmp_path / "parts"
+    assert apgc("sample", "Laptop", "-n", 1, "--format", "annotation", "-o", samples)[0] == 0
+    lay = ("export", "Laptop", "-n", 1, "--format", "shapenetpart", "-o")
+    assert apgc(*lay, parts)[0] == 0
+    before = tree(tmp_path)
+    for force in ((), ("--force",)):
+        code, _, said = apgc(*lay, samples, *force)
+        assert code == 1 and f"{samples} holds samples" in said and "a layout is a folder of its own" in said
+        code, _, said = apgc("sample", "Laptop", "-n", 1, "-o", parts, *force)
+        assert code == 1 and f"{parts} holds a layout" in said and "samples go into a folder of their own" in said
+    assert tree(tmp_path) == before
+
+
 @pytest.mark.parametrize(
     ("files", "taken", "told"),
     [
