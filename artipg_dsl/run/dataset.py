@@ -137,6 +137,14 @@ def _carry_out(job: Job, pieces: list[Chunk], progress: ReportProgress | None, w
     """Write all pieces, here, by other processes, or on a cluster."""
     each = any(piece.each for piece in pieces)
     total, done = sum(len(piece.numbers) for piece in pieces if piece.each or not each), 0
+    heard = 0
+
+    def tell(finished: int) -> None:
+        nonlocal heard
+        heard = max(heard, finished)  # other processes are ahead of the pieces whose turn it is
+        if progress:
+            progress(heard, total)
+
     room = Room(share_of(workers.memory, 1), _taken(job, pieces))
 
     def is_counted(piece: Chunk) -> bool:
@@ -150,7 +158,9 @@ def _carry_out(job: Job, pieces: list[Chunk], progress: ReportProgress | None, w
         from .workers import write_shared  # start-up: one process needs no others
 
         room.memory = share_of(workers.memory, many)
-        return write_shared(job, many, rest, room)
+        from .tally import Tally  # start-up: it counts across processes
+
+        return write_shared(job, many, rest, room, Tally(done, tell), each)
 
     made: Iterable[Chunk]
     if workers.cluster:
@@ -163,8 +173,7 @@ def _carry_out(job: Job, pieces: list[Chunk], progress: ReportProgress | None, w
         made = share(pieces, workers.count, write, others, most=most_processes(workers.memory), pace=pace)
     for piece in made:
         done += len(piece.numbers) if is_counted(piece) else 0
-        if progress:
-            progress(done, total)
+        tell(done)
     if workers.cluster and pieces:
         sweep_all(pieces[0].out)  # others have written what a worker was at when it died
     room.keep()

@@ -13,7 +13,7 @@ import signal
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from itertools import islice
@@ -25,19 +25,31 @@ from ..pages import hold_pages
 from .chunk import Chunk
 from .job import Job
 from .memory import Room
+from .tally import Tally
 
 _AHEAD = 8  # calls for each process that wait, so that none is idle
 T = TypeVar("T")
 R = TypeVar("R")
-_given: tuple[Job, Room] | None = None  # what this worker works for, and the memory that it may take
+_SECONDS = 0.5  # between two looks at what others have finished
+_given: tuple[Job, Room, bool] | None = (
+    None  # what this worker works for, the memory that it may take, which chunks count
+)
+_tally: Tally | None = None  # where this worker counts
 
 
-def write_shared(job: Job, count: int, chunks: Sequence[Chunk], room: Room) -> Iterator[Chunk]:
+def write_shared(
+    job: Job, count: int, chunks: Sequence[Chunk], room: Room, tally: Tally, each: bool
+) -> Iterator[Chunk]:
     """Write the chunks with ``count`` processes, this one among them, which have ``room`` each, and give each back, in their order.
+    ``tally`` counts the objects of all, or of those with files of their own (``each``).
 
     Raises what the first chunk that fails raises, and UserError where a process dies.
     """
-    made = map_each(_write, chunks, count, _take, job.fresh(), room, here=lambda chunk: chunk.write(job, room))
+
+    def here(chunk: Chunk) -> None:
+        _count(chunk, job, room, tally if chunk.each or not each else None)
+
+    made = map_each(_write, chunks, count, _take, job.fresh(), room, each, here=here, tally=tally)
     for chunk, _ in zip(chunks, made, strict=True):
         yield chunk
 
@@ -49,9 +61,10 @@ def map_each(
     begin: Callable[..., None] | None = None,
     *given: Any,
     here: Callable[[T], R],
+    tally: Tally | None = None,
 ) -> Iterator[R]:
     """``function`` of each item, in their order, called in ``count`` processes, all but this one of which called ``begin(*given)`` first.
-    This one does by ``here`` what no other has begun, as long as it would wait else.
+    This one does by ``here`` what no other has begun, as long as it would wait else. ``tally``: where all of them count.
 
     Raises what the first call that fails raises, and UserError where a process dies.
     """
@@ -60,14 +73,14 @@ def map_each(
         # spawned, not forked: libraries that run threads do not outlive a fork, and it is the same on all systems
         with _undisturbed():
             pool = ProcessPoolExecutor(
-                count - 1, mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(task,)
+                count - 1, mp_context=mp.get_context("spawn"), initializer=_begin, initargs=(task, tally)
             )
         done = False
         try:
             queue = _Queue(pool, count - 1, function, items)
             with _undisturbed():  # all processes are started with the first call
                 queue.give()
-            yield from queue.results(here)
+            yield from queue.results(here, tally)
             done = True
         except BrokenProcessPool:
             raise UserError(
@@ -101,10 +114,12 @@ class _Queue(Generic[T, R]):
             self.ready.extend(islice(self.left, self.ahead - len(self.ready) - len(self.calls)))
             self._submit()
 
-    def results(self, here: Callable[[T], R]) -> Iterator[R]:
+    def results(self, here: Callable[[T], R], tally: Tally | None) -> Iterator[R]:
         """What the calls return, in their order."""
         while self.calls or self.ready:
             if self.calls and self.calls[0].done() or not self._do(here):
+                while tally is not None and not wait(list(self.calls)[:1], _SECONDS).done:
+                    tally.tell()
                 yield self.calls.popleft().result()
             self.give()
 
@@ -174,7 +189,9 @@ def _undisturbed() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def _begin(task: str) -> None:
+def _begin(task: str, tally: Tally | None = None) -> None:
+    global _tally
+    _tally = tally
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all of them: who started the run decides
     parent = mp.parent_process()
     assert parent is not None
@@ -198,11 +215,20 @@ def _begin(task: str) -> None:
         begin(*given)
 
 
-def _take(job: Job, room: Room) -> None:
+def _take(job: Job, room: Room, each: bool) -> None:
     global _given
-    _given = job, room
+    _given = job, room, each
 
 
 def _write(chunk: Chunk) -> None:
     assert _given is not None
-    chunk.write(*_given)
+    job, room, each = _given
+    _count(chunk, job, room, _tally if chunk.each or not each else None)
+
+
+def _count(chunk: Chunk, job: Job, room: Room, tally: Tally | None) -> None:
+    """Write a chunk, and count its objects."""
+    if tally is None:
+        chunk.write(job, room)
+    else:
+        tally.count(len(chunk.numbers), lambda report: chunk.write(job, room, report))

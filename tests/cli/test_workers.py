@@ -17,9 +17,14 @@ import pytest
 
 from artipg_dsl.errors import NoObject, SettingError, UserError
 from artipg_dsl.export import content, objects
+from artipg_dsl.export.registry import choose_formats
 from artipg_dsl.export.write import ExportError
 from artipg_dsl.run import memory, sharing, workers
-from artipg_dsl.run.job import Job
+from artipg_dsl.run.dataset import write_dataset
+from artipg_dsl.run.job import Job, open_job
+from artipg_dsl.run.output import Output
+from artipg_dsl.run.request import read_request
+from artipg_dsl.run.sharing import Workers
 from artipg_dsl.run.workers import map_each
 
 from .helpers import CHEST, Apgc, command, environment, spawn, tree
@@ -75,9 +80,9 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """On two processors: how many chunks were shared, each time that some were."""
     found: list[int] = []
 
-    def write_shared(job, many, chunks, room):
+    def write_shared(job, many, chunks, *more):
         found.append(len(chunks))
-        return shared(job, many, chunks, room)
+        return shared(job, many, chunks, *more)
 
     shared = workers.write_shared
     monkeypatch.setattr(workers, "write_shared", write_shared)
@@ -212,6 +217,16 @@ def test_the_process_that_shares_work_does_its_part() -> None:
     assert list(map_each(len, words, 2, here=length)) == list(range(300))
     assert here[0] == words[1] and words[0] not in here, "the other one has been given the first"
     assert len(set(here)) == len(here)
+
+
+def test_progress_goes_by_the_objects_of_all_processes(tmp_path: Path) -> None:
+    """Many more steps are told than there are pieces, and none goes back."""
+    heard: list[int] = []
+    output = Output.of(choose_formats("obj"), content.Content())
+    job = open_job(read_request(CHEST, n=96))
+    write_dataset(job, tmp_path / "o", output, progress=lambda done, _: heard.append(done), workers=Workers(2))
+    assert heard[-1] == 96 and heard == sorted(heard)
+    assert len(set(heard)) > 20, "three pieces of 32"
 
 
 def test_what_fails_here_is_raised_in_its_turn() -> None:
