@@ -5,6 +5,8 @@ A knob goes with its door, be it a link of its own or not.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..records import dataclass
@@ -16,18 +18,24 @@ _APART = 0.05  # diagonals between two axes that are alike
 @dataclass(frozen=True, slots=True, eq=False)
 class Bodies:
     """``of`` (N,): the body that each name of a cloud's labels is of; ``twist`` (B, 6): how each moves, see ``twists``; 0 for what does
-    not."""
+    not; ``joints`` (B,): the name of what moves it, "" where nothing does."""
 
     of: np.ndarray
     twist: np.ndarray
+    joints: tuple[str, ...]
 
     def scaled(self, unit: float) -> Bodies:
         """The same in a frame whose unit is a share of theirs."""
-        return Bodies(self.of, self.twist * np.repeat([1.0, unit], 3))
+        return replace(self, twist=self.twist * np.repeat([1.0, unit], 3))
 
     def turned(self, matrix: np.ndarray) -> Bodies:
         """The same in a frame that is turned by ``matrix`` (3, 3)."""
-        return Bodies(self.of, (self.twist.reshape(-1, 2, 3) @ matrix.T).reshape(-1, 6))
+        return replace(self, twist=(self.twist.reshape(-1, 2, 3) @ matrix.T).reshape(-1, 6))
+
+    def placed(self, scale: float, shift: np.ndarray) -> Bodies:
+        """The same in the frame of an object that is ``scale`` times as large in theirs, and shifted by ``shift`` (3,)."""
+        turns, slides = self.twist[:, :3], self.twist[:, 3:]
+        return replace(self, twist=np.concatenate([turns, (slides - np.cross(shift, turns)) / scale], axis=1))
 
 
 def twists(moves: np.ndarray, axis: np.ndarray, origin: np.ndarray) -> np.ndarray:

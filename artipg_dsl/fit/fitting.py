@@ -17,6 +17,7 @@ from ..sampling.repair import repair
 from .choices import choices_of
 from .compare import Candidates, Targets
 from .decide import decide, inclined
+from .joint_map import Real, map_joints
 from .measure import FAR, agreement, distances, roughly, surfaces, verdict
 from .model import Model
 from .pose import UNITS, Posed, targets, turn
@@ -236,6 +237,10 @@ def _finished(one: _Searched, at: np.ndarray, checked: bool, effort: Effort) -> 
             told["joints"] = {
                 batch.joints().name[j]: round(float(states[j]), 6) for j in own if states[j] != 0.0 or at_rest[j] != 0.0
             }
+        if posed.bodies is not None:
+            bodies = posed.bodies.turned(turn(up, front)).placed(scale, shift)
+            body = np.append(bodies.of, -1)[posed.label]
+            told["joint_map"] = map_joints(batch, states, row, Real((points - shift) / scale, normals, body, bodies))
         told["choices"] = choices_of(batch, row, model.discrete)
         agreed = agreement(points, normals, one.said[number], whole[row], asked.meant, semantic)
         told |= {"iou": agreed} if agreed else {}

@@ -20,17 +20,19 @@ _MOVES = {"revolute": "turns", "continuous": "turns", "prismatic": "slides"}  # 
 @dataclass(frozen=True, slots=True, eq=False)
 class Robot:
     """The visible ``meshes`` of a URDF with its joints at 0, each by the name of its link. ``body``: of the links that move on the way from the
-    root to the one of a name the first, or nothing, and ``twist`` (6,) how that moves, by name."""
+    root to the one of a name the first, or nothing, ``twist`` (6,) how that moves, by name, and ``joint`` the name of what moves it."""
 
     meshes: list[tuple[str, Any]]
     body: dict[str, str]
     twist: dict[str, np.ndarray]
+    joint: dict[str, str]
 
     def bodies(self, names: tuple[str, ...]) -> Bodies | None:
         """What links of some names belong to; None if none of them moves."""
         every = list(dict.fromkeys(self.body[name] for name in names))
         twist = np.array([self.twist[body] for body in every]).reshape(-1, 6)
-        return Bodies(np.array([every.index(self.body[name]) for name in names]), twist) if twist.any() else None
+        of = np.array([every.index(self.body[name]) for name in names])
+        return Bodies(of, twist, tuple(self.joint[body] for body in every)) if twist.any() else None
 
 
 def read_robot(path: Path) -> Robot:
@@ -43,14 +45,14 @@ def read_robot(path: Path) -> Robot:
         child = joint.find("child")
         if child is not None:
             above[child.get("link", "")] = joint
-    found = Robot([], {}, {})
+    found = Robot([], {}, {}, {})
     for link in root.iter("link"):
-        name, matrix, body, twist = link.get("name", ""), np.eye(4), "", np.zeros(6)
+        name, matrix, body, twist, mover = link.get("name", ""), np.eye(4), "", np.zeros(6), ""
         for below, joint in _chain(name, above):
             matrix = matrix @ _origin(joint)
             if not body and joint.get("type", "fixed") != "fixed":
-                body, twist = below, _twist(joint, matrix)
-        found.body[name], found.twist[body] = body, twist
+                body, twist, mover = below, _twist(joint, matrix), joint.get("name", "")
+        found.body[name], found.twist[body], found.joint[body] = body, twist, mover
         for visual in link.iter("visual"):
             for mesh in _shapes(visual, path, trimesh):
                 mesh.apply_transform(matrix @ _origin(visual))

@@ -15,6 +15,7 @@ from artipg_dsl.fit.compare import Candidates
 from artipg_dsl.fit.decide import decide
 from artipg_dsl.fit.evidence import Clouds, weigh
 from artipg_dsl.fit.fitting import usual_size
+from artipg_dsl.fit.joint_map import Real, map_joints
 from artipg_dsl.fit.links import Held, Moving, Points
 from artipg_dsl.fit.model import Changes, Model, Placed
 from artipg_dsl.fit.pose import Frame, Posed, pose, targets, turn
@@ -89,6 +90,30 @@ def test_the_bodies_of_a_robot(tmp_path: Path) -> None:
     assert np.allclose(turned[1], [0, 0, 1, -0.002, -0.0025, 0]) and np.allclose(turned[2], [0, 0, 0, 0, -0.01, 0])
     (tmp_path / "rigid.urdf").write_text(re.sub('type="[a-z]+"', 'type="fixed"', ROBOT))
     assert read_cloud(tmp_path / "rigid.urdf").bodies is None
+
+
+def test_joints_are_mapped(model: Model, chests: tuple[Batch, list[Posed]]) -> None:
+    """Those of a file in centimetres, of a chest that is half as large again, whose joints move the other way."""
+    batch, states = chests[0], np.array([0.1, 0.0, 0.0])
+    ours = ["pull", "turn", "swing"]
+    for row, (posed, joint) in enumerate(zip(chests[1], ours, strict=True)):
+        assert posed.bodies is not None
+        larger = replace(posed.bodies.scaled(1.5), twist=-posed.bodies.scaled(1.5).twist)
+        shift = np.array([0.2, -0.3, 0.4])
+        lifted = np.concatenate(
+            [larger.twist[:, :3], larger.twist[:, 3:] + np.cross(shift, larger.twist[:, :3])], axis=1
+        )
+        bodies = replace(larger, twist=lifted * [1, 1, 1, 0.01, 0.01, 0.01]).scaled(100.0).placed(1.5, shift)
+        body = bodies.of[posed.label]
+        found = map_joints(batch, np.zeros(3), row, Real(posed.points, posed.normals, body, bodies))
+        assert found == {joint: {"joint": joint, "at": 0.0, "by": -1.0}}
+        rigid = Real(posed.points, posed.normals, np.where(body < 0, body, 0), bodies)
+        assert map_joints(batch, np.zeros(3), row, rigid) == {joint: None}  # of what cannot be seen nothing is known
+    pulled = replace(chests[1][0].bodies, twist=0.01 * chests[1][0].bodies.twist)
+    posed = chests[1][0]
+    points = posed.points + np.where((posed.label == 1)[:, None], [0.1, 0.0, 0.0], 0.0)
+    found = map_joints(batch, states, 0, Real(points, posed.normals, pulled.of[posed.label], pulled))
+    assert found == {"pull": {"joint": "pull", "at": 0.1, "by": 0.01}}
 
 
 def test_which_motions_are_alike() -> None:
