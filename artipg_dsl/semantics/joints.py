@@ -103,6 +103,8 @@ def _taken(ck: Checker, kind: str, clause: Given) -> Given:
         hint = "a joint with limits is `revolute`"
     elif clause.word == "about" and row.slides:
         hint = f"a {kind} joint slides `along` a direction"
+    elif clause.word == "about" and row.tilts:
+        hint = "it tilts about a point: write `at` and the point, or name a port: `rod.top -> cap.bottom`"
     elif clause.word == "along" and row.turns:
         hint = "it turns `about` an edge or a line"
     else:
@@ -128,7 +130,7 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
         axis_value(ck, axis.word, axis.value, ck.infer(ctx, axis.value))
     if (mimic := _taken(ck, kind, node.mimic)) is not None:
         check_mimic(ck, ctx, mimic.value, wanted)
-        if node.rest is not None:
+        if node.rest is not None and not _of_previous(mimic.value):  # whose first element leads
             message = "a joint that follows another takes no `rest`"
             ck.error("unknown-clause", node.rest.span, message, hint="it rests where its leader, at rest, puts it")
     if (when := _taken(ck, kind, node.when)) is not None:
@@ -147,6 +149,11 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
             given = ck.infer(ctx, number.value)
             if row is not None and given != UNKNOWN:
                 _physics(ck, number, given, kind, _UNITS[number.word][slides])
+
+
+def _of_previous(mimic: ast.Expr) -> bool:
+    """Whether a joint of a repeat follows that of the element before."""
+    return any(isinstance(node, ast.NameExpr) and node.name == "previous" for node in walk(mimic))
 
 
 def _range(ck: Checker, ctx: Context, interval: ast.RangeExpr, wanted: Type, row: Kind | None) -> None:

@@ -6,14 +6,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..diagnostics import Report
-from ..diagnostics.suggest import any_of, did_you_mean, suggest
+from ..diagnostics.suggest import any_of, did_you_mean
 from ..language import reserved_name
 from ..resources import library_dir
 from ..source import Source, Span
 from ..syntax import ast
 from ..syntax.load import load
 from ..syntax.trees import KeptTree, tree_of
-from .offers import declared_in, kin, of_one_kind
+from .offers import declared_in, kin, nearest
 from .symbols import KINDS, ModuleScope, Symbol
 
 _NAMED = 12  # names that a hint lists
@@ -138,8 +138,7 @@ class Workspace:
         for name, span in zip(use.names, use.name_spans, strict=True):
             symbol = offered.get(name)
             if symbol is None:
-                near = suggest(name, offered)
-                meant = kin(name, offered) or ([near] if near is not None else of_one_kind(name, offered))
+                meant = kin(name, offered) or nearest(name, offered)
                 scope.lost.update((name, *meant))
                 self.report.error(
                     "unknown-import",

@@ -55,6 +55,15 @@ def of_one_kind(name: str, known: Collection[str]) -> list[str]:
     return [word for word in known if others and last in word.split("_")][:_NEAR]
 
 
+def nearest(name: str, known: Collection[str]) -> list[str]:
+    """The name that resembles ``name`` most; before it those of the same kind, if this has a name of its own: `rubber` for `black_rubber`,
+    and `black_tube` after that. Else those of its kind."""
+    near, alike = suggest(name, known), of_one_kind(name, known)
+    if near is None or near in alike:
+        return alike if near is None else [near]
+    return [*(alike if name.lower().split("_")[-1] in alike else []), near]
+
+
 def module_of(name: str, *kinds: str) -> str | None:
     """The module of the library that declares a name as one of some kinds."""
     return _modules(kinds).get(name)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import artipg_dsl as apg
 from artipg_dsl.graph.reading import from_text
 from artipg_dsl.graph.writing import to_text
 from artipg_dsl.runtime.rooted import Ring
@@ -182,3 +183,21 @@ def test_joints_that_lead_by_turns_are_read_back() -> None:
     body += joint.format(1, "") + joint.format(0, " mimic j1") + "  }\n"
     text = to_text(sampled(category(body), 2).program)
     assert to_text(from_text(text)) == text
+
+
+def test_the_first_of_a_ring_rests_as_it_says() -> None:
+    """The others follow it, whatever they would rest at by themselves."""
+    text = """apg 1
+use primitives { Cuboid, Cylinder }
+category Stand {
+  root part hub : Cylinder(radius = 3cm, height = 6cm)
+  repeat leg[k] ring 3 about line(at = hub.center, along = z) {
+    part bar : Cuboid(size = [1cm, 1cm, 20cm])
+    align bar.back = 32mm
+    align bar.top = 3cm
+    joint fold : revolute hub -> bar about line(at = bar.top.center, along = y) range -70deg .. 0deg rest -55deg mimic previous.fold
+  }
+}
+"""
+    joints = apg.load(text, n=1).object(0).annotation["joints"]
+    assert [round(np.degrees(joint["rest"]), 6) for joint in joints] == [-55.0] * 3

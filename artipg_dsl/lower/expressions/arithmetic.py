@@ -96,6 +96,14 @@ def _flat(value: Frame | Plane) -> bool:
 
 
 def _tilted(ev: Evaluator, span: Span) -> Exception:
+    if any(sole_axis(row) is None for env in ev.env.chain() for row in env.frame.rotation):
+        return ev.env.context.error(
+            "plane-across-axes",
+            span,
+            "elements of the ring are turned against this face, so its plane is not a coordinate in theirs",
+            hint="write a length in the frame of an element, such as `align rod.top = hub.size.z / 2`, or equate points "
+            "with a part that the ring repeats",
+        )
     return ev.env.context.error(
         "plane-across-axes",
         span,

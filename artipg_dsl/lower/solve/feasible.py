@@ -173,6 +173,7 @@ def _tell_of_requirement(context: Draft, conflict: Conflict, spans: list[Span], 
         if outer is user:
             hint = hint_of_size(context, user, said) or hint
         else:
+            hint = _hint_of_open(outer) or hint
             span, chain = outer.span, (*chain, (user.span, "this part of it"))
     _report(context, conflict, span, message, hint, chain)
 
@@ -201,6 +202,14 @@ def hint_of_size(context: Draft, part: Component, said: str) -> str | None:
     one, other = {"x": ("front", "back"), "y": ("left", "right"), "z": ("top", "bottom")}[axis]
     so = f"`{part.name}` is centred along {axis}, and its size follows from the one face that is placed"
     return f"{so}: place its {one} and its {other}"
+
+
+def _hint_of_open(part: Component) -> str | None:
+    """What to try where equations determine parameters of a part that it is not given."""
+    names = [u.name for u in part.env.unknowns if u.part is part and u.kind == "size"]
+    if not names:
+        return None
+    return f"equations determine {' and '.join(names)}: give a value, or correct them"
 
 
 def of_part(context: Draft, said: str) -> Component | None:
