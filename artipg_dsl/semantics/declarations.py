@@ -270,6 +270,14 @@ def check_default(
     return fits(ck.expect(place, default, kind, what, beside), kind)
 
 
+def _how_to_order(low: ast.Expr, high: ast.Expr) -> str:
+    """What to write for a low end above the high one: mostly it is the unit of one that is wrong, where units differ."""
+    if isinstance(low, ast.NumberExpr) and isinstance(high, ast.NumberExpr) and low.value < high.value:
+        meant = [f"`{low.value:g}{unit} .. {high.value:g}{unit}`" for unit in (low.unit, high.unit)]
+        return f"is one of the units wrong? Write {' or '.join(meant)}; else swap the ends"
+    return "swap the ends"
+
+
 def check_range(
     ck: Checker, ctx: Context, interval: ast.RangeExpr, kind: Type, what: str, lone: str | None = None
 ) -> None:
@@ -289,7 +297,7 @@ def check_range(
                     "empty-range",
                     interval.span,
                     "the range is empty: its low end lies above its high end",
-                    hint="swap the ends"
+                    hint=_how_to_order(interval.low, interval.high)
                     if len(lows) == 1
                     else "swap the components of the two ends where the low one is larger",
                 )

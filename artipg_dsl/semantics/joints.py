@@ -123,13 +123,13 @@ def _motion(ck: Checker, ctx: Context, node: ast.JointDecl, kind: str) -> None:
     if (interval := _taken(ck, kind, node.range)) is not None:
         _range(ck, ctx, interval.value, wanted, row)
     if (rest := _taken(ck, kind, node.rest)) is not None:
-        ck.expect(ctx, rest.value, wanted, "the rest of the joint")
-        if interval is not None:
+        fitting = fits(ck.expect(ctx, rest.value, wanted, "the rest of the joint"), wanted)
+        if interval is not None and fitting:
             _rest(ck, ctx, rest.value, interval.value)
     for axis in ast.present(_taken(ck, kind, node.about), _taken(ck, kind, node.along)):
         axis_value(ck, axis.word, axis.value, ck.infer(ctx, axis.value))
     if (mimic := _taken(ck, kind, node.mimic)) is not None:
-        check_mimic(ck, ctx, mimic.value, wanted)
+        check_mimic(ck, ctx, node.name, mimic.value, wanted)
         if node.rest is not None and not _of_previous(mimic.value):  # whose first element leads
             message = "a joint that follows another takes no `rest`"
             ck.error("unknown-clause", node.rest.span, message, hint="it rests where its leader, at rest, puts it")
@@ -180,6 +180,8 @@ def _rest(ck: Checker, ctx: Context, rest: ast.Expr, interval: ast.RangeExpr) ->
     """A joint rests in its range, as far as both are known."""
     ends = (interval.low, rest, interval.high)
     low, value, high = (next(iter(components(end, ctx.module)), None) for end in ends)
+    if low is not None and high is not None and low > high:
+        return  # which is told already
     if value is not None and (low is not None and value < low or high is not None and value > high):
         ck.error(
             "illegal-value",

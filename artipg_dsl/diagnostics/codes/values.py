@@ -232,12 +232,13 @@ VALUES = (
     ),
     Code(
         "mixed-units",
-        "the ends of a range have different units, and lie far apart",
+        "values of a range have different units, one of which is probably wrong",
         """
         The high end is at least eight times the low one, their units differ, and with one unit for both they would be a
         usual range: one in which the default, or the first value of the distribution, lies. Where there is neither, both
-        ends are 10 or more. Mostly `20cm` stands for `20mm`. Correct the unit. If the range is meant, write both ends in
-        the same unit.
+        ends are 10 or more. Mostly `20cm` stands for `20mm`. Or the default, in another unit than both ends, lies in the
+        outer tenth of the range, where the same number in their unit would lie in the range as well, as 37 cm would in
+        `3cm .. 45cm = 37mm`. Correct the unit. If the values are meant, write them in the same unit.
         """,
         """
         apg 1
