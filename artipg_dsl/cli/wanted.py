@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import UsageError, UserError, plural
@@ -43,6 +45,7 @@ def open_wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
 
     unchecked = getattr(options, "unchecked", False)
     if not place_of(options.program).is_dir():
+        _require_any(options.program)
         return open_job(read_request(options, checked=not unchecked))
     if options.set or options.seed is not None:
         raise UsageError(
@@ -69,6 +72,21 @@ def open_wanted(options: argparse.Namespace, *, every: bool = False) -> Job:
             f"there is no object {absent[0]} in {options.program}", f"its manifest lists {len(numbers)} objects"
         )
     return job.of(options.only)
+
+
+def _require_any(program: str) -> None:
+    """Raises UserError for a name that is neither that of a folder nor of a program, nor near one."""
+    from ..diagnostics.suggest import suggest
+    from ..session import categories
+
+    path, shipped = Path(program), [name.lower() for name in categories()]
+    if path.name != program or path.suffix or program == "-" or program.lower().replace("_", "") in shipped:
+        return
+    if not os.path.exists(path) and not os.path.exists(f"{program}.apg") and not suggest(program, categories()):
+        raise UserError(
+            f"there is neither a folder nor a category `{program}`",
+            "give a folder of samples, an .apg file, or a shipped category: apgc categories lists them",
+        )
 
 
 def tell_frame(job: Job, formats: Sequence[Format], asked: str | None) -> None:

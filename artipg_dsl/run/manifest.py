@@ -234,7 +234,7 @@ def _describe(record: Any, old: Mapping[str, Any], new: Mapping[str, Any]) -> st
 def describe_changes(titles: Mapping[str, str], old: Mapping[str, Any], new: Mapping[str, Any]) -> str:
     """Which of the entries that have ``titles`` differ, in words; nothing where none does."""
     return " and ".join(
-        f"{title} ({_short(old.get(key))}, now {_short(new.get(key))})"
+        f"{title} ({_short(key, old.get(key))}, now {_short(key, new.get(key))})"
         for key, title in titles.items()
         if _compared(key, old.get(key)) != _compared(key, new.get(key))
     )
@@ -247,6 +247,9 @@ def _compared(key: str, value: Any) -> Any:
     return value
 
 
-def _short(value: Any) -> str:
-    shown = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+def _short(key: str, value: Any) -> str:
+    if key == "numbers" and isinstance(value, list):
+        shown = ", ".join(f"{first}" if first == last else f"{first}..{last}" for first, last in value)
+    else:
+        shown = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
     return shown if len(shown) <= 40 else shown[:37] + "..."

@@ -40,6 +40,8 @@ def read_folder_manifest(folder: Place | str) -> Manifest:
     if manifest is None:
         if (place_of(folder) / SUMMARY).is_file():
             raise UserError(f"{folder} holds details", f"objects wear them: apgc mutate FITTED --details {folder}")
+        if not place_of(folder).exists():
+            raise UserError(f"there is no folder {folder}", manifests.WANTED)
         raise UserError(f"{folder} has no {manifests.NAME}", manifests.WANTED)
     return manifest
 

@@ -109,7 +109,7 @@ def read_setting(draw: Draw, value: Value, *, anywhere: bool = False) -> tuple[f
     outside = (low is not None and number < low - 1e-9) or (high is not None and number > high + 1e-9)
     if outside and not anywhere:
         raise SettingError(
-            f"`{draw.column.name}` cannot be {value}: it {_show_domain(draw)}",
+            f"`{draw.column.name}` cannot be {value}{'' if isinstance(value, str) else draw.unit}: it {_show_domain(draw)}",
             f"see {draw.where}; a program of your own may have another range (apgc new NAME --from CATEGORY)"
             if draw.where
             else None,

@@ -124,7 +124,7 @@ def test_other_ways_to_sample(apgc: Apgc, tmp_path: Path, how: list[str]) -> Non
     ("draws", "more", "words"),
     [
         ({"knbos": {"1": 1}}, [], "own.json:1:42: Chest draws no `knbos`"),
-        ({"width": [0.1, 0.5]}, [], "own.json:1:42: `width` cannot be 0.1: it lies in 30cm .. 60cm"),
+        ({"width": [0.1, 0.5]}, [], "own.json:1:42: `width` cannot be 0.1m: it lies in 30cm .. 60cm"),
         ({"width": "45cm .. 50cm"}, ["--set", "width=55cm"], "`width` cannot be 55cm: it lies in 45cm .. 50cm"),
         ({"wood": {"oak": 1}}, ["--set", "wood=pine"], "`wood` cannot be `pine`: its weight is 0"),
         ({"width": "30cm .. 31cm", "height": "39cm .. 40cm"}, [], "no Chest is left under"),

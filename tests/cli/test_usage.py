@@ -11,6 +11,8 @@ from textwrap import dedent
 
 import pytest
 
+from artipg_dsl.errors import UserError
+from artipg_dsl.loaders import Stored
 from artipg_dsl.run.manifest import make_relative
 from artipg_dsl.session import Session, categories
 
@@ -220,6 +222,14 @@ def test_a_program_that_is_not_there(apgc: Apgc, tmp_path: Path, monkeypatch: py
     ):
         assert told in apgc("check", name)[1]
     assert "bad.apgc: this is not a compiled program\n" in apgc("sample", "bad.apgc")[2]
+    for name, told in (
+        ("samples", "error: there is neither a folder nor a category `samples`\n"),
+        ("Chare", "there is no category `Chare`\n  = help: did you mean `Chair`?"),
+        ("stool", "did you mean `stool.apg`?"),
+    ):
+        assert told in apgc("render", name)[2]
+    with pytest.raises(UserError, match="there is no folder samples"):
+        Stored(["samples"], "segmentation")
 
 
 def test_a_folder_that_is_called_like_a_category(apgc: Apgc, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

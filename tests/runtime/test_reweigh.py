@@ -309,7 +309,7 @@ def test_objects_are_weighed_by_the_prior() -> None:
         ({"tone": 0.3}, "`tone` is 0.3, but it is one of dark, light, red in every object"),
         ({"tone": {"red": 1}}, "`red` is never drawn: its weight is 0 in the program"),
         ({"tone": {"red": "10%"}}, "`red` is never drawn"),
-        ({"width": [0.05, 0.2]}, "`width` cannot be 0.05: it lies in 10cm .. 30cm"),
+        ({"width": [0.05, 0.2]}, "`width` cannot be 0.05m: it lies in 10cm .. 30cm"),
         ({"width": "5cm .. 12cm"}, "`width` cannot be 5cm"),
         ({"width": "25cm .. 12cm"}, "the range 25cm .. 12cm is empty"),
         ({"width": "25 .. 28cm"}, "no unit"),
