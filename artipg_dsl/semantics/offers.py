@@ -37,7 +37,7 @@ def missing(name: str, here: Iterable[str], *kinds: str) -> str | None:
     near = did_you_mean(name, here)
     if near is None and (word := suggest(name, library)) is not None:
         near = f"did you mean `{word}`? bring it in: `use {library[word]} {{ {word} }}`"
-    if near is None and (alike := of_one_kind(name, library)):
+    if near is None and (alike := _of_one_kind(name, library)):
         near = f"did you mean {any_of(alike)}? bring it in, as in `use {library[alike[0]]} {{ {alike[0]} }}`"
     return near
 
@@ -49,7 +49,7 @@ def kin(name: str, known: Collection[str]) -> list[str]:
     return [word for word in known if word in told or name.lower() in word.split("_")][:_NEAR]
 
 
-def of_one_kind(name: str, known: Collection[str]) -> list[str]:
+def _of_one_kind(name: str, known: Collection[str]) -> list[str]:
     """The names that have the last word of ``name``, which says what it is: `steel` and `black_steel` for `brushed_steel`."""
     *others, last = name.lower().split("_")
     return [word for word in known if others and last in word.split("_")][:_NEAR]
@@ -58,7 +58,7 @@ def of_one_kind(name: str, known: Collection[str]) -> list[str]:
 def nearest(name: str, known: Collection[str]) -> list[str]:
     """The name that resembles ``name`` most; before it those of the same kind, if this has a name of its own: `rubber` for `black_rubber`,
     and `black_tube` after that. Else those of its kind."""
-    near, alike = suggest(name, known), of_one_kind(name, known)
+    near, alike = suggest(name, known), _of_one_kind(name, known)
     if near is None or near in alike:
         return alike if near is None else [near]
     return [*(alike if name.lower().split("_")[-1] in alike else []), near]

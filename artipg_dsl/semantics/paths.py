@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..diagnostics.suggest import any_of, did_you_mean
+from ..diagnostics.suggest import any_of, did_you_mean, suggest
 from ..language import DIRECTIONS, FACES, FUNCTIONS, WORDS
 from ..source import Span
 from ..syntax import ast
@@ -40,6 +40,9 @@ if TYPE_CHECKING:
     from .checker import Checker, Context
 
 
+_IN_LABEL = (
+    "in a formula on a surface `p` is the point, `n` the outward normal and `size` the size of what the label is on"
+)
 _NAMED = 3  # parts in a hint
 
 
@@ -112,6 +115,8 @@ def _unknown_name(ck: Checker, ctx: Context, word: str, span: Span) -> Type:
         or _within_repeat(ctx, word)
         or _within_role(ck, ctx, word)
         or " ".join(filter(None, (near, owned)))
+        or _near_in_repeat(ctx, word)
+        or (_IN_LABEL if {"p", "n"} <= ctx.extra.keys() else None)
         or foreign.NAMES.get(word)
         or (f"a unit directly follows its number: `1{word}`" if word in UNITS and _in_formula(span) else None)
         or _within_category(ck, ctx, word)
@@ -143,6 +148,14 @@ def _within_repeat(ctx: Context, word: str) -> str | None:
                 return f"`{word}` is the index of the repeat `{around[-1]}` and only exists inside it"
             return f"`{word}` is declared inside the repeat `{around[-1]}`: write `{'.'.join([*around, word])}`"
     return None
+
+
+def _near_in_repeat(ctx: Context, word: str) -> str | None:
+    """The nearest name that a repeat of this body declares."""
+    names = {name for scope in (ctx.scope.root.below() if ctx.scope is not None else ()) for name in scope.table}
+    near = suggest(word, names)
+    told = None if near is None else _within_repeat(ctx, near)
+    return None if told is None else f"did you mean `{near}`? {told}"
 
 
 def _within_role(ck: Checker, ctx: Context, word: str) -> str | None:

@@ -101,7 +101,7 @@ STATING = (
     ),
     Mistake(
         "`about` is missing",
-        "for example `turned 20deg about y`, `symmetry knob : any about z`",
+        "for example `turned 20deg about y`, `symmetry hub : turn 4 about z`, `symmetry knob : any about z`",
         (
             "part x : A turned 20deg\n",
             "symmetry a : any z",
