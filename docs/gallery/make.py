@@ -79,6 +79,7 @@ OTHERS: dict[str, tuple[str, tuple[int, ...], int, str, int, int]] = {
     "microwave-parts": ("Microwave", tuple(range(10)), 7, "part", 192, 5),
     "desk_lamp": (str(HERE / "desk_lamp.apg"), tuple(range(12)), 0, "material", 160, 6),
     "corkscrew": (str(HERE / "corkscrew.apg"), tuple(range(6)), 0, "material", 160, 6),
+    "cymbal_stand": (str(HERE / "cymbal_stand.apg"), tuple(range(6)), 0, "material", 160, 6),
     "arm_lamp": (str(HERE / "arm_lamp.apg"), tuple(range(6)), 0, "material", 160, 6),
     "scissor_jack": (str(HERE / "scissor_jack.apg"), tuple(range(6)), 0, "material", 160, 6),
     "venetian_blind": (str(HERE / "venetian_blind.apg"), tuple(range(6)), 0, "material", 160, 6),

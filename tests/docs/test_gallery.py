@@ -13,7 +13,9 @@ from artipg_dsl.session import Session
 GALLERY = Path(__file__).parents[2] / "docs" / "gallery"
 
 
-@pytest.mark.parametrize("name", ["arm_lamp", "corkscrew", "desk_lamp", "scissor_jack", "venetian_blind"])
+@pytest.mark.parametrize(
+    "name", ["arm_lamp", "corkscrew", "cymbal_stand", "desk_lamp", "scissor_jack", "venetian_blind"]
+)
 def test_a_worked_example(name: str) -> None:
     session = Session.of(str(GALLERY / f"{name}.apg"))
     session.advise()
