@@ -7,7 +7,7 @@ order.
     seen                 those objects, and where to say what they show
     excluded             counts and choices that requirements leave hardly any object
     joints, sizes        what joints follow, how far they move; grasps, places and sizes that have a wrong unit
-    places, meeting      parts that float or hide; links that meet, and axes that lie off what holds them
+    places, meeting      parts that float or hide; links that meet or leave one another, and axes off what holds them
     valid, labels        objects that are hardly ever valid; labels that move nothing
     checks               what makes the check of an object slow, or wrong
 """

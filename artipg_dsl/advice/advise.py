@@ -73,6 +73,7 @@ def _look_at_solids(seen: Seen) -> None:
     meeting.warn_driven(seen, solids, found)
     meeting.warn_flush(seen, solids, found)
     meeting.warn_far_axes(seen, solids)
+    meeting.warn_unguided(seen, solids)
     meeting.warn_loose_loops(seen, solids)
     valid.warn_never(seen, solids)
     labels.warn_unhandled(seen, tree)

@@ -1,4 +1,4 @@
-"""Links that meet, and axes that lie off what is to hold them."""
+"""Links that meet or leave one another, and axes that lie off what is to hold them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from ..runtime.tables import plain_name
 from ..validity.axes import find_far_axes, find_loose_loops
 from ..validity.floating import Solids
 from ..validity.flush import find_flush
+from ..validity.guides import find_unguided
 from ..validity.stuck import Stuck, find_driven, find_stuck
 from ..validity.validate import Collisions
 from .seen import Seen
@@ -75,6 +76,19 @@ def warn_far_axes(seen: Seen, solids: Solids) -> None:
             f"and `{axis.child}` reaches {100 * axis.reach:.3g} cm from it",
             hint=f"place it where the two meet: is it the right edge, as `{axis.child}.back.bottom` for "
             f"`{axis.child}.front.bottom`, and is `{axis.parent}` what holds it?",
+        )
+
+
+def warn_unguided(seen: Seen, solids: Solids) -> None:
+    """Report drawers that are pulled all the way out of what holds them."""
+    for drawer in find_unguided(solids.tree, solids.body):
+        joint = seen.batch.program.joints[drawer.joint]
+        seen.report.warning(
+            "unguided",
+            seen.line(joint.where) or seen.later(drawer.child),
+            f"`{joint.path}` takes `{drawer.child}` all the way out of `{drawer.parent}`, and {1000 * drawer.out:.3g} mm farther, "
+            "in every object examined that has both",
+            hint="shorten its range: the rear end of a drawer, an eighth of it or more, stays in its guides",
         )
 
 

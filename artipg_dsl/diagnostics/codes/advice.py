@@ -224,6 +224,31 @@ ADVICE = (
         """,
     ),
     Code(
+        "unguided",
+        "a drawer is pulled all the way out of what holds it",
+        """
+        In each of the few objects that `apgc check` draws, a link that is labelled `drawer` lies beside its parent link by
+        more than half of its length at rest, and not at all at an end of its range: it would fall. Shorten the range.
+        Caps and lids that are pulled or lifted off are not looked at.
+        """,
+        """
+        apg 1
+        use bodies { OpenBox }
+        use primitives { Cuboid }
+        use materials { oak }
+        use vocabularies { semantic }
+        category Nightstand {
+          param width : length in 30cm .. 50cm
+          root part body : OpenBox(size = [35cm, width, 20cm], wall = 12mm)
+          part drawer : Cuboid
+          joint pull : prismatic body -> drawer in body.inner gap 1mm along x range 0cm .. 40cm
+          material oak on body, drawer
+          label semantic.body on body
+          label semantic.drawer on drawer
+        }
+        """,
+    ),
+    Code(
         "far-off",
         "a keypoint or a grasp lies far off its link",
         """
