@@ -2,7 +2,8 @@
 
 What an object takes is measured while the run goes on: by how much the process has grown, at most, since a block of objects was begun.
 It is kept between runs (see ``cache``): without it a run begins with few objects, which take nearly as long as many. So is the time
-that an object takes, which tells whether other processes are worth their start.
+that an object takes, which tells whether other processes are worth their start. Few objects say more of what is done once, so only
+blocks of some size tell another run anything.
 The bytes of the files do not depend on it, since an object is the same whatever else is made with it.
 """
 
@@ -26,7 +27,7 @@ _MOST = 1 << 50
 _FIRST = 16  # objects, of which nothing is known yet
 _STEP = 8.0  # seconds after which a run tells how far it is: a block costs hundredths of that beside its objects
 _DOUBT = 2.0  # times what an object took in another run
-_TIMED = 32  # objects in a block that tells how long one takes: fewer say more of what is done once
+_TELLING = 32  # objects in a block that tells what one takes: fewer say more of what is done once
 _SHARD = 0.256  # of the memory is what a shard may hold: there are its arrays, the file, and what they are made of
 _STATM = Path("/proc/self/statm")
 
@@ -68,11 +69,13 @@ def most_processes(memory: int | None) -> int | None:
 @dataclass(slots=True)
 class Room:
     """The memory that one process may take, and what an object took of it in the last block, or, as the ``entry`` of the cache says,
-    in another run; and the ``seconds`` that an object took in the quickest block, and in another run."""
+    in another run; and the ``seconds`` that an object took in the quickest block, and in another run. ``told``: a block of some
+    size has told what an object takes; before that, what another run has found counts for more."""
 
     memory: int = USUAL
     entry: str = ""
     each: float = 0.0
+    told: bool = False
     seconds: float = 0.0
     known: tuple[float, float] | None = None
     begun: int = 0
@@ -82,7 +85,8 @@ class Room:
     def begin(self, left: int) -> int:
         """How many of the objects that are left are made next."""
         self.begun, self.most, self.clock = _resident(), _peak(), time.monotonic()
-        each, pace = self.each or _DOUBT * self._known()[0], self.pace()
+        known = _DOUBT * self._known()[0]
+        each, pace = self.each if self.told else known or self.each, self.pace()
         soon = max(_FIRST, int(_STEP / pace)) if pace else left
         return min(left, soon, max(1, int((self.memory - self.begun) / each)) if each else _FIRST)
 
@@ -90,8 +94,11 @@ class Room:
         """So many have been made."""
         most = _peak()
         bound = max(1.0, (most - self.begun) / made)  # exact where the process has never been as large
-        self.each = bound if most > self.most or not self.each else min(self.each, bound)
-        if made >= _TIMED:
+        tells = made >= _TELLING
+        if tells or not self.told:
+            fresh = most > self.most or tells > self.told or not self.each
+            self.each, self.told = bound if fresh else min(self.each, bound), tells
+        if tells:
             spent = (time.monotonic() - self.clock) / made
             self.seconds = min(spent, self.seconds) if self.seconds else spent
 
@@ -102,7 +109,7 @@ class Room:
     def keep(self) -> None:
         """Write what an object takes, where that is news."""
         known = self._known()
-        found = self.each or known[0], self.seconds or known[1]
+        found = self.each if self.told else known[0], self.seconds or known[1]
         if self.entry and any(
             new and not new / _DOUBT < old < new * _DOUBT for new, old in zip(found, known, strict=True)
         ):

@@ -94,24 +94,50 @@ def test_a_run_begins_with_as_many_as_another_has_found_room_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: bytes | None
 ) -> None:
     monkeypatch.setenv("APGC_CACHE", str(tmp_path / "kept"))
-    output, blocks = Output(("points",), Content(Sampling(16)), 40), []
+    output, blocks = Output(("points",), Content(Sampling(16)), 80), []
     plain = Room.begin
     monkeypatch.setattr(Room, "begin", lambda room, left: blocks.append(plain(room, left)) or blocks[-1])
     monkeypatch.setattr(memories, "_resident", lambda: 100 << 20)  # whatever the tests before have taken
     monkeypatch.setattr(memories, "_peak", lambda: 150 << 20)
-    write_dataset(job(40), tmp_path / "first", output)
-    assert blocks == [16, 24]
+    write_dataset(job(80), tmp_path / "first", output)
+    assert blocks == [16, 64]
     (entry,) = (tmp_path / "kept").glob("memory-*")
     if said is not None:
         cache.write(entry.name, said)
-    write_dataset(job(40), tmp_path / "second", output)
-    assert blocks[2:] == ([40] if said is None else [16, 24])
+    write_dataset(job(80), tmp_path / "second", output)
+    assert blocks[2:] == ([80] if said is None else [16, 64])
     assert tree(tmp_path / "first") == tree(tmp_path / "second")
     room = Room(300, entry.name)
     cache.write(entry.name, b"10 0.250000")
     monkeypatch.setattr(memories, "_resident", lambda: 100)
     assert plain(room, 1000) == 10  # half of what there would be room for: other objects may be larger
     assert room.pace() == 0.25
+
+
+def test_few_objects_say_nothing_of_what_one_takes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first ones pay for what is made once for a program: neither another run nor a known figure goes by them."""
+    monkeypatch.setenv("APGC_CACHE", str(tmp_path))
+    state = {"peak": 100}
+    monkeypatch.setattr(memories, "_resident", lambda: 100)
+    monkeypatch.setattr(memories, "_peak", lambda: state["peak"])
+
+    def run(*peaks: int, of: int) -> list[int]:
+        """The blocks of a run of so many objects, after each of which the process has been so large, and the next one."""
+        room, state["peak"] = Room(1100, "memory-" + 40 * "0"), 100
+        blocks = [room.begin(of)]
+        for peak in peaks:
+            state["peak"] = peak
+            room.end(blocks[-1])
+            blocks.append(room.begin(of))
+        room.keep()
+        return blocks
+
+    assert run(150, of=1) == [1, 1]
+    assert run(260, 1000, of=1000) == [16, 100, 111]  # 50 more once, and then 9 each
+    assert run(150, of=1) == [1, 1]
+    assert run(595, of=1000) == [55, 111], "half of what there would be room for"
+    assert run(900, of=20) == [20, 20]
+    assert run(of=1000) == [55], "what 100 objects have told holds"
 
 
 def test_the_time_that_an_object_takes_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
