@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..native.calls import address
 from ..records import dataclass
 from .collide import inset
 from .runs import runs
@@ -34,7 +35,7 @@ class Stock:
         """Addresses of corners, normals, offsets and of where they begin, as compiled code takes them."""
         arrays = self.points, self.point_start, self.normals, self.offsets, self.face_start
         assert all(a.flags.c_contiguous and a.itemsize == 8 for a in arrays)
-        one, two, three, four, five = (a.ctypes.data for a in arrays)
+        one, two, three, four, five = (address(a) for a in arrays)
         return one, two, three, four, five
 
     def sizes(self, pieces: np.ndarray) -> np.ndarray:

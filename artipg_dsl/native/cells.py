@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..records import dataclass
-from .calls import call
+from .calls import address, call
 from .narrow import Side, told
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ class _Pointers(ctypes.Structure):
 def _pointers(columns: Sequence[np.ndarray], *kinds: type) -> tuple[_Pointers, list[np.ndarray]]:
     """The addresses of some arrays, and these."""
     given: list[np.ndarray] = [np.ascontiguousarray(a, dtype=kind) for a, kind in zip(columns, kinds, strict=True)]
-    return _Pointers(*[array.ctypes.data for array in given]), given
+    return _Pointers(*[address(array) for array in given]), given
 
 
 def _axes(axes: Axes) -> tuple[_Pointers, list[np.ndarray]]:

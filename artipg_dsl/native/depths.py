@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .calls import call
+from .calls import address, call
 
 if TYPE_CHECKING:
     from .backend import Machine
@@ -52,6 +52,6 @@ def sides(
     behind: tuple[object, ...] = (None, None, 0)
     if others is not None:
         target = np.ascontiguousarray(others[1], dtype=np.int64)
-        behind = target, _Screens(*(array.ctypes.data for array in others[0])), others[0][3].shape[-1]
+        behind = target, _Screens(*(address(array) for array in others[0])), others[0][3].shape[-1]
     call(machine.library.depth_sides, count, n, *clouds, len(frames), frames, across, *room, *behind, seen)
     return seen

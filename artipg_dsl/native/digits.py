@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import backend
-from .calls import call
+from .calls import address, call
 
 _WIDTH = 24  # more than a number takes
 _LINE = ord("\n")
@@ -70,7 +70,7 @@ def _printed(values: np.ndarray, form: str, marks: tuple[str, ...]) -> bytes | N
     rows, columns = values.shape
     out = np.empty(rows * (len(row.text) + _WIDTH * columns), dtype=np.uint8)
     length = machine.print_rows(
-        rows, columns, row.form, row.digits, values.ctypes.data, row.text, row.ends.ctypes.data, out.ctypes.data
+        rows, columns, row.form, row.digits, address(values), row.text, address(row.ends), address(out)
     )
     return None if length < 0 else out[:length].tobytes()
 
@@ -114,10 +114,10 @@ def print_records(columns: Sequence[Words | Numbers], marks: Sequence[str]) -> t
             values = np.ascontiguousarray(values, dtype=np.int64 if form == _WHOLE else np.float64)
             width = values[0].size if rows else 1
             room += rows * ((_WIDTH + 1) * width + 2)
-        own[:3], held = (form, width, values.ctypes.data), [*held, values]
+        own[:3], held = (form, width, address(values)), [*held, values]
         if absent is not None:
             held.append(np.ascontiguousarray(absent, dtype=np.bool_))
-            own[3] = held[-1].ctypes.data
+            own[3] = address(held[-1])
     between = [mark.encode() for mark in marks]
     out, done = np.empty(room + rows * sum(map(len, between)), dtype=np.uint8), np.empty(rows, dtype=np.int64)
     ends, word_ends = (np.cumsum([0, *map(len, texts)]) for texts in (between, words))

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..records import dataclass
 from . import loops
-from .calls import call
+from .calls import address, call
 
 if TYPE_CHECKING:
     from .backend import Machine
@@ -86,14 +86,14 @@ def over_edges(
     order, turn = np.argsort(over.owner, kind="stable"), np.argsort(them.owner, kind="stable")
     begin, first = (np.cumsum([0, *np.bincount(column, minlength=count)]) for column in (over.owner, them.owner))
     columns = [*objects[:4], begin, order, first, turn]
-    told = _Standing(*(column.ctypes.data for column in columns), them.values.shape[1], objects[5].ctypes.data)
+    told = _Standing(*(address(column) for column in columns), them.values.shape[1], address(objects[5]))
     where = (np.ascontiguousarray(column) for column in edges)
     call(
         machine.library.over_edges,
         len(edges[0]),
         *where,
         told,
-        _Overlaps(*(o.ctypes.data for o in own[1:])),
+        _Overlaps(*(address(o) for o in own[1:])),
         *numbers,
         *found,
     )

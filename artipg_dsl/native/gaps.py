@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .calls import address
+
 if TYPE_CHECKING:
     from .backend import Machine
 
@@ -20,7 +22,7 @@ Places = tuple[int, int, int, int, int]
 def deepest(machine: Machine, places: Places, pieces: np.ndarray, ways: np.ndarray) -> tuple[float, int]:
     """How far the hull of pieces (n,) reaches where it does most, and the nearest face there, counted over them."""
     depth, pieces = ctypes.c_double(), np.ascontiguousarray(pieces)
-    face = machine.deepest(*places, len(ways), ways.ctypes.data, pieces.ctypes.data, len(pieces), ctypes.byref(depth))
+    face = machine.deepest(*places, len(ways), address(ways), address(pieces), len(pieces), ctypes.byref(depth))
     return depth.value, face
 
 
@@ -39,9 +41,9 @@ def cluster(
     pieces, unit, name = (np.ascontiguousarray(column) for column in (pieces, unit, name))
     count = len(pieces)
     room, found = np.empty(6 * count + 1, dtype=np.int64), np.empty(count, dtype=np.int64)
-    units = count, unit.ctypes.data, name.ctypes.data, len(sectors), sectors.ctypes.data
-    given = (*places, len(ways), ways.ctypes.data, tolerance, pieces.ctypes.data)
-    machine.cluster(*given, *units, room.ctypes.data, found.ctypes.data)
+    units = count, address(unit), address(name), len(sectors), address(sectors)
+    given = (*places, len(ways), address(ways), tolerance, address(pieces))
+    machine.cluster(*given, *units, address(room), address(found))
     return found
 
 
@@ -57,6 +59,6 @@ def chain(
     """Which cluster (k,) each part is of: parts one after the other, put together as long as the hull of all reaches no farther."""
     pieces, begin, end = (np.ascontiguousarray(column) for column in (pieces, begin, end))
     found, row = np.empty(len(begin), dtype=np.int64), np.empty(int((end - begin).sum()), dtype=np.int64)
-    parts = pieces.ctypes.data, len(begin), begin.ctypes.data, end.ctypes.data
-    machine.chain(*places, len(ways), ways.ctypes.data, tolerance, *parts, row.ctypes.data, found.ctypes.data)
+    parts = address(pieces), len(begin), address(begin), address(end)
+    machine.chain(*places, len(ways), address(ways), tolerance, *parts, address(row), address(found))
     return found

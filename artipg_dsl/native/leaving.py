@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .calls import call
+from .calls import address, call
 
 if TYPE_CHECKING:
     from .backend import Machine
@@ -49,9 +49,9 @@ def free(
     held = [*triangles, *picture, point, place]  # until the call is over
     if not all(array.flags.c_contiguous for array in held):
         raise TypeError("compiled code takes arrays row by row")
-    some = _Triangles(*(array.ctypes.data for array in triangles), triangles[0].shape[1])
-    seen = _Picture(*(array.ctypes.data for array in picture), picture[0].shape[1], objects, wide)
-    told = _Rays(point.ctypes.data, place.ctypes.data, None if own is None else own.ctypes.data, m)
+    some = _Triangles(*(address(array) for array in triangles), triangles[0].shape[1])
+    seen = _Picture(*(address(array) for array in picture), picture[0].shape[1], objects, wide)
+    told = _Rays(address(point), address(place), None if own is None else address(own), m)
     call(machine.library.leave, some, seen, told, there, edge, begin, order, out)
     return out
 

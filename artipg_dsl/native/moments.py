@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import loops
-from .calls import call, integers
+from .calls import address, call, integers
 
 if TYPE_CHECKING:
     from .backend import Machine
@@ -31,7 +31,7 @@ def add_moments(
     count, many = len(rows), len(weight)
     arrays = [np.asarray(term, dtype=np.float64) for term in terms]
     strides = integers(12)(*[step for array in arrays for step in _strides(array)])
-    places = integers(6)(*[array.ctypes.data for array in arrays])
+    places = integers(6)(*[address(array) for array in arrays])
     add, data = loops.loop(np.add, _ADD)
     weight, rows = np.ascontiguousarray(weight), np.ascontiguousarray(rows, dtype=np.int64)
     middle = np.ascontiguousarray(middle)

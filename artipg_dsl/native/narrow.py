@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..records import dataclass
-from .calls import call
+from .calls import address, call
 
 if TYPE_CHECKING:
     from .backend import Machine
@@ -69,7 +69,7 @@ def told(side: Side) -> tuple[_Side, list[np.ndarray]]:
     """A side by the addresses of its arrays, and these arrays."""
     corners = [np.ascontiguousarray(array, dtype=np.float64) for array in side.corners]
     many = np.array([array.shape[1] for array in corners], dtype=np.int64)
-    start = np.array([array.ctypes.data for array in corners], dtype=np.int64)
+    start = np.array([address(array) for array in corners], dtype=np.int64)
     count = many[side.kind]
     place = start[side.kind] + side.slot * (24 * count)
     ends = (None, None) if side.ends is None else side.ends
@@ -79,5 +79,5 @@ def told(side: Side) -> tuple[_Side, list[np.ndarray]]:
     ]
     pose = None if side.pose is None else np.ascontiguousarray(side.pose, dtype=np.int64)
     every = [place, count, pose, *columns]
-    found = _Side(*[None if array is None else array.ctypes.data for array in every])
+    found = _Side(*[None if array is None else address(array) for array in every])
     return found, [*corners, *(array for array in every if array is not None)]

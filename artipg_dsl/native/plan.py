@@ -14,7 +14,7 @@ import numpy as np
 
 from ..records import dataclass
 from . import loops
-from .calls import call
+from .calls import address, call
 
 if TYPE_CHECKING:
     from .backend import Machine
@@ -133,11 +133,11 @@ def make_plan(machine: Machine, tape: Tape, sizes: Sequence[int], along: Sequenc
         len(code.constants),
         steps,
         outputs,
-        *(a.ctypes.data for a in arrays),
+        *(address(a) for a in arrays),
         _CODES["ne"],
         _CODES["number"],
         _CODES["same"],
-        *(a.ctypes.data for a in found),
+        *(address(a) for a in found),
     )
     wrong = call(machine.library.lay_out, request)
     if wrong == 1:
@@ -149,8 +149,8 @@ def make_plan(machine: Machine, tape: Tape, sizes: Sequence[int], along: Sequenc
     arrays_made = tuple([Made(*one) for one in made[: count[0]].tolist()])
     spare = int(head[2 + EVERY])
     block = max(LEAST, min(MOST, _CACHE // (8 * max(1, spare + len(arrays_made))) // 64 * 64))
-    first_op, first_reg, first_number = (a.ctypes.data for a in held[1:])
-    places = head.ctypes.data, first_op, first_reg, first_number
+    first_op, first_reg, first_number = (address(a) for a in held[1:])
+    places = address(head), first_op, first_reg, first_number
     return Plan(*held, int(head[0]), block, arrays_made, tuple(results), bool(count[2]), places)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .calls import call
+from .calls import address, call
 
 if TYPE_CHECKING:
     from .backend import Machine
@@ -89,7 +89,7 @@ def near_flat(
     room = int(count.sum())
     pair, point = np.empty((2, room), dtype=np.int64)
     local = np.empty((3, room))
-    told = _Pairs(quad.ctypes.data, *(end.ctypes.data for end in ends), planar.ctypes.data)
+    told = _Pairs(address(quad), *(address(end) for end in ends), address(planar))
     runs = (np.ascontiguousarray(array, dtype=np.int64) for array in (asked, start, count))
     found = call(machine.library.near_flat, len(asked), *runs, *candidates, len(planar), told, room, pair, point, local)
     return pair[:found], point[:found], local[:, :found]
@@ -110,7 +110,7 @@ def near_loose(
     room = int(count.sum())
     other, point = np.empty((2, room), dtype=np.int64)
     local = np.empty((3, room))
-    told = _Rows(*(array.ctypes.data for array in (*poses, *boxes)))
+    told = _Rows(*(address(array) for array in (*poses, *boxes)))
     runs = [np.ascontiguousarray(array, dtype=np.int64) for array in (asked, start, count, others)]
     sizes = (place.shape[1], place, len(poses[2]), told, room)
     found = call(machine.library.near_loose, len(asked), *runs, *sizes, other, point, local)
@@ -140,8 +140,8 @@ def keep(
     """
     numbers = [np.ascontiguousarray(array, dtype=np.int64) for array in (*pools, count)]
     bent = [np.ascontiguousarray(array) for array in loose]
-    cells = _Surfaces(*(array.ctypes.data for array in surfaces))
-    others, into = (kind(*(array.ctypes.data for array in arrays)) for kind, arrays in ((_Bent, bent), (_Places, out)))
+    cells = _Surfaces(*(address(array) for array in surfaces))
+    others, into = (kind(*(address(array) for array in arrays)) for kind, arrays in ((_Bent, bent), (_Places, out)))
     each, size = numbers.pop(), surfaces[0].shape[1]
     given = (*candidates, begin, each, size, flat, cells, len(bent[0]), others, place, into)
     call(machine.library.keep_points, len(numbers[0]), *numbers, *given)
@@ -158,9 +158,9 @@ def in_frames(
     """Of vectors (m, 3) those ``at`` (n,), each in the frame of its ``row`` (n,): the coordinates along ``axes``, (n,) each.
     Frames by turns (9, R), which carry them to the object, shifts (3, R), mirrors (R,) and centres (3, R), which are taken off there."""
     out = [np.empty(len(at)) for _ in axes]  # small ones, for which there is memory at hand
-    places = np.array([array.ctypes.data for array in out], dtype=np.int64)
+    places = np.array([address(array) for array in out], dtype=np.int64)
     arrays = [None if array is None else np.ascontiguousarray(array, dtype=np.float64) for array in frames]
-    told = _Frames(*(None if array is None else array.ctypes.data for array in arrays))
+    told = _Frames(*(None if array is None else address(array) for array in arrays))
     where = (np.ascontiguousarray(array, dtype=np.int64) for array in (at, row))
     chosen = np.array(axes, dtype=np.int64)
     given = np.ascontiguousarray(vectors, dtype=np.float64)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..records import dataclass
-from .calls import call
+from .calls import address, call
 from .narrow import Side, told
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def near_in_states(
     asked, pieces = np.ascontiguousarray(asked, dtype=np.bool_), len(scene.low)
     boxes, seen = np.empty(6 * pieces + 12 * links), np.empty(2 * links, dtype=integer)
     rows, room = np.empty(pieces, dtype=integer), _ROOM
-    held = _Scene(*[array.ctypes.data for array in given])
+    held = _Scene(*[address(array) for array in given])
     while True:
         found = np.empty((room, 3), dtype=integer)
         places = (states, links, asked.shape[1], turn, shift, held)

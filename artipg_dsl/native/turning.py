@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..records import dataclass
-from .calls import call
+from .calls import address, call
 from .narrow import Side, told
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def near_pieces(
         np.ascontiguousarray(getattr(scene, name), dtype=np.int64 if name in ("begin", "end") else np.float64)
         for name in Scene.__slots__
     ]
-    held, room = _Scene(*[column.ctypes.data for column in columns]), _ROOM * len(low)
+    held, room = _Scene(*[address(column) for column in columns]), _ROOM * len(low)
     while True:
         found = np.empty((2, room), dtype=np.int64)
         given = (first, stop, low, high, moved, chain.shape[1], chain, held, room)
@@ -94,7 +94,7 @@ def examine(
     columns = (turns.axis, turns.origin, *angles, turns.advance, turns.gap, turns.low, turns.high)
     given = [None if column is None else np.ascontiguousarray(column, dtype=np.float64) for column in columns]
     given += [np.ascontiguousarray(column, dtype=np.int64) for column in (turns.piece, turns.other)]
-    all_of = _Turns(*[None if array is None else array.ctypes.data for array in given])
+    all_of = _Turns(*[None if array is None else address(array) for array in given])
     (one, held), (two, more) = (told(side) for side in (moved, still))
     call(machine.library.examine, len(hit), one, two, all_of, float(near), steps, hit, apart)
     del held, more  # were to live until here
