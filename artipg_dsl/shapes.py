@@ -46,6 +46,20 @@ class Misfit(ValueError):
         self.at, self.expected, self.found = at, expected, found
 
 
+class _Wrong(Exception):
+    """A misfit on its way out of the data: ``steps``, such as ``.name`` and ``[2]``, lead to it, the innermost first. Only where something
+    is wrong is a place put together: to write the places of data that is right takes longer than to look at it."""
+
+    def __init__(self, expected: str, found: str):
+        super().__init__()
+        self.expected, self.found = expected, found
+        self.steps: list[str] = []
+
+    def at(self, place: str) -> str:
+        inner = "".join(reversed(self.steps))
+        return place + inner if place else inner.removeprefix(".")
+
+
 _WORDS: dict[Any, str] = {
     bool: "true or false",
     int: "a whole number",
@@ -60,20 +74,23 @@ NAMED: dict[type, str] = {}
 """Words for classes of one's own, which are taken as they are."""
 
 
-Fitter = Callable[[Any, str], None]
-"""Raises Misfit where a value, at a place, is not of a structure."""
+Fitter = Callable[[Any], None]
+"""Raises _Wrong where a value is not of a structure."""
 
 
 def fit(value: Any, kind: Any, at: str = "") -> None:
     """Raises Misfit where ``value`` is not of the structure ``kind``."""
-    _fitter(kind)(value, at)
+    try:
+        _fitter(kind)(value)
+    except _Wrong as wrong:
+        raise Misfit(wrong.at(at), wrong.expected, wrong.found) from None
 
 
 def _fitter(kind: Any) -> Fitter:
     """What tells whether values are of a structure: an annotation takes longer to read than most values."""
     origin = get_origin(kind)
     if kind is Any:
-        return lambda value, at: None
+        return lambda value: None
     if origin is Annotated:
         return _ruled(*get_args(kind))
     if origin in (Required, NotRequired):
@@ -89,34 +106,40 @@ def _fitter(kind: Any) -> Fitter:
         one = origin is list or inner[-1:] == (Ellipsis,)
         return _sequence(origin, _fitter(inner[0])) if one else _row(list(map(_fitter, inner)))
     if is_typeddict(kind):
-        return lambda value, at: _keys(value, kind, at)
+        return lambda value: _keys(value, kind)
     if kind is None or kind is NoneType:
         return _nothing
     return _number if kind is float else _plain(kind)
 
 
-def _nothing(value: Any, at: str) -> None:
+def _nothing(value: Any) -> None:
     if value is not None:
-        raise Misfit(at, "nothing", show_value(value))
+        raise _Wrong("nothing", show_value(value))
 
 
-def _number(value: Any, at: str) -> None:
+def _number(value: Any) -> None:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise Misfit(at, "a number", show_value(value))
+        raise _Wrong("a number", show_value(value))
     if not abs(value) <= 1e300:
-        raise Misfit(at, "a finite number", show_value(value))
+        raise _Wrong("a finite number", show_value(value))
 
 
 def _plain(kind: Any) -> Fitter:
     whole, text = kind is int, kind is str
 
-    def fitter(value: Any, at: str) -> None:
+    def fitter(value: Any) -> None:
         if not isinstance(value, kind) or whole and isinstance(value, bool):
-            raise Misfit(at, _describe_shape(kind), show_value(value))
-        if text and not _text(value):
-            raise Misfit(at, "text", show_value(value))
+            raise _Wrong(_describe_shape(kind), show_value(value))
+        if text:
+            if not _text(value):
+                raise _Wrong("text", show_value(value))
+            return
         for name, inner in _record(value.__class__):
-            inner(getattr(value, name), f"{at}.{name}" if at else name)
+            try:
+                inner(getattr(value, name))
+            except _Wrong as wrong:
+                wrong.steps.append(f".{name}")
+                raise
 
     return fitter
 
@@ -132,9 +155,9 @@ def _record(kind: type) -> tuple[tuple[str, Fitter], ...]:
 def _literal(kind: Any) -> Fitter:
     options = get_args(kind)
 
-    def fitter(value: Any, at: str) -> None:
-        if not any(value == option and type(value) is type(option) for option in options):
-            raise Misfit(at, _describe_shape(kind), show_value(value))
+    def fitter(value: Any) -> None:
+        if not any([value == option and type(value) is type(option) for option in options]):
+            raise _Wrong(_describe_shape(kind), show_value(value))
 
     return fitter
 
@@ -142,16 +165,16 @@ def _literal(kind: Any) -> Fitter:
 def _ruled(plain: Any, *notes: Any) -> Fitter:
     inner, rules = _fitter(plain), [note for note in notes if isinstance(note, Rule)]
 
-    def fitter(value: Any, at: str) -> None:
+    def fitter(value: Any) -> None:
         try:
-            inner(value, at)
-        except Misfit:
+            inner(value)
+        except _Wrong:
             if rules and not _within(value, plain):
-                raise Misfit(at, rules[0].words, show_value(value)) from None
+                raise _Wrong(rules[0].words, show_value(value)) from None
             raise
         for rule in rules:
             if not rule.holds(value):
-                raise Misfit(at, rule.words, show_value(value))
+                raise _Wrong(rule.words, show_value(value))
 
     return fitter
 
@@ -173,70 +196,83 @@ def _one_of(options: tuple[Any, ...]) -> Fitter:
     fitters = list(map(_fitter, options))
     likely = dict(zip(options, fitters, strict=True))  # what a value of just this class is first taken for
 
-    def fitter(value: Any, at: str) -> None:
-        inside: Misfit | None = None
+    def fitter(value: Any) -> None:
+        inside: _Wrong | None = None
         first = likely.get(type(value))
         for one in fitters if first is None else (first, *fitters):
             try:
-                one(value, at)
+                one(value)
                 return
-            except Misfit as wrong:
-                if wrong.at != at:
+            except _Wrong as wrong:
+                if wrong.steps:
                     inside = wrong
-        raise inside or Misfit(at, " or ".join(dict.fromkeys(map(_describe_shape, options))), show_value(value))
+        raise inside or _Wrong(" or ".join(dict.fromkeys(map(_describe_shape, options))), show_value(value))
 
     return fitter
 
 
 def _mapping(key: Fitter, item: Fitter) -> Fitter:
-    def fitter(value: Any, at: str) -> None:
+    def fitter(value: Any) -> None:
         if not isinstance(value, dict):
-            raise Misfit(at, _describe_shape(dict), show_value(value))
+            raise _Wrong(_describe_shape(dict), show_value(value))
         for name, one in value.items():
-            key(name, at)
-            item(one, f"{at}.{name}" if at else str(name))
+            key(name)
+            try:
+                item(one)
+            except _Wrong as wrong:
+                wrong.steps.append(f".{name}")
+                raise
 
     return fitter
 
 
 def _sequence(kind: Any, inner: Fitter) -> Fitter:
-    def fitter(value: Any, at: str) -> None:
+    def fitter(value: Any) -> None:
         if not isinstance(value, kind):
-            raise Misfit(at, _describe_shape(kind), show_value(value))
+            raise _Wrong(_describe_shape(kind), show_value(value))
         for place, one in enumerate(value):
-            inner(one, f"{at}[{place}]")
+            try:
+                inner(one)
+            except _Wrong as wrong:
+                wrong.steps.append(f"[{place}]")
+                raise
 
     return fitter
 
 
 def _row(inner: list[Fitter]) -> Fitter:
-    def fitter(value: Any, at: str) -> None:
+    def fitter(value: Any) -> None:
         if not isinstance(value, tuple):
-            raise Misfit(at, _describe_shape(tuple), show_value(value))
+            raise _Wrong(_describe_shape(tuple), show_value(value))
         if len(value) != len(inner):
-            raise Misfit(at, f"a list of {len(inner)}", f"a list of {len(value)}")
+            raise _Wrong(f"a list of {len(inner)}", f"a list of {len(value)}")
         for place, (one, of) in enumerate(zip(value, inner, strict=True)):
-            of(one, f"{at}[{place}]")
+            try:
+                of(one)
+            except _Wrong as wrong:
+                wrong.steps.append(f"[{place}]")
+                raise
 
     return fitter
 
 
-def _keys(value: Any, kind: Any, at: str) -> None:
+def _keys(value: Any, kind: Any) -> None:
     if not isinstance(value, dict):
-        raise Misfit(at, "an object", show_value(value))
+        raise _Wrong("an object", show_value(value))
     known = hints(kind)
     for name, inner in known.items():
-        place = f"{at}.{name}" if at else name
-        if name in value:
-            fit(value[name], inner, place)
-        elif get_origin(inner) is not NotRequired:
-            raise Misfit(place, _describe_shape(inner), "nothing")
+        try:
+            if name in value:
+                _fitter(inner)(value[name])
+            elif get_origin(inner) is not NotRequired:
+                raise _Wrong(_describe_shape(inner), "nothing")
+        except _Wrong as wrong:
+            wrong.steps.append(f".{name}")
+            raise
     for name in value:
         if name not in known:
             close = did_you_mean(str(name), known)
-            raise Misfit(
-                at, "no such key" if close is None else f"another key ({close})", f"the key {show_value(name)}"
-            )
+            raise _Wrong("no such key" if close is None else f"another key ({close})", f"the key {show_value(name)}")
 
 
 @cache

@@ -59,24 +59,26 @@ class Reader:
         self.columns: list[Column] = []
         self.exprs: list[Expr] = []
         self.named: dict[str, Expr] = {}  # the same as they are written: %0, %1
-        self.texts: dict[str, str] = {}  # by what they are written as; most of them stand there again and again
+        self.atoms: dict[str, Any] = {}  # by what they are written as; most of them stand there again and again
         self.known: dict[str, list[Any]] = {"%": self.exprs, "@": self.scopes, "$": self.columns}
         self.items: list[tuple[int, Any, int]] = []  # line, record, its number among those of its kind
         self.words: list[str] = []
         self.at = 0
 
     def next(self) -> str:
-        if self.at >= len(self.words):
-            raise NodeFault("the line ends too early")
-        word = self.words[self.at]
+        try:
+            word = self.words[self.at]
+        except IndexError:
+            raise NodeFault("the line ends too early") from None
         self.at += 1
         return word
 
     def ends(self, mark: str) -> bool:
         """Whether the next word is ``mark``, which is then read."""
-        if self.at >= len(self.words):
-            raise NodeFault(f"the line ends before {mark}")
-        found = self.words[self.at] == mark
+        try:
+            found = self.words[self.at] == mark
+        except IndexError:
+            raise NodeFault(f"the line ends before {mark}") from None
         self.at += found
         return found
 
@@ -87,20 +89,21 @@ class Reader:
 
     def value(self, depth: int = 0) -> Any:
         word = self.next()
-        known = self.named.get(word)
+        known = self.named.get(word) or self.atoms.get(word)  # an expression is never false
         if known is not None:
             return known
         if word != "[":
             return self.record(depth + 1) if word == "(" else self.atom(word)
         if depth >= _DEEPEST:
             raise NodeFault("the line is nested too deeply")
-        words, named = self.words, self.named
+        words, named, atoms = self.words, self.named, self.atoms
         items: list[Any] = []
         while not self.ends("]"):
-            known = named.get(words[self.at])
+            word = words[self.at]
+            known = named.get(word) or atoms.get(word)
             if known is None:
                 items.append(self.value(depth + 1))
-            else:  # an expression, as most items are
+            else:  # as nearly all items are
                 items.append(known)
                 self.at += 1
         return tuple(items)
@@ -146,8 +149,13 @@ class Reader:
                 return
 
     def atom(self, word: str) -> Any:
-        if word in self.texts:
-            return self.texts[word]
+        """What a word says that is read for the first time, and again where it says nothing."""
+        if word == "none":
+            return None
+        found = self.atoms[word] = self._atom(word)
+        return found
+
+    def _atom(self, word: str) -> Any:
         if _REFERENCE.fullmatch(word):
             among, number = self.known[word[0]], int(word[1:])
             if number >= len(among):
@@ -159,10 +167,9 @@ class Reader:
                 text.encode()
             except (ValueError, UnicodeEncodeError):
                 raise NodeFault(f"{word[:40]} is not text") from None
-            self.texts[word] = text
             return text
-        if word in ("none", "true", "false"):
-            return {"none": None, "true": True, "false": False}[word]
+        if word in ("true", "false"):
+            return word == "true"
         try:
             return int(word) if _WHOLE.fullmatch(word) else float(word)
         except ValueError:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from functools import cache
 from typing import Any
@@ -391,6 +391,9 @@ _FORMULAS = {  # fields that hold formulas, or that stand in other tables than t
 }
 
 
+_SEVERAL = (tuple, list)
+
+
 @cache
 def _fields(kind: type) -> tuple[str, ...]:
     """What the records of a class hold; nothing for what is no record of a program, or only tells where something is."""
@@ -401,26 +404,39 @@ def _fields(kind: type) -> tuple[str, ...]:
 
 def _cells(value: Any, kind: type | None = None) -> list[Expr]:
     """The expressions of an item that have values in its rows."""
+    found: list[Expr] = []
+    _add_cells(value, found, _FORMULAS.get(kind, ()) if kind else ())
+    return found
+
+
+def _add_cells(value: Any, found: list[Expr], others: Container[str] = ()) -> None:
+    """Add those of a value, without its fields ``others``."""
     if isinstance(value, Expr):
-        return [value]
-    if isinstance(value, tuple | list):
-        return [cell for one in value for cell in _cells(one)]
-    others = _FORMULAS.get(kind, ()) if kind else ()
-    return [cell for name in _fields(value.__class__) if name not in others for cell in _cells(getattr(value, name))]
+        found.append(value)
+    elif type(value) in _SEVERAL:
+        for one in value:
+            _add_cells(one, found)
+    else:
+        for name in _fields(value.__class__):
+            if name not in others:
+                _add_cells(getattr(value, name), found)
 
 
-def _conditions(value: Any) -> Iterator[tuple[str, Expr]]:
+def _conditions(value: Any) -> list[tuple[str, Expr]]:
     """The expressions of an item, and of the records in it, which must be true or false, with the names of their fields."""
+    found: list[tuple[str, Expr]] = []
     for name in _fields(value.__class__):
-        yield from _conditions_in(name, getattr(value, name))
+        found += _conditions_in(name, getattr(value, name))
+    return found
 
 
-def _conditions_in(name: str, held: Any) -> Iterator[tuple[str, Expr]]:
+def _conditions_in(name: str, held: Any) -> list[tuple[str, Expr]]:
     """The same of a field of this name."""
-    if name in _CONDITIONS:
-        yield from ((name, cell) for cell in _cells(held))
-    for one in held if isinstance(held, tuple | list) else ():
-        yield from _conditions(one)
+    found = [(name, cell) for cell in _cells(held)] if name in _CONDITIONS else []
+    if type(held) in _SEVERAL:
+        for one in held:
+            found += _conditions(one)
+    return found
 
 
 def _records(reference: Reference) -> Iterator[Under | Elsewhere | Onward]:
