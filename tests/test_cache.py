@@ -16,6 +16,7 @@ from artipg_dsl.geometry.patches import surfaces
 from artipg_dsl.geometry.trial import variants
 from artipg_dsl.graph.program import Program
 from artipg_dsl.graph.writing import digest, to_text
+from artipg_dsl.resources import categories_dir
 from artipg_dsl.sampling.sample import Sampler
 from artipg_dsl.session import Session
 from artipg_dsl.syntax import ast, trees
@@ -409,12 +410,35 @@ def test_what_surfaces_are_like_is_kept_and_verified(kept, monkeypatch):
         monkeypatch.setenv("APGC_CACHE", place)
 
 
+def loaded_by(arguments: list[str], held: set[str]) -> str:
+    """Which of some modules a process of ``apgc`` has loaded at its end."""
+    code = "import sys; from artipg_dsl.cli.main import main; main(sys.argv[1:]);"
+    code += f" print(sorted({held} & set(sys.modules)))"
+    env = {**os.environ, "PYTHONPATH": str(Path(cache.__file__).parents[1])}
+    done = subprocess.run([sys.executable, "-c", code, *arguments], env=env, capture_output=True, text=True, check=True)
+    return done.stdout.splitlines()[-1]
+
+
 def test_a_kept_program_is_sampled_without_what_it_does_not_need(kept, stool):
-    code = "import sys; from artipg_dsl.cli.main import main; main(sys.argv[1:]); print(sorted({held} & set(sys.modules)))".format(
-        held={"lark", "multiprocessing", "numpy.random", "trimesh", "jinja2", "artipg_dsl.semantics"}
-    )
+    held = {
+        "lark",
+        "multiprocessing",
+        "numpy.random",
+        "trimesh",
+        "jinja2",
+        "artipg_dsl.semantics",
+        "numpy.ma",
+        "numpy.char",
+    }
     for out in ("first", "second"):
-        command = [sys.executable, "-c", code, "sample", str(stool), "-n", "1", "-o", str(stool.parent / out)]
-        env = {**os.environ, "PYTHONPATH": str(Path(cache.__file__).parents[1])}
-        done = subprocess.run(command, env=env, capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == "[]"
+        found = loaded_by(["sample", str(stool), "-n", "1", "-o", str(stool.parent / out)], held)
+    assert found == "[]"
+
+
+def test_a_category_is_checked_without_what_that_does_not_need(kept, tmp_path):
+    """A microwave, whose buttons are looked at, with one number changed once its library is kept."""
+    edited, text = tmp_path / "microwave.apg", (categories_dir() / "microwave.apg").read_text()
+    for width in ("41cm", "42cm"):
+        edited.write_text(text.replace("in 40cm ..", f"in {width} .."))
+        found = loaded_by(["check", str(edited)], {"lark", "multiprocessing", "numpy.ma", "numpy.char", "scipy"})
+    assert found == "[]"

@@ -21,6 +21,7 @@ from ..annotate.points import field_name, select_holding
 from ..annotate.states import joint_twist, open_values
 from ..geometry.points import sample_counts
 from ..geometry.pointset import PointSet, Pools
+from ..geometry.runs import distinct
 from ..graph.expr import TRUE
 from ..graph.program import Draw, Label
 from ..records import dataclass
@@ -93,7 +94,7 @@ def draw_further(sampler: Sampler, batch: Batch) -> Batch:
 def _having(batch: Batch, draws: Sequence[int]) -> dict[int, np.ndarray]:
     """The objects that have each of some draws, and are as they are asked to be."""
     good = ~batch.state.failed
-    owners = {number: np.unique(batch.owner(batch.program.draws[number].column.scope)) for number in draws}
+    owners = {number: distinct(batch.owner(batch.program.draws[number].column.scope)) for number in draws}
     return {number: own[good[own]] for number, own in owners.items()}
 
 
@@ -109,7 +110,7 @@ def _try(
     for most in (_FEW, _MANY):
         left = {n: own[:most] for n, own in having.items() if len(own) > (0 if most == _FEW else _FEW)}
         left = {number: objects for number, objects in left.items() if not told[number].alive}
-        there = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *left.values()]))
+        there = distinct(np.concatenate([np.zeros(0, dtype=np.int64), *left.values()]))
         before = np.zeros(len(batch), dtype=np.uint64)
         if len(there):
             before[there] = fingerprint_objects(evaluate_again(batch, there))
@@ -271,7 +272,7 @@ def find_dead_grasps(batch: Batch) -> list[Dead]:
         own = np.isin(grasps.family, families)
         if own.any() and not made[own].any():
             worst = REASONS[int(np.bincount(rest[own]).argmax())]
-            objects = len(np.unique(grasps.owner[own]))
+            objects = len(distinct(grasps.owner[own]))
             found.append(Dead(name, where, f"is a grasp that no hand makes: {_HINDERS[worst]} ({objects} objects)"))
     return found
 
@@ -284,7 +285,7 @@ def look_across(batch: Batch) -> dict[tuple[tuple[str, str], int], np.ndarray]:
     found: dict[tuple[tuple[str, str], int], list[np.ndarray]] = {}
     for label, joint, out, speed in _moved_out(batch, labels):
         own = joints.definition[joint]
-        for definition in np.unique(own).tolist():
+        for definition in distinct(own).tolist():
             across = np.abs(out) > _ACROSS * speed
             found.setdefault((_statement(label), definition), []).append(across[own == definition])
     return {key: np.concatenate(across) for key, across in found.items()}
@@ -300,7 +301,7 @@ def find_lifting(batch: Batch, labels: Sequence[Label]) -> Iterator[tuple[Label,
     for label, joint, out, speed in _moved_out(batch, labels):
         free = np.where(out < 0.0, open_up[joint], open_down[joint])
         across, own = np.abs(out) > _ACROSS * speed, joints.definition[joint]
-        for definition in np.unique(own[across]).tolist():
+        for definition in distinct(own[across]).tolist():
             key = _statement(label), definition
             gives.setdefault(key, []).append(free[across & (own == definition)])
             known.setdefault(key, label)
@@ -342,7 +343,7 @@ def _take(
     """For each choice and an option of it that it is given: the fingerprints of some objects, and which of them are valid and have the
     choice."""
     scopes = {number: batch.program.draws[number].column.scope for number, _ in taken}
-    numbers = {k: batch.numbers[np.unique(batch.owner(scope))[:_FEW]] for k, scope in scopes.items()}
+    numbers = {k: batch.numbers[distinct(batch.owner(scope))[:_FEW]] for k, scope in scopes.items()}
     questions = [Question({number: float(option)}, numbers[number]) for number, option in taken]
     for answers in ask(sampler.program, sampler.plan, batch.seed, batch.state.given, questions, _TOGETHER):
         progress(answers.first, len(taken))

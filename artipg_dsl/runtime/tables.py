@@ -160,16 +160,13 @@ class Rowmap:
 
     def names(self, scope: Scope, path: str) -> list[str]:
         """The path with the ranks of its repeats: ``pad.row[1].key[0].cap``, one per row."""
-        pieces: list[np.ndarray | str] = [path]
+        head = shape = path
+        ranks: list[list[int]] = []
         for name, rank in reversed(self.ranks(scope)):
-            head = str(pieces[0])
             if head == name or head.startswith(name + "."):
-                marks = np.char.add(np.char.add("[", rank.astype(str)), "]")
-                pieces[0:1] = [name, marks, head[len(name) :]]
-        text: np.ndarray | str = ""
-        for piece in pieces:
-            text = np.char.add(text, piece)
-        return np.broadcast_to(np.asarray(text), (self.rows(scope).size,)).tolist()
+                head, shape = name, f"{name}[%d]{shape[len(name) :]}"
+                ranks.insert(0, rank.tolist())
+        return [shape % row for row in zip(*ranks, strict=True)] if ranks else [shape] * self.rows(scope).size
 
 
 @dataclass(slots=True, eq=False)
