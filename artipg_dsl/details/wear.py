@@ -31,6 +31,7 @@ _SEEN = 0.012  # diagonals: farther from what was seen of its element a place wa
 _BEFORE = 0.06  # diagonals: so far from it what was seen of others may lie before it
 _LOOSE = 1.5  # times the square root of their share
 _ON_MAP = 0.35  # the same on a map
+_THIN = 0.25  # of the least side of a primitive of another kind: offsets reach no farther into it, nor out of it, which would be barbs
 _MOST = 4.0  # times: offsets grow no further; they shrink as far as their primitive does
 
 
@@ -248,7 +249,10 @@ def _found(
     offset[worn], facing[worn] = details.offset[bound[worn]], details.facing[bound[worn]]
     if len(other) and len(details):
         offset, facing = _mapped(wardrobe, other, turns, here, bound, offset, facing)
-    return here, offset * np.minimum(scale, _MOST) * strength, facing, bound
+    offset = offset * np.minimum(scale, _MOST)
+    if len(other):
+        offset[other] = _no_longer(offset[other], _THIN * boxes.size[points.element[other]].min(axis=1))
+    return here, offset * strength, facing, bound
 
 
 def _scales(normal: np.ndarray, speed: np.ndarray, before: np.ndarray, size: np.ndarray, old: np.ndarray) -> np.ndarray:
@@ -278,6 +282,12 @@ def _mapped(
         way = _times(back, theirs.out_of(vectors[other]))
         vectors[other] = mine.into(turn_along(way, normal, mine.normal))
     return offset, facing
+
+
+def _no_longer(vectors: np.ndarray, most: np.ndarray) -> np.ndarray:
+    """Vectors (m, 3) that are at ``most`` (m,) long: longer ones are shortened."""
+    length = np.sqrt(dot(vectors, vectors))
+    return vectors * (most / np.maximum(np.maximum(length, most), 1e-12))[:, None]
 
 
 def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:

@@ -11,7 +11,8 @@ from artipg_dsl.details.elements import Solids, elements_of
 from artipg_dsl.details.maps import Boxes, find_turns, on_map, turn_along
 from artipg_dsl.details.record import DIRECT, Details
 from artipg_dsl.details.suits import Suits, own_suits
-from artipg_dsl.details.wear import Wardrobe, wear
+from artipg_dsl.details.wear import Wardrobe, Worn, wear
+from artipg_dsl.geometry.pointset import PointSet
 from artipg_dsl.geometry.vectors import dot
 
 from .raised import RAISED, surface
@@ -128,30 +129,41 @@ def test_long_boxes_correspond_by_length_others_by_direction() -> None:
     assert np.array_equal(turn, np.diag([-1.0, -1.0, 1.0])), "long ones keep their direction, too"
 
 
-def test_offsets_are_mirrored_where_axes_are() -> None:
-    """An upright bar lends to a lying one of another kind: z and y are exchanged, which is a mirror."""
-    sizes = {
-        "Upright": "Cuboid(size = [2cm, 3cm, 10cm])",
-        "Lying": "RoundedCuboid(size = [2cm, 10cm, 3cm], radius = 1mm)",
-    }
-    text = "apg 1\nuse primitives { Cuboid, RoundedCuboid }\ncategory Bars { root part bar : Bar = Upright | Lying }\n"
+def lent(giver: str, taker: str, way: np.ndarray) -> tuple[PointSet, PointSet, Worn]:
+    """Points of the one of two bars, all of which lie off their structure by ``way``, and points of the other that wear it."""
+    text = "apg 1\nuse primitives { Cuboid, RoundedCuboid }\ncategory Bars { root part bar : Bar = Giver | Taker }\n"
     text += "role Bar { slot grip }\n" + "".join(
-        f"template {name} : Bar {{ part grip : {size} }}\n" for name, size in sizes.items()
+        f"template {name} : Bar {{ part grip : {made} }}\n" for name, made in (("Giver", giver), ("Taker", taker))
     )
-    upright, lying = (apg.load(text, n=1, set={"bar": name}).batch for name in sizes)
-    solids, way = Solids.of(upright.sites()), np.array([0.0, 0.001, 0.002])
-    found = surface(upright, 2000, 3)
-    elements, own = elements_of(upright), np.zeros(2000, dtype=np.int64)
+    one, other = (apg.load(text, n=1, set={"bar": name}).batch for name in ("Giver", "Taker"))
+    solids, found = Solids.of(one.sites()), surface(one, 2000, 3)
+    elements, own = elements_of(one), np.zeros(2000, dtype=np.int64)
     columns = own, *(getattr(found, name)[0] for name in ("patch", "u", "v"))
     offset = solids.frames(elements, *columns).into(np.tile(way, (2000, 1)))
     facing = np.tile([1.0, 0.0, 0.0], (2000, 1))
     details = Details(elements, *columns, offset, facing, own, own + DIRECT, ("one",), (), np.array([0.1]))
-    points = surface(lying, 500, 5)
-    worn = wear(lying, points, np.arange(1), Wardrobe(details, solids), Suits(elements_of(lying), np.zeros(1, int)))
+    points, suits = surface(other, 500, 5), Suits(elements_of(other), np.zeros(1, int))
+    return found, points, wear(other, points, np.arange(1), Wardrobe(details, solids), suits)
+
+
+def test_offsets_are_mirrored_where_axes_are() -> None:
+    """An upright bar lends to a lying one of another kind: z and y are exchanged, which is a mirror."""
+    way = np.array([0.0, 0.001, 0.002])
+    upright, lying = "Cuboid(size = [2cm, 3cm, 10cm])", "RoundedCuboid(size = [2cm, 10cm, 3cm], radius = 1mm)"
+    found, points, worn = lent(upright, lying, way)
     moved = (worn.position - points.position)[0]
     flat = (worn.bound[0] >= 0) & (np.abs(points.normal[0]).max(axis=1) > 0.999)
     alike = flat & (found.normal[0][worn.bound[0]] == np.round(points.normal[0][:, [0, 2, 1]])).all(axis=1)
     assert alike.sum() > 300 and np.allclose(moved[alike], way[[0, 2, 1]], atol=2e-5)
+
+
+@pytest.mark.parametrize(("size", "reach"), [(20, 0.005), (10, 0.0025)])
+def test_offsets_are_no_barbs_on_a_primitive_of_another_kind(size: int, reach: float) -> None:
+    """A leg whose foot stands out by 2 cm lends to one of another kind: it moves by no more than a quarter of its thickness."""
+    thin = f"RoundedCuboid(size = [{size}mm, {size}mm, 40cm], radius = 1mm)"
+    _, points, worn = lent("Cuboid(size = [2cm, 2cm, 40cm])", thin, np.array([0.02, 0.0, 0.0]))
+    moved = np.linalg.norm((worn.position - points.position)[0][worn.bound[0] >= 0], axis=1)
+    assert len(moved) > 400 and np.allclose(moved, reach)
 
 
 def test_the_inside_of_a_tub_faces_its_middle() -> None:
