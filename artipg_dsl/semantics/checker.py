@@ -22,7 +22,7 @@ from .presence import excludes
 from .remedies import instead, usual_unit, with_likely_units
 from .scope import BodyScope, Entry, Guards, build_scope, interface
 from .symbols import ModuleScope, Symbol
-from .types import NONE, UNKNOWN, ScalarType, Type, VecType, fits
+from .types import LENGTH_DIM, NONE, POINT, UNKNOWN, ScalarType, Type, VecType, fits
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,8 +199,8 @@ class Checker:
         self, ctx: Context, expr: ast.Expr, wanted: Type, what: str, beside: Iterable[ast.Expr | None] = ()
     ) -> Type:
         """Infers, and reports where the type does not fit; ``what`` names the thing ("the margin"), ``beside`` what has its unit."""
-        if isinstance(expr, ast.VectorExpr) and isinstance(wanted, VecType):
-            ctx = ctx.but(component=wanted.dimension)
+        if isinstance(expr, ast.VectorExpr) and (wanted == POINT or isinstance(wanted, VecType)):
+            ctx = ctx.but(component=wanted.dimension if isinstance(wanted, VecType) else LENGTH_DIM)
         given = self.infer(ctx, expr)
         if not fits(given, wanted):
             self.mismatch(expr, given, wanted, what, beside)
