@@ -229,34 +229,32 @@ def _compare(ck: Checker, ctx: Context, expr: ast.BinaryExpr) -> Type:
     same = left == right == BOOL or left == right == STRING or _asks_material(ck, expr, left, right)
     if expr.op in ("==", "!=") and (same or isinstance(left, ChoiceType) and isinstance(right, ChoiceType)):
         return BOOL
-    hint = None
-    axis = next(
-        (e.name for e in (expr.left, expr.right) if isinstance(e, ast.NameExpr) and e.name in ("x", "y", "z")), None
-    )
-    option = next(
-        (
-            e.name
-            for e, other in ((expr.left, right), (expr.right, left))
-            if isinstance(e, ast.NameExpr) and isinstance(other, ChoiceType) and e.name in other.values
-        ),
-        None,
-    )
-    if expr.op not in ("==", "!=") and (isinstance(left, ChoiceType) or isinstance(right, ChoiceType)):
-        hint = "the options of a choice have no order: compare them by `==` or `!=`"
-    elif option is not None:
-        hint = f"`{option}` is declared here, so it is not the option of that name: rename what is declared"
-    elif isinstance(left, StyleType) and isinstance(right, StyleType):
-        hint = f"to test what a style is, write `{expr.left.span.words} is {expr.right.span.words}`"
-    elif isinstance(left, PartType) or isinstance(right, PartType):
-        hint = "to test what a part is, write `part is Template`"
-    elif STRING in (left, right) and (isinstance(left, ChoiceType) or isinstance(right, ChoiceType)):
-        hint = "the options of a choice are written without quotes"
-    elif any(isinstance(a, VecType) and isinstance(b, ScalarType) for a, b in ((left, right), (right, left))):
-        hint = "compare a component of the vector, such as `size.x`"
-    elif axis is not None:
-        hint = f"`{axis}` is a direction; the coordinate of a point p is `p.{axis}`"
+    hint = _hint_of_comparison(expr, left, right)
     ck.error("wrong-type", expr.span, f"`{expr.op}` cannot compare {left} and {right}", hint=hint)
     return BOOL
+
+
+def _hint_of_comparison(expr: ast.BinaryExpr, left: Type, right: Type) -> str | None:
+    """What to write where two types cannot be compared, if that can be guessed."""
+    sides = ((expr.left, right), (expr.right, left))  # each with the type of the other
+    choices = isinstance(left, ChoiceType) or isinstance(right, ChoiceType)
+    if expr.op not in ("==", "!=") and choices:
+        return "the options of a choice have no order: compare them by `==` or `!=`"
+    for side, other in sides:
+        if isinstance(side, ast.NameExpr) and isinstance(other, ChoiceType) and side.name in other.values:
+            return f"`{side.name}` is declared here, so it is not the option of that name: rename what is declared"
+    if isinstance(left, StyleType) and isinstance(right, StyleType):
+        return f"to test what a style is, write `{expr.left.span.words} is {expr.right.span.words}`"
+    if isinstance(left, PartType) or isinstance(right, PartType):
+        return "to test what a part is, write `part is Template`"
+    if STRING in (left, right) and choices:
+        return "the options of a choice are written without quotes"
+    if any(isinstance(a, VecType) and isinstance(b, ScalarType) for a, b in ((left, right), (right, left))):
+        return "compare a component of the vector, such as `size.x`"
+    for side, _ in sides:
+        if isinstance(side, ast.NameExpr) and side.name in ("x", "y", "z"):
+            return f"`{side.name}` is a direction; the coordinate of a point p is `p.{side.name}`"
+    return None
 
 
 def _asks_material(ck: Checker, expr: ast.BinaryExpr, left: Type, right: Type) -> bool:

@@ -94,21 +94,28 @@ def legalize(links: Links, env: Env) -> None:
         elif needed:
             asked.setdefault(_Asked.of(quantity, context, intervals, defined), []).append(quantity)
     for one, several in asked.items():
-        condition = E.all_of(E.either(E.negate(quantity.guard), within(quantity)) for quantity in several)
-        if condition is not E.TRUE:
-            if one.operation is None and (endless := _find_endless(several, context, intervals, defined)) is not None:
-                context.endless[len(program.requirements)] = endless
-            place, text = one.where, several[0].name
-            if several[0].legal.remedy and several[0].place is None and one.operation is None:
-                context.remedies[len(program.requirements)] = several[0].legal.remedy
-            if one.operation is not None:
-                span = context.operations[one.operation]
-                place, text = where(span), span.words
-                context.undefined[len(program.requirements)] = span, PARTIAL[one.operation.op]
-            elif (on := several[0].place) is not None:
-                text = on.span.words
-                context.undefined[len(program.requirements)] = on.span, on.why
-            program.requirements.append(Requirement(one.scope, condition, E.TRUE, one.message, place, text=text))
+        _require(context, one, several, intervals, defined)
+
+
+def _require(context: Draft, one: _Asked, several: list[Quantity], intervals: Sharp, defined: Defined) -> None:
+    """Make a requirement of what is asked of several quantities alike, and note what to say where it fails."""
+    condition = E.all_of(E.either(E.negate(quantity.guard), within(quantity)) for quantity in several)
+    if condition is E.TRUE:
+        return
+    number, first = len(context.program.requirements), several[0]
+    if one.operation is None and (endless := _find_endless(several, context, intervals, defined)) is not None:
+        context.endless[number] = endless
+    place, text = one.where, first.name
+    if first.legal.remedy and first.place is None and one.operation is None:
+        context.remedies[number] = first.legal.remedy
+    if one.operation is not None:
+        span = context.operations[one.operation]
+        place, text = where(span), span.words
+        context.undefined[number] = span, PARTIAL[one.operation.op]
+    elif (on := first.place) is not None:
+        text = on.span.words
+        context.undefined[number] = on.span, on.why
+    context.program.requirements.append(Requirement(one.scope, condition, E.TRUE, one.message, place, text=text))
 
 
 @dataclass(frozen=True, slots=True)
