@@ -22,6 +22,8 @@ from .states import tables
 from .words import unlike, words_of_rows
 
 FARTHEST = 0.08  # diagonals: what lies farther off counts as lying so far, and what is another thing by its label
+_SHOWN = 0.02  # diagonals: the same of the points of a candidate, if its cloud is a scan, as they may lie in a hole
+_SCAN = 2.5e-3  # diagonals: a cloud with more noise than this is a scan
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,6 +56,11 @@ class Targets:
     @property
     def size(self) -> np.ndarray:
         return self.high - self.low
+
+    @property
+    def scanned(self) -> np.ndarray:
+        """(T,) bool: whether their noise is that of scans, which have holes."""
+        return self.noise > _SCAN
 
     @property
     def jointed(self) -> bool:
@@ -163,7 +170,8 @@ def compare(
     to_cloud = gaps(position, found, back, targets.apart[target[:, None], here], diagonal)
     agree = dot(outward, facing), dot(points.normal, back)
     others = unlike(word[every, there], theirs), unlike(word, theirs[every, here])
-    own = np.where(hidden, 0.0, _off(to_cloud, others[1])).sum(axis=1)
+    most = np.where(targets.scanned[target], _SHOWN, FARTHEST)[:, None]
+    own = np.where(hidden, 0.0, _off(to_cloud, others[1], most)).sum(axis=1)
     own /= np.maximum((~hidden).sum(axis=1), 1)
     score = 0.5 * (_off(to_surface, others[0]).mean(axis=1) + own)
     sites = tables(batch)
@@ -179,9 +187,9 @@ def words_of(batch: Batch, points: PointSet, meant: np.ndarray) -> np.ndarray:
     return np.asarray(words_of_rows(batch, meant)[starts(tables(batch))[points.site] + points.row])
 
 
-def _off(gap: Gaps, unlike: np.ndarray) -> np.ndarray:
-    """What gaps count, in diagonals."""
-    return np.where(unlike, FARTHEST, np.minimum(np.abs(gap.value), FARTHEST))
+def _off(gap: Gaps, unlike: np.ndarray, most: np.ndarray | float = FARTHEST) -> np.ndarray:
+    """What gaps count, in diagonals: so much at ``most``."""
+    return np.where(unlike, FARTHEST, np.minimum(np.abs(gap.value), most))
 
 
 def _least(off: np.ndarray, left_out: np.ndarray, share: float) -> np.ndarray:

@@ -44,6 +44,19 @@ def test_most_of_an_object_is_near_however_far_the_rest_is(model: Model, samples
     assert (rest.within(0.75) < 0.3 * rest.score).all() and (rest.within(0.75) < 0.3 * rest.within(0.95)).all()
 
 
+def test_what_a_scan_does_not_show_counts_for_little(model: Model, samples: apg.Samples) -> None:
+    """A cloud without what is in front: the true object is half as far off if the cloud is a scan."""
+    batch = model.assembled([(samples.batch, np.arange(N))])
+    clean = clouds(samples).targets.first(1024)
+    behind = np.argsort(clean.points[:, :, 0], axis=1)[:, :700][:, np.arange(1024) % 700]
+    every = np.arange(N)[:, None]
+    columns = {name: getattr(clean, name)[every, behind] for name in ("points", "normals", "word", "link")}
+    holed = replace(clean, **columns, noise=np.zeros(N))
+    scan = replace(holed, noise=np.full(N, 4e-3))
+    whole, hole, shown = (compare(batch, np.arange(N), still(N), own, 512).score for own in (clean, holed, scan))
+    assert (hole > whole + 0.004).all() and (shown < 0.5 * hole).all()
+
+
 def test_rows_that_stand_still_are_left_out(model: Model, samples: apg.Samples) -> None:
     batch = model.assembled([(samples.batch, np.arange(N))])
     now = compare(batch, np.arange(N), still(N), clouds(samples).targets.first(256), 200)
