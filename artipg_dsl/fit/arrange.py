@@ -4,7 +4,7 @@ A count is seldom right on its own. With three rows instead of one, everything i
 right in every row. But elements stand beside one another, so each can be judged by the points near it. This is done in four steps:
 
 1. ``_rooms``: the box that a row of elements has, and the axis along which they follow one another.
-2. ``_ways``: every way to divide that box where the cloud has planes across it.
+2. ``_ways``: every way to divide that box where the cloud has planes across it; for scans, also into equal parts.
 3. ``_drawn`` and ``_costs``: copies in all these ways with random contents, and how likely the cloud makes each element of each copy.
 4. ``_assembled``: for each way, the likeliest element between the same two planes; of all ways, the likeliest.
 
@@ -198,7 +198,8 @@ def _ways(own: Targets, found: Candidates, one: Repeat, places: Places, rooms: _
     """All the ways in which planes of the clouds can divide the rooms, as far as the weights allow; if there are no weights, each number of
     equal elements."""
     ratio = _range_of_weights(found.batch, one)
-    ends, many = _parted(own, found, places, rooms) if one.weight >= 0 else _equal(int(places.most.max(initial=1)))
+    most = int(places.most.max(initial=1))
+    ends, many = _divided(own, found, places, rooms, most) if one.weight >= 0 else _equal(most)
     room = np.diff(np.where(np.isfinite(ends), ends, np.nan), axis=2)
     with np.errstate(invalid="ignore"):
         least, most = (f(room, axis=2, initial=end) for f, end in ((np.fmin.reduce, np.inf), (np.fmax.reduce, 0.0)))
@@ -227,6 +228,25 @@ def _equal(most: int) -> tuple[np.ndarray, np.ndarray]:
     """The ends (1, most, most + 1) of 1 to ``most`` equal elements, inf beyond the last one; and how many elements these are (most,)."""
     many, rank = np.arange(1, most + 1), np.arange(most + 1)
     return np.where(rank <= many[:, None], rank / many[:, None], np.inf)[None], many
+
+
+def _divided(
+    own: Targets, found: Candidates, places: Places, rooms: _Rooms, most: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """The ends (n, W, P + 2) of elements that share n rooms by their weights, inf beyond the last one, and how many elements these are (W,):
+    where the clouds have planes, and in scans, whose noise hides these, also in up to ``most`` equal parts. A room that cannot be divided so
+    has an end that is nan."""
+    ends, many = _parted(own, found, places, rooms)
+    scanned = own.scanned[found.target[places.owner]]
+    if not scanned.any():
+        return ends, many
+    equal, count = _equal(min(most, _PLANES + 1))
+    beyond = np.full((len(count), ends.shape[2] - equal.shape[2]), np.inf)
+    equal = np.where(scanned[:, None, None], np.concatenate([equal[0], beyond], axis=1), np.nan)
+    one, rest = slice(1), slice(1, None)  # one element is the first way of both
+    return np.concatenate([ends[:, one], equal[:, rest], ends[:, rest]], axis=1), np.concatenate(
+        [many[one], count[rest], many[rest]]
+    )
 
 
 def _parted(own: Targets, found: Candidates, places: Places, rooms: _Rooms) -> tuple[np.ndarray, np.ndarray]:

@@ -161,6 +161,27 @@ def test_a_room_is_divided_at_all_choices_of_its_planes() -> None:
         assert [len(one) - 1 for one in found] == many[there].tolist()
 
 
+def test_a_room_is_divided_into_equal_parts_as_well_where_a_scan_hides_its_planes() -> None:
+    planes = np.full((3, arrange._PLANES), np.nan)
+    planes[:, 0] = 0.4
+    own, found, places = mock.Mock(), mock.Mock(), mock.Mock()
+    own.scanned, found.target, places.owner = np.array([True, False]), np.array([1, 0]), np.array([0, 1, 1])
+    with mock.patch.object(arrange, "_planes", return_value=planes):
+        ends, many = arrange._divided(own, found, places, mock.Mock(), 4)
+        own.scanned = np.zeros(2, dtype=bool)
+        clean, few = arrange._divided(own, found, places, mock.Mock(), 4)
+
+    def ways(ends: np.ndarray, many: np.ndarray, row: int) -> list[list[float]]:
+        there = np.flatnonzero(~np.isnan(ends[row]).any(axis=1))
+        assert (np.isfinite(ends[row, there]).sum(axis=1) == many[there] + 1).all()
+        return [ends[row, k][np.isfinite(ends[row, k])].tolist() for k in there]
+
+    equal = [[k / n for k in range(n + 1)] for n in (2, 3, 4)]
+    whole, parted = [0.0, 1.0], [0.0, 0.4, 1.0]
+    assert ways(ends, many, 0) == ways(clean, few, 0) == [whole, parted]
+    assert ways(ends, many, 1) == ways(ends, many, 2) == [whole, *equal, parted]
+
+
 def test_medians_are_those_of_each_group() -> None:
     values, of = np.random.default_rng(2).normal(size=(40, 3)), np.arange(40) % 7 // 2 * 2  # none of 1, 3 and 5
     found = arrange._medians(values, of, 7, np.inf)
